@@ -1,0 +1,1 @@
+//! Loads BRDF plugins and checks them.

@@ -1,0 +1,1 @@
+//! A safe Rust layer for authors of BRDF plugins.

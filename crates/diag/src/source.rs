@@ -1,0 +1,111 @@
+//! Texts, the places in them, and how they came to be read.
+
+use std::sync::Arc;
+
+/// Names one text in a [`SourceMap`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SourceId(u32);
+
+/// A half-open range of bytes in one text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Span {
+    /// The text.
+    pub source: SourceId,
+    /// The first byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// The smallest span that holds both, or `self` where they are in different texts.
+    #[must_use]
+    pub fn to(self, other: Span) -> Span {
+        if self.source != other.source {
+            return self;
+        }
+        Span { source: self.source, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// Where a span begins, for people.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+}
+
+#[derive(Debug)]
+struct Source {
+    name: String,
+    text: Arc<[u8]>,
+    included_at: Option<Span>,
+}
+
+/// All the texts that were read.
+#[derive(Debug, Default)]
+pub struct SourceMap {
+    sources: Vec<Source>,
+}
+
+impl SourceMap {
+    /// Adds a text. `included_at` is the place that asked for it: a `!xform` line, a function file's name, and so on.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<[u8]>>, included_at: Option<Span>) -> SourceId {
+        let id = SourceId(u32::try_from(self.sources.len()).expect("fewer than 2^32 files are read"));
+        self.sources.push(Source { name: name.into(), text: text.into(), included_at });
+        id
+    }
+
+    /// A span of bytes `start..end` of `source`. Offsets past 4 GiB are clamped.
+    #[must_use]
+    pub fn span(&self, source: SourceId, start: usize, end: usize) -> Span {
+        let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
+        Span { source, start: clamp(start), end: clamp(end.max(start)) }
+    }
+
+    /// The name under which the text was added.
+    #[must_use]
+    pub fn name(&self, source: SourceId) -> &str {
+        &self.sources[source.0 as usize].name
+    }
+
+    /// The bytes of the text.
+    #[must_use]
+    pub fn text(&self, source: SourceId) -> &Arc<[u8]> {
+        &self.sources[source.0 as usize].text
+    }
+
+    /// The place that asked for the text.
+    #[must_use]
+    pub fn included_at(&self, source: SourceId) -> Option<Span> {
+        self.sources[source.0 as usize].included_at
+    }
+
+    /// Replaces the bytes kept for a text, to save memory once it was parsed. Spans into it then print without their line.
+    pub fn forget_text(&mut self, source: SourceId) {
+        self.sources[source.0 as usize].text = Arc::from(&b""[..]);
+    }
+
+    /// Line and column where the span begins.
+    #[must_use]
+    pub fn position(&self, span: Span) -> Position {
+        let text = self.text(span.source);
+        let start = (span.start as usize).min(text.len());
+        let line_start = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        let line = 1 + text[..start].iter().filter(|&&byte| byte == b'\n').count();
+        let column = 1 + String::from_utf8_lossy(&text[line_start..start]).chars().count();
+        Position { line: u32::try_from(line).unwrap_or(u32::MAX), column: u32::try_from(column).unwrap_or(u32::MAX) }
+    }
+
+    /// The whole line in which the span begins, without its end, and the byte at which it starts.
+    #[must_use]
+    pub fn line(&self, span: Span) -> (String, usize) {
+        let text = self.text(span.source);
+        let start = (span.start as usize).min(text.len());
+        let first = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        let last = text[first..].iter().position(|&byte| byte == b'\n').map_or(text.len(), |at| first + at);
+        (String::from_utf8_lossy(&text[first..last]).trim_end_matches('\r').to_owned(), first)
+    }
+}

@@ -1,0 +1,2 @@
+//! The scene as radsight understands it, and its validation.
+#![forbid(unsafe_code)]

@@ -1,0 +1,146 @@
+//! The trait through which every library of radsight reads files and runs commands.
+//!
+//! Libraries do no input of their own: they ask a [`Loader`], so that a test, a fuzz target or another program decides what
+//! a name means. [`MemoryLoader`] serves names from memory; the program has one that searches the disk as Radiance does.
+//!
+//! ```
+//! use radsight_loader::{FileKind, Loader, MemoryLoader};
+//! let loader = MemoryLoader::default().with("sky.cal", "skybright = 1;");
+//! assert_eq!(loader.load("sky.cal", FileKind::Function).unwrap().bytes, b"skybright = 1;");
+//! assert!(loader.load("nosuch.cal", FileKind::Function).is_err());
+//! ```
+#![forbid(unsafe_code)]
+
+use std::collections::BTreeMap;
+
+/// What a file is wanted for; a loader may search different places, and name the kind in an error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FileKind {
+    /// Scene text (`.rad`).
+    Scene,
+    /// Function definitions (`.cal`).
+    Function,
+    /// Numbers on a grid (`.dat`).
+    Data,
+    /// A picture (`.hdr`, `.pic`).
+    Picture,
+    /// A polygonal font (`.fnt`).
+    Font,
+    /// Text for `colortext` and its like.
+    Text,
+    /// A mesh (`.rtm`, `.obj`).
+    Mesh,
+    /// An octree (`.oct`).
+    Octree,
+    /// A BSDF description (`.xml`).
+    Bsdf,
+    /// Any other file that a command names.
+    Other,
+}
+
+/// A file's bytes and the path under which they were found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Loaded {
+    /// For messages; not to be opened again.
+    pub path: String,
+    /// The whole content.
+    pub bytes: Vec<u8>,
+}
+
+/// Why a file or a command's output could not be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// No such file in any place that is searched.
+    #[error("cannot find {kind} \"{name}\"{searched}")]
+    NotFound {
+        /// The name asked for.
+        name: String,
+        /// In words.
+        kind: &'static str,
+        /// Empty, or ` in …`.
+        searched: String,
+    },
+    /// The file is there but cannot be read.
+    #[error("cannot read \"{path}\": {reason}")]
+    Unreadable {
+        /// Where it was found.
+        path: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// External commands are not allowed.
+    #[error("refused to run \"{command}\": a scene file is input, not a program")]
+    CommandRefused {
+        /// The command line.
+        command: String,
+    },
+    /// An allowed external command failed.
+    #[error("command \"{command}\" failed: {reason}")]
+    CommandFailed {
+        /// The command line.
+        command: String,
+        /// Exit status or message.
+        reason: String,
+    },
+}
+
+impl FileKind {
+    /// In words, for messages.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            FileKind::Scene => "scene file",
+            FileKind::Function => "function file",
+            FileKind::Data => "data file",
+            FileKind::Picture => "picture",
+            FileKind::Font => "font",
+            FileKind::Text => "text file",
+            FileKind::Mesh => "mesh",
+            FileKind::Octree => "octree",
+            FileKind::Bsdf => "BSDF file",
+            FileKind::Other => "file",
+        }
+    }
+}
+
+/// Where names become bytes.
+pub trait Loader: Sync {
+    /// The whole file that `name` means.
+    ///
+    /// # Errors
+    /// When there is no such file or it cannot be read.
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError>;
+
+    /// The standard output of an external command line, run by a shell. Refused unless the user allowed it.
+    ///
+    /// # Errors
+    /// When commands are refused, or the command fails.
+    fn run_command(&self, command: &str, _standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
+        Err(LoadError::CommandRefused { command: command.to_owned() })
+    }
+}
+
+/// Serves files from memory.
+#[derive(Clone, Debug, Default)]
+pub struct MemoryLoader {
+    files: BTreeMap<String, Vec<u8>>,
+}
+
+impl MemoryLoader {
+    /// Adds a file.
+    #[must_use]
+    pub fn with(mut self, name: &str, content: impl AsRef<[u8]>) -> Self {
+        self.files.insert(name.to_owned(), content.as_ref().to_vec());
+        self
+    }
+}
+
+impl Loader for MemoryLoader {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        match self.files.get(name) {
+            Some(bytes) => Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() }),
+            None => Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() }),
+        }
+    }
+}

@@ -1,0 +1,2 @@
+//! Radiance pictures, float matrices, headers and views.
+#![forbid(unsafe_code)]

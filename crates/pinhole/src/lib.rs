@@ -1,0 +1,2 @@
+//! Averages radiance over pixel and pinhole.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! Traces rays through a valid scene.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! Retroreflector models.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! Low-discrepancy sample points, a function of seed, ray, and dimension only.
+#![forbid(unsafe_code)]

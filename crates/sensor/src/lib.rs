@@ -1,0 +1,2 @@
+//! Turns exposure into grey values.
+#![forbid(unsafe_code)]
