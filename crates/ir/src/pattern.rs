@@ -1,0 +1,95 @@
+//! Textures turn the normal, patterns colour the material, mixtures choose between modifiers.
+
+use crate::{Font, FunctionCall, GridCall, Handle, MixtureArms, PictureCall, Rgb};
+use glam::DVec3;
+
+/// A perturbation of the surface normal.
+#[derive(Clone, Debug)]
+pub enum Texture {
+    /// `texfunc`: three roots, the vector added to the unit normal.
+    Function(FunctionCall),
+    /// `texdata`: three functions of (x, y, z) values, three grids, coordinates.
+    Data(GridCall),
+}
+
+/// A multiplier of the material's colour.
+#[derive(Clone, Debug)]
+pub enum Pattern {
+    /// `brightfunc`: one root.
+    BrightFunction(FunctionCall),
+    /// `colorfunc`: three roots.
+    ColorFunction(FunctionCall),
+    /// `brightdata`.
+    BrightData(GridCall),
+    /// `colordata`.
+    ColorData(GridCall),
+    /// `colorpict`.
+    ColorPicture(PictureCall),
+    /// `brighttext` and `colortext`.
+    Text(TextPattern),
+    /// `spectrum` and `specfile`: the same spectrum everywhere.
+    Spectrum(Spectrum),
+    /// `specfunc`: one root, a function of the wavelength in nm.
+    SpectrumFunction {
+        /// The function.
+        call: FunctionCall,
+        /// Shortest and longest wavelength, nm.
+        range_nm: [f64; 2],
+    },
+    /// `specdata`: the grid's last axis is the wavelength in nm.
+    SpectrumData(GridCall),
+    /// `specpict`.
+    SpectrumPicture(PictureCall),
+}
+
+/// Values in equal steps of wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Wavelength of the first and of the last edge, nm.
+    pub range_nm: [f64; 2],
+    /// From the first edge to the last.
+    pub values: Vec<f64>,
+}
+
+/// Text on a plane.
+#[derive(Clone, Debug)]
+pub struct TextPattern {
+    /// The font.
+    pub font: Handle<Font>,
+    /// Lines of character codes.
+    pub lines: Vec<Vec<u8>>,
+    /// Upper left corner.
+    pub origin: DVec3,
+    /// From one character to the next.
+    pub right: DVec3,
+    /// From one line to the next.
+    pub down: DVec3,
+    /// Spacing between characters; zero is the font's own.
+    pub spacing: f64,
+    /// Multiplier where there is ink.
+    pub foreground: Rgb,
+    /// Multiplier elsewhere.
+    pub background: Rgb,
+}
+
+/// A choice between two modifiers.
+#[derive(Clone, Debug)]
+pub struct Mixture {
+    /// Foreground and background.
+    pub arms: MixtureArms,
+    /// How much of the foreground, in 0…1.
+    pub amount: MixtureAmount,
+}
+
+/// How a mixture's share of foreground is found.
+#[derive(Clone, Debug)]
+pub enum MixtureAmount {
+    /// `mixfunc`: one root.
+    Function(FunctionCall),
+    /// `mixdata`.
+    Data(GridCall),
+    /// `mixpict`: one function of (red, green, blue), then u and v.
+    Picture(PictureCall),
+    /// `mixtext`.
+    Text(TextPattern),
+}

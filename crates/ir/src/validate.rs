@@ -1,0 +1,309 @@
+//! The checks that make a [`Scene`] a [`ValidScene`].
+
+use crate::{
+    Anisotropic, Dielectric, Glossy, Handle, Material, Modifier, ModifierKind, Rgb, Scene, Shape, Surface, Translucent,
+    ValidScene,
+};
+use glam::DVec3;
+use radsight_diag::Diagnostic;
+
+/// A valid scene, and what is suspect about it.
+#[derive(Clone, Debug)]
+pub struct Validated {
+    /// The scene.
+    pub scene: ValidScene,
+    /// Suspect, but the scene can be traced.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// A polygon whose vertices leave its plane by more than this share of its size is reported.
+const PLANARITY_TOLERANCE: f64 = 1e-3;
+
+impl Scene {
+    /// Checks every number, handle and form.
+    ///
+    /// # Errors
+    /// All that is wrong, each with its place in the scene text.
+    pub fn validate(self) -> Result<Validated, Vec<Diagnostic>> {
+        let mut found = Findings { scene: &self, errors: Vec::new(), warnings: Vec::new() };
+        for (handle, modifier) in self.modifiers.iter() {
+            found.check_modifier(handle, modifier);
+        }
+        for surface in self.surfaces.items() {
+            found.check_surface(surface);
+        }
+        let Findings { errors, mut warnings, .. } = found;
+        let mut all_errors = errors;
+        let mut scene = self;
+        let octrees = std::mem::take(&mut scene.octrees);
+        for (_, octree) in octrees.iter() {
+            match octree.scene.clone().validate() {
+                Ok(inner) => warnings.extend(inner.warnings),
+                Err(inner) => all_errors.extend(inner),
+            }
+        }
+        scene.octrees = octrees;
+        if all_errors.is_empty() { Ok(Validated { scene: ValidScene(scene), warnings }) } else { Err(all_errors) }
+    }
+}
+
+struct Findings<'a> {
+    scene: &'a Scene,
+    errors: Vec<Diagnostic>,
+    warnings: Vec<Diagnostic>,
+}
+
+impl Findings<'_> {
+    fn error(&mut self, span: Option<radsight_diag::Span>, message: String) {
+        self.errors.push(at(Diagnostic::error(message), span));
+    }
+
+    fn warn(&mut self, span: Option<radsight_diag::Span>, message: String) {
+        self.warnings.push(at(Diagnostic::warning(message), span));
+    }
+
+    fn check_modifier(&mut self, handle: Handle<Modifier>, modifier: &Modifier) {
+        if modifier.modifier.is_some_and(|parent| parent >= handle) {
+            self.error(modifier.span, "a modifier stands after what it modifies".to_owned());
+        }
+        let ModifierKind::Material(material) = &modifier.kind else { return };
+        let name = self.scene.names.get(modifier.name).to_owned();
+        let mut numbers = Vec::new();
+        collect_numbers(material, &mut numbers);
+        if let Some(bad) = numbers.iter().find(|value| !value.is_finite()) {
+            self.error(modifier.span, format!("material \"{name}\" has the number {bad}, expected a finite one"));
+        }
+        if let Some(reflectance) = total_reflectance(material)
+            && reflectance > 1.0 + 1e-6
+        {
+            self.warn(modifier.span, format!("material \"{name}\" reflects {reflectance:.4} of the light it gets"));
+        }
+    }
+
+    fn check_surface(&mut self, surface: &Surface) {
+        if surface.modifier.is_some_and(|handle| self.scene.modifiers.get(handle).is_none()) {
+            self.error(surface.span, "a surface has a modifier that does not exist".to_owned());
+        }
+        let scene = self.scene;
+        let problem = match surface.shape {
+            Shape::Polygon { start, count } => return self.check_polygon(surface, start, count),
+            Shape::Sphere(handle) => scene
+                .spheres
+                .get(handle)
+                .map(|sphere| sphere.center.is_finite() && sphere.radius.is_finite() && sphere.radius > 0.0),
+            Shape::Cone(handle) => scene.cones.get(handle).map(|cone| {
+                let radii = [cone.base_radius, cone.apex_radius];
+                cone.base.is_finite()
+                    && cone.apex.is_finite()
+                    && cone.base != cone.apex
+                    && radii.iter().all(|radius| radius.is_finite() && *radius >= 0.0)
+                    && radii != [0.0; 2]
+            }),
+            Shape::Ring(handle) => scene.rings.get(handle).map(|ring| {
+                ring.center.is_finite()
+                    && is_unit(ring.normal)
+                    && ring.inner_radius >= 0.0
+                    && ring.outer_radius.is_finite()
+                    && ring.outer_radius > ring.inner_radius
+            }),
+            Shape::Source(handle) => scene.sources.get(handle).map(|source| {
+                let angle = source.extent.full_angle;
+                is_unit(source.direction) && angle > 0.0 && angle <= std::f64::consts::TAU + 1e-9
+            }),
+            Shape::Mesh(handle) => scene.mesh_instances.get(handle).map(|placed| {
+                placed.to_scene.scale > 0.0
+                    && placed.to_scene.translation.is_finite()
+                    && scene.meshes.get(placed.mesh).is_some_and(mesh_is_sound)
+            }),
+            Shape::Instance(handle) => scene.instances.get(handle).map(|placed| {
+                placed.to_scene.scale > 0.0
+                    && placed.to_scene.translation.is_finite()
+                    && scene.octrees.get(placed.octree).is_some()
+            }),
+        };
+        if problem != Some(true) {
+            let name = self.scene.names.get(surface.name);
+            self.error(surface.span, format!("surface \"{name}\" has no proper size or place"));
+        }
+    }
+
+    fn check_polygon(&mut self, surface: &Surface, start: u32, count: u32) {
+        let name = self.scene.names.get(surface.name);
+        let range = start as usize..start as usize + count as usize;
+        let Some(vertices) = self.scene.vertices.get(range).filter(|vertices| vertices.len() >= 3) else {
+            return self.error(surface.span, format!("polygon \"{name}\" has fewer than three vertices"));
+        };
+        if vertices.iter().any(|vertex| !vertex.is_finite()) {
+            return self.error(surface.span, format!("polygon \"{name}\" has a vertex that is not finite"));
+        }
+        let normal = newell_normal(vertices);
+        let size = vertices.iter().map(|vertex| vertex.distance(vertices[0])).fold(0.0, f64::max);
+        if normal.length() <= 1e-18 * size * size || size == 0.0 {
+            return self.warn(surface.span, format!("polygon \"{name}\" has no area"));
+        }
+        let unit = normal.normalize();
+        let plane = vertices.iter().map(|vertex| unit.dot(*vertex - vertices[0])).sum::<f64>() / vertices.len() as f64;
+        let off = vertices.iter().map(|v| (unit.dot(*v - vertices[0]) - plane).abs()).fold(0.0, f64::max);
+        if off > PLANARITY_TOLERANCE * size {
+            self.warn(surface.span, format!("polygon \"{name}\" is not planar"));
+        }
+    }
+}
+
+/// Twice the vector area of a polygon (Newell), about its first vertex to keep digits.
+fn newell_normal(vertices: &[DVec3]) -> DVec3 {
+    let first = vertices[0];
+    vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
+}
+
+fn mesh_is_sound(mesh: &crate::Mesh) -> bool {
+    mesh.triangles.iter().all(|triangle| {
+        triangle.vertices.iter().all(|&index| {
+            let index = index as usize;
+            index < mesh.vertices.len()
+                && (!triangle.smooth || index < mesh.normals.len())
+                && (!triangle.textured || index < mesh.uvs.len())
+        })
+    }) && mesh.vertices.iter().all(|vertex| vertex.is_finite())
+}
+
+fn is_unit(direction: DVec3) -> bool {
+    (direction.length_squared() - 1.0).abs() < 1e-6
+}
+
+fn at(diagnostic: Diagnostic, span: Option<radsight_diag::Span>) -> Diagnostic {
+    match span {
+        Some(span) => diagnostic.at(span),
+        None => diagnostic,
+    }
+}
+
+fn collect_numbers(material: &Material, out: &mut Vec<f64>) {
+    let mut rgb = |color: &Rgb| out.extend(color.0);
+    match material {
+        Material::Light { radiance } | Material::Illum { radiance, .. } => rgb(radiance),
+        Material::Glow { radiance, max_radius } => {
+            rgb(radiance);
+            out.push(*max_radius);
+        }
+        Material::Spotlight { radiance, cone_angle, direction, focal_distance } => {
+            rgb(radiance);
+            out.extend([*cone_angle, *focal_distance]);
+            out.extend(direction.to_array());
+        }
+        Material::Mirror { reflectance, .. } => rgb(reflectance),
+        Material::Plastic(surface) | Material::Metal(surface) => collect_glossy(surface, out),
+        Material::Trans(surface) => collect_translucent(surface, out),
+        Material::AnisotropicPlastic(Anisotropic { surface, roughness_v, .. })
+        | Material::AnisotropicMetal(Anisotropic { surface, roughness_v, .. }) => {
+            collect_glossy(surface, out);
+            out.push(*roughness_v);
+        }
+        Material::AnisotropicTrans(Anisotropic { surface, roughness_v, .. }) => {
+            collect_translucent(surface, out);
+            out.push(*roughness_v);
+        }
+        Material::Ashikhmin { diffuse, specular, exponents, .. } => {
+            rgb(diffuse);
+            rgb(specular);
+            out.extend(exponents);
+        }
+        Material::Dielectric(body) => collect_dielectric(body, out),
+        Material::Interface(boundary) => {
+            collect_dielectric(&boundary.inside, out);
+            collect_dielectric(&boundary.outside, out);
+        }
+        Material::Glass { transmissivity, refractive_index } => {
+            rgb(transmissivity);
+            out.push(*refractive_index);
+        }
+        Material::Mist(mist) => {
+            rgb(&mist.extinction);
+            rgb(&mist.albedo);
+            out.push(mist.eccentricity);
+        }
+        Material::Plugin { numbers, .. } => out.extend(numbers),
+        _ => {}
+    }
+}
+
+fn collect_glossy(surface: &Glossy, out: &mut Vec<f64>) {
+    out.extend(surface.color.0);
+    out.extend([surface.specularity, surface.roughness]);
+}
+
+fn collect_translucent(surface: &Translucent, out: &mut Vec<f64>) {
+    collect_glossy(&surface.surface, out);
+    out.extend([surface.transmissivity, surface.transmitted_specularity]);
+}
+
+fn collect_dielectric(body: &Dielectric, out: &mut Vec<f64>) {
+    out.extend(body.transmissivity.0);
+    out.extend([body.refractive_index, body.hartmann]);
+}
+
+/// The largest share of light that a plain material sends back, without patterns.
+fn total_reflectance(material: &Material) -> Option<f64> {
+    let largest = |color: &Rgb| color.0.iter().copied().fold(f64::MIN, f64::max);
+    match material {
+        Material::Plastic(s) => Some(s.specularity + largest(&s.color) * (1.0 - s.specularity)),
+        Material::Metal(s) => Some(largest(&s.color)),
+        Material::Trans(t) => {
+            let s = &t.surface;
+            Some(s.specularity + largest(&s.color) * (1.0 - s.specularity))
+        }
+        Material::Mirror { reflectance, .. } => Some(largest(reflectance)),
+        Material::Glass { transmissivity, .. } => Some(largest(transmissivity)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::*;
+    use glam::DVec3;
+
+    fn polygon(vertices: &[[f64; 3]]) -> Scene {
+        let mut scene = Scene::default();
+        scene.vertices.extend(vertices.iter().map(|v| DVec3::from_array(*v)));
+        let name = scene.names.add("wall");
+        let shape = Shape::Polygon { start: 0, count: vertices.len() as u32 };
+        scene.surfaces.add(Surface { name, span: None, modifier: None, shape });
+        scene
+    }
+
+    #[test]
+    fn a_polygon_with_a_nan_is_an_error() {
+        let errors = polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [f64::NAN, 1.0, 0.0]]).validate().unwrap_err();
+        assert!(errors[0].message.contains("not finite"));
+    }
+
+    #[test]
+    fn a_polygon_without_area_is_a_warning() {
+        let valid = polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]).validate().unwrap();
+        assert_eq!(valid.warnings[0].message, "polygon \"wall\" has no area");
+    }
+
+    #[test]
+    fn a_warped_polygon_is_a_warning() {
+        let valid = polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.3], [0.0, 1.0, 0.0]]).validate().unwrap();
+        assert_eq!(valid.warnings[0].message, "polygon \"wall\" is not planar");
+    }
+
+    #[test]
+    fn a_tilted_plane_far_from_the_origin_is_planar() {
+        let at = |u: f64, v: f64| [1e5 + u, -1e5 + v, 0.3 * u + 0.7 * v];
+        let valid = polygon(&[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]).validate().unwrap();
+        assert!(valid.warnings.is_empty(), "{:?}", valid.warnings);
+    }
+
+    #[test]
+    fn energy_gain_is_a_warning() {
+        let mut scene = Scene::default();
+        let name = scene.names.add("bright");
+        let glossy = Glossy { color: Rgb([1.2; 3]), specularity: 0.0, roughness: 0.0 };
+        let kind = ModifierKind::Material(Material::Plastic(glossy));
+        scene.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        assert_eq!(scene.validate().unwrap().warnings.len(), 1);
+    }
+}
