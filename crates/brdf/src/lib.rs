@@ -1,2 +1,74 @@
-//! What a reflectance model is, the built-in ones, and their statistical checks.
+//! What a reflectance model is, the built-in models, and the statistical checks that every model passes.
+//!
+//! Conventions: a BRDF `f` is in 1/sr and does **not** contain the cosine; a density is per solid angle (1/sr); both
+//! directions are unit vectors that point away from the surface, in a local frame with +z on the shading normal. A direction
+//! with z < 0 is on the other side of the surface (transmission).
+//!
+//! Guarantees: models are pure functions, safe from any thread. Knows neither scenes nor shared libraries.
+//!
+//! ```
+//! use radsight_brdf::{Brdf, Lambert};
+//! use glam::DVec3;
+//! let white = Lambert { reflectance: [1.0] };
+//! let (mut value, mut density) = ([0.0], [0.0]);
+//! white.eval_pdf(DVec3::Z, &[DVec3::Z], &mut value, &mut density);
+//! assert_eq!(value[0], std::f64::consts::FRAC_1_PI);
+//! ```
 #![forbid(unsafe_code)]
+
+mod lambert;
+mod ward;
+
+pub use lambert::Lambert;
+pub use ward::WardIsotropic;
+
+use glam::DVec3;
+
+/// What kinds of scattering a model has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lobes {
+    /// Smooth functions of direction, such as Lambert's.
+    pub diffuse: bool,
+    /// Peaks of finite width.
+    pub glossy: bool,
+    /// Perfect reflection or refraction, which only `sample` can find.
+    pub delta: bool,
+    /// Light goes through the surface.
+    pub transmission: bool,
+}
+
+/// A direction drawn by [`Brdf::sample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrdfSample {
+    /// Where the light comes from: unit, local frame, away from the surface.
+    pub incident: DVec3,
+    /// What it was drawn with.
+    pub density: Density,
+}
+
+/// How likely a drawn direction was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// Per solid angle, 1/sr, over all lobes that `eval_pdf` speaks of.
+    Continuous(f64),
+    /// A perfectly specular direction; `eval_pdf` is zero there.
+    Delta,
+}
+
+/// A reflectance model at one point of a surface.
+pub trait Brdf: Send + Sync + std::fmt::Debug {
+    /// What kinds of scattering it has.
+    fn lobes(&self) -> Lobes;
+
+    /// BRDF values (1/sr, without the cosine) and sampling densities (1/sr) for one outgoing direction and a batch of incident ones.
+    ///
+    /// `values` holds the bands of the first direction, then those of the second, and so on: its length is the number of
+    /// directions times the number of bands. `pdfs` has one entry a direction. Delta lobes contribute to neither.
+    fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]);
+
+    /// Draws an incident direction. `weights` becomes `f·|cos θ_i|/pdf` in each band, summed over the lobes of that direction;
+    /// for a delta lobe its reflectance divided by the probability with which it was chosen.
+    ///
+    /// `u` is uniform in [0,1)³: the first two place the direction, the third chooses a lobe. `None` is absorption.
+    fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample>;
+}
