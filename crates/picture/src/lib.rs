@@ -1,2 +1,26 @@
-//! Radiance pictures, float matrices, headers and views.
+//! Radiance pictures, float matrices, headers and views; portable float maps, NumPy arrays and PNG.
+//!
+//! Bytes go in and bytes come out. Guarantees: no input panics or takes memory beyond what its own bytes can justify;
+//! row 0 of every [`Image`] is the top, whatever the file's order. Knows no scenes and does no input or output.
 #![forbid(unsafe_code)]
+
+mod color;
+mod error;
+mod header;
+mod image;
+mod matrix;
+mod npy;
+mod number;
+mod pfm;
+mod png;
+mod resolution;
+
+pub use color::RgbPrimaries;
+pub use error::PictureError;
+pub use header::{Assignment, Header};
+pub use image::Image;
+pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
+pub use npy::{read_npy, write_npy, write_npy_f64};
+pub use pfm::{read_pfm, write_pfm};
+pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};
+pub use resolution::{Orientation, Resolution};

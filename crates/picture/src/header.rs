@@ -1,0 +1,397 @@
+//! The information header: what a file is and how it came to be.
+
+use crate::error::shown;
+use crate::number::{self, trimmed};
+use crate::{PictureError, RgbPrimaries};
+use std::borrow::Cow;
+
+/// The lines of a Radiance header, in order, each as it stood (without its line end).
+///
+/// The first line is usually `#?RADIANCE`; old files lack it. Then come, in any order, command lines (each program that
+/// worked on the file adds its own), variables (`EXPOSURE=2.5`), and, indented by tabs, the headers of the files that
+/// a program combined, which say nothing of this file. An empty line ends the header and is not among the lines.
+///
+/// ```
+/// use radsight_picture::Header;
+/// let bytes = b"#?RADIANCE\nrpict -vf \"a b.vf\"\nEXPOSURE=2\nEXPOSURE=.5\nFORMAT=32-bit_rle_rgbe\n\n...";
+/// let (header, used) = Header::read(bytes).unwrap();
+/// assert_eq!(&bytes[used..], b"...");
+/// assert_eq!(header.exposure().unwrap(), 1.0);
+/// let mut derived = header.history();
+/// derived.push_command(["pfilt", "-x", "/2"]);
+/// assert!(derived.to_bytes().ends_with(b"EXPOSURE=.5\npfilt -x /2\n\n"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Header {
+    lines: Vec<Vec<u8>>,
+}
+
+/// A `NAME=value` line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assignment<'a> {
+    /// The line in the header, from 1.
+    pub line: usize,
+    /// What follows the `=`, without white space around it.
+    pub value: Cow<'a, str>,
+}
+
+/// The variables that describe how the values are stored, not what they are.
+const STORAGE: [&str; 6] = ["FORMAT", "NROWS", "NCOLS", "NCOMP", "BigEndian", "WAVELENGTH_SPLITS"];
+
+impl Header {
+    /// A header that begins with `#?` and an identifier, `RADIANCE` for all that Radiance writes.
+    #[must_use]
+    pub fn new(identifier: &str) -> Self {
+        let mut header = Header::default();
+        header.push_line(&format!("#?{identifier}"));
+        header
+    }
+
+    /// Reads the lines up to the empty line, and says how many bytes they took with it.
+    ///
+    /// # Errors
+    /// [`PictureError::Unexpected`] if the first byte is not printable, [`PictureError::Truncated`] if no empty line follows.
+    pub fn read(bytes: &[u8]) -> Result<(Header, usize), PictureError> {
+        if !bytes.first().is_some_and(|byte| (0x20..0x7f).contains(byte)) {
+            let found = shown(bytes);
+            return Err(PictureError::Unexpected { offset: 0, expected: "a header such as #?RADIANCE".into(), found });
+        }
+        let (header, used, ended) = Header::scan(bytes);
+        if !ended {
+            let expected = "the empty line that ends the header".into();
+            return Err(PictureError::Truncated { offset: bytes.len(), expected });
+        }
+        Ok((header, used))
+    }
+
+    /// Reads the lines of a text that may end without an empty line, such as a view file.
+    #[must_use]
+    pub fn read_text(bytes: &[u8]) -> Header {
+        Header::scan(bytes).0
+    }
+
+    fn scan(bytes: &[u8]) -> (Header, usize, bool) {
+        let mut header = Header::default();
+        let mut used = 0;
+        while used < bytes.len() {
+            let rest = &bytes[used..];
+            let length = rest.iter().position(|byte| *byte == b'\n');
+            used += length.map_or(rest.len(), |length| length + 1);
+            let line = &rest[..length.unwrap_or(rest.len())];
+            if length.is_some() && (line.is_empty() || line == b"\r") {
+                return (header, used, true);
+            }
+            header.lines.push(line.to_vec());
+        }
+        (header, used, false)
+    }
+
+    /// The lines without their ends.
+    pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
+        self.lines.iter().map(Vec::as_slice)
+    }
+
+    /// Whether there are no lines.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+
+    /// What follows `#?` in the first line that has it.
+    #[must_use]
+    pub fn identifier(&self) -> Option<Cow<'_, str>> {
+        let line = self.lines().find_map(|line| line.strip_prefix(b"#?"))?;
+        let end = line.iter().position(|byte| number::is_space(*byte)).unwrap_or(line.len());
+        Some(String::from_utf8_lossy(&line[..end]))
+    }
+
+    /// All lines `NAME=value` of one name, in order. Indented lines belong to other files and do not count.
+    pub fn assignments(&self, name: &str) -> impl Iterator<Item = Assignment<'_>> {
+        self.lines.iter().enumerate().filter_map(move |(index, line)| {
+            let value = line.strip_prefix(name.as_bytes())?.strip_prefix(b"=")?;
+            Some(Assignment { line: index + 1, value: String::from_utf8_lossy(trimmed(value)) })
+        })
+    }
+
+    /// The value of the last line `NAME=value`.
+    #[must_use]
+    pub fn variable(&self, name: &str) -> Option<Cow<'_, str>> {
+        self.assignments(name).last().map(|assignment| assignment.value)
+    }
+
+    /// The last `FORMAT=`.
+    #[must_use]
+    pub fn format(&self) -> Option<Cow<'_, str>> {
+        self.variable("FORMAT")
+    }
+
+    /// The product of all `EXPOSURE=`: stored values are this many times the radiance. 1 without any.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] for one that is not positive and finite.
+    pub fn exposure(&self) -> Result<f64, PictureError> {
+        self.exposures().try_fold(1.0, |product, exposure| Ok(product * exposure?))
+    }
+
+    /// The product of all `COLORCORR=`, by component; it multiplies the stored values as the exposure does. 1 without any.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] for one that is not three positive, finite numbers.
+    pub fn color_correction(&self) -> Result<[f64; 3], PictureError> {
+        self.corrections().try_fold([1.0; 3], |product, correction| {
+            let correction = correction?;
+            Ok(std::array::from_fn(|i| product[i] * f64::from(correction[i])))
+        })
+    }
+
+    /// What stored values are multiplied by to give radiance: one over all EXPOSURE and COLORCORR, rounded to single
+    /// precision at each line, which is what Radiance's `pvalue -o` does.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] for a value that is not positive and finite.
+    pub fn radiance_scale(&self) -> Result<[f32; 3], PictureError> {
+        let mut scale = [1.0f32; 3];
+        for (index, line) in self.lines.iter().enumerate() {
+            if let Some(value) = line.strip_prefix(b"EXPOSURE=") {
+                let exposure = parse_exposure(index + 1, value)?;
+                scale = scale.map(|value| (f64::from(value) * (1.0 / exposure)) as f32);
+            } else if let Some(value) = line.strip_prefix(b"COLORCORR=") {
+                let correction = parse_correction(index + 1, value)?;
+                scale = std::array::from_fn(|i| scale[i] / correction[i]);
+            }
+        }
+        Ok(scale)
+    }
+
+    fn exposures(&self) -> impl Iterator<Item = Result<f64, PictureError>> {
+        let lines = self.lines.iter().enumerate();
+        lines.filter_map(|(index, line)| Some(parse_exposure(index + 1, line.strip_prefix(b"EXPOSURE=")?)))
+    }
+
+    fn corrections(&self) -> impl Iterator<Item = Result<[f32; 3], PictureError>> {
+        let lines = self.lines.iter().enumerate();
+        lines.filter_map(|(index, line)| Some(parse_correction(index + 1, line.strip_prefix(b"COLORCORR=")?)))
+    }
+
+    /// The product of all `PIXASPECT=`: the height of a pixel over its width. 1 without any.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] for one that is not positive and finite.
+    pub fn pixel_aspect(&self) -> Result<f64, PictureError> {
+        self.assignments("PIXASPECT").try_fold(1.0, |product, Assignment { line, value }| {
+            Ok(product * positive(line, "PIXASPECT", value.as_bytes())?)
+        })
+    }
+
+    /// The last `PRIMARIES=`, the chromaticities of red, green, blue and white.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] if it is not eight numbers.
+    pub fn primaries(&self) -> Result<Option<RgbPrimaries>, PictureError> {
+        let Some(Assignment { line, value }) = self.assignments("PRIMARIES").last() else { return Ok(None) };
+        match number::leading_numbers::<8>(value.as_bytes()) {
+            Some(numbers) => Ok(Some(RgbPrimaries::from_array(numbers.map(|number| number as f32)))),
+            None => Err(bad_value(line, "PRIMARIES", value.as_bytes(), "eight chromaticities")),
+        }
+    }
+
+    /// The last `NCOMP=`, values a pixel.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] if it is not a whole number from 1.
+    pub fn components(&self) -> Result<Option<usize>, PictureError> {
+        self.count("NCOMP")
+    }
+
+    /// The last value of a variable that counts something.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] if it is not a whole number from 1 to 2^31 - 1.
+    pub fn count(&self, name: &'static str) -> Result<Option<usize>, PictureError> {
+        let Some(Assignment { line, value }) = self.assignments(name).last() else { return Ok(None) };
+        let count = number::integer_or_zero(value.as_bytes());
+        match i32::try_from(count).ok().and_then(|count| usize::try_from(count).ok()).filter(|count| *count > 0) {
+            Some(count) => Ok(Some(count)),
+            None => Err(bad_value(line, name, value.as_bytes(), "a whole number from 1 to 2147483647")),
+        }
+    }
+
+    /// The last `WAVELENGTH_SPLITS=`: the longest wavelength, the borders of red to green and green to blue, and the
+    /// shortest wavelength, all in nm.
+    ///
+    /// # Errors
+    /// [`PictureError::HeaderValue`] if it is not four falling, positive numbers.
+    pub fn wavelength_splits(&self) -> Result<Option<[f32; 4]>, PictureError> {
+        let Some(Assignment { line, value }) = self.assignments("WAVELENGTH_SPLITS").last() else { return Ok(None) };
+        let splits = number::leading_numbers::<4>(value.as_bytes()).map(|numbers| numbers.map(|number| number as f32));
+        match splits.filter(|splits| splits[3] > 0.0 && splits[0].is_finite() && splits.windows(2).all(|w| w[0] > w[1]))
+        {
+            Some(splits) => Ok(Some(splits)),
+            None => Err(bad_value(line, "WAVELENGTH_SPLITS", value.as_bytes(), "four falling wavelengths in nm")),
+        }
+    }
+
+    /// Whether the last `BigEndian` line says that binary values have their most significant byte first.
+    #[must_use]
+    pub fn is_big_endian(&self) -> Option<bool> {
+        let values = self.lines().filter_map(|line| trimmed(line.strip_prefix(b"BigEndian")?).strip_prefix(b"="));
+        values.last().map(|value| trimmed(value).first() == Some(&b'1'))
+    }
+
+    /// Adds a line. Line ends in it become spaces, and an empty line is not added, since either would end the header.
+    pub fn push_line(&mut self, line: &str) {
+        let line: Vec<u8> = line.bytes().map(|byte| if matches!(byte, b'\n' | b'\r') { b' ' } else { byte }).collect();
+        if !line.is_empty() {
+            self.lines.push(line);
+        }
+    }
+
+    /// Adds `NAME=value`.
+    pub fn push_variable(&mut self, name: &str, value: &str) {
+        self.push_line(&format!("{name}={value}"));
+    }
+
+    /// Adds `EXPOSURE=` as Radiance prints it (five digits).
+    pub fn push_exposure(&mut self, exposure: f64) {
+        self.push_variable("EXPOSURE", &number::scientific(exposure, 4));
+    }
+
+    /// Adds a command line with its words quoted as Radiance quotes them.
+    pub fn push_command<'a>(&mut self, words: impl IntoIterator<Item = &'a str>) {
+        let quoted: Vec<Cow<'a, str>> = words.into_iter().map(quoted_word).collect();
+        self.push_line(&quoted.join(" "));
+    }
+
+    /// Adds all lines of another header, indented by a tab, under the name of the file that it belongs to: how programs
+    /// that combine files record what went in.
+    pub fn push_nested(&mut self, name: &str, nested: &Header) {
+        self.push_line(&format!("{name}:"));
+        for line in nested.lines() {
+            self.lines.push([b"\t", line].concat());
+        }
+    }
+
+    /// Removes every line `NAME=…`.
+    pub fn remove(&mut self, name: &str) {
+        self.lines.retain(|line| line.strip_prefix(name.as_bytes()).is_none_or(|rest| !rest.starts_with(b"=")));
+    }
+
+    /// A copy without the lines that say how the values are stored (FORMAT, NROWS, NCOLS, NCOMP, BigEndian,
+    /// WAVELENGTH_SPLITS): what a program copies before it adds its own command line and writes its own format.
+    #[must_use]
+    pub fn history(&self) -> Header {
+        let mut copy = self.clone();
+        for name in STORAGE {
+            copy.remove(name);
+        }
+        copy
+    }
+
+    /// The header as bytes, with the empty line at its end. Without any line, `#?RADIANCE` is put first.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(self.lines.iter().map(|line| line.len() + 1).sum::<usize>() + 16);
+        if self.is_empty() {
+            out.extend_from_slice(b"#?RADIANCE\n");
+        }
+        for line in &self.lines {
+            out.extend_from_slice(line);
+            out.push(b'\n');
+        }
+        out.push(b'\n');
+        out
+    }
+
+    /// The lines as text, for formats that keep the history as one string. What is not UTF-8 is replaced.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let lines: Vec<Cow<'_, str>> = self.lines().map(String::from_utf8_lossy).collect();
+        lines.join("\n")
+    }
+}
+
+fn parse_exposure(line: usize, value: &[u8]) -> Result<f64, PictureError> {
+    positive(line, "EXPOSURE", value)
+}
+
+fn positive(line: usize, name: &'static str, value: &[u8]) -> Result<f64, PictureError> {
+    let number = number::number_or_zero(value);
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err(bad_value(line, name, value, "a positive number")) }
+}
+
+fn parse_correction(line: usize, value: &[u8]) -> Result<[f32; 3], PictureError> {
+    let numbers = number::leading_numbers::<3>(value).map(|numbers| numbers.map(|number| number as f32));
+    match numbers.filter(|numbers| numbers.iter().all(|number| *number > 0.0 && number.is_finite())) {
+        Some(numbers) => Ok(numbers),
+        None => Err(bad_value(line, "COLORCORR", value, "three positive numbers")),
+    }
+}
+
+fn bad_value(line: usize, name: &'static str, value: &[u8], expected: &'static str) -> PictureError {
+    const LONGEST: usize = 60;
+    let value: String = String::from_utf8_lossy(trimmed(value)).chars().take(LONGEST).collect();
+    PictureError::HeaderValue { line, name, value, expected }
+}
+
+/// Quotes a word if a Radiance program would: when it is empty or has white space or a quote inside.
+fn quoted_word(word: &str) -> Cow<'_, str> {
+    let inner = &word.as_bytes()[usize::from(!word.is_empty())..];
+    let last_quote = inner.split_last().and_then(|(_, body)| body.iter().rfind(|byte| matches!(**byte, b'"' | b'\'')));
+    let quote = match last_quote {
+        Some(b'"') => '\'',
+        Some(_) => '"',
+        None if word.is_empty() || word.bytes().any(number::is_space) => '"',
+        None => return Cow::Borrowed(word),
+    };
+    Cow::Owned(format!("{quote}{word}{quote}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn indented_lines_belong_to_other_files() {
+        let (header, _) = Header::read(b"a.hdr:\n\tEXPOSURE=7\nEXPOSURE=2\n\n").unwrap();
+        assert_eq!(header.exposure().unwrap(), 2.0);
+        assert_eq!(header.identifier(), None);
+    }
+
+    #[test]
+    fn unknown_lines_keep_their_order_and_bytes() {
+        let bytes = b"#?RADIANCE\nrpict -x 3\n\xff\xfe odd\nVIEW= -vtv\n\n";
+        let (header, used) = Header::read(bytes).unwrap();
+        assert_eq!(used, bytes.len());
+        assert_eq!(header.to_bytes(), bytes);
+    }
+
+    #[test]
+    fn words_are_quoted_as_radiance_quotes_them() {
+        let mut header = Header::default();
+        header.push_command(["pcomb", "-e", "ro=ri(1) + 1", "", "a\"b", "it's", "\"x"]);
+        assert_eq!(header.lines().next().unwrap(), b"pcomb -e \"ro=ri(1) + 1\" \"\" 'a\"b' \"it's\" \"x");
+    }
+
+    #[test]
+    fn a_pushed_line_cannot_end_the_header() {
+        let mut header = Header::new("RADIANCE");
+        header.push_line("a\n\nEXPOSURE=3");
+        header.push_line("");
+        assert_eq!(header.to_bytes(), b"#?RADIANCE\na  EXPOSURE=3\n\n");
+    }
+
+    #[test]
+    fn a_bad_exposure_names_its_line() {
+        let (header, _) = Header::read(b"#?RADIANCE\nEXPOSURE=-2\n\n").unwrap();
+        let message = header.exposure().unwrap_err().to_string();
+        assert_eq!(message, "header line 2: EXPOSURE is \"-2\", expected a positive number");
+    }
+
+    #[test]
+    fn a_header_without_an_end_is_an_error() {
+        assert!(matches!(Header::read(b"#?RADIANCE\n"), Err(PictureError::Truncated { offset: 11, .. })));
+        assert!(matches!(Header::read(b"\x89PNG"), Err(PictureError::Unexpected { offset: 0, .. })));
+        assert!(Header::read(b"").is_err());
+        assert_eq!(Header::read(b"x\r\n\r\nz").unwrap().1, 5);
+    }
+}
