@@ -1,0 +1,356 @@
+//! What a pinhole camera is.
+
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_4;
+
+/// The most pixels of a sensor: what fits in memory several times over as doubles.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
+const SMALLEST_UP_SINE: f64 = 1e-6;
+
+/// How the finite hole is treated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PinholeModel {
+    /// All rays pass through the centre; the exposure is still that of the stated hole, by its area.
+    Point,
+    /// Rays cover the hole uniformly by area.
+    Finite,
+}
+
+/// A camera as it was asked for; [`PinholeCamera::new`] checks it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Centre of the pinhole, scene frame, metres.
+    pub position_m: [f64; 3],
+    /// Where the camera looks, scene frame, any length.
+    pub direction: [f64; 3],
+    /// Which way the picture is up, scene frame, any length, not along `direction`.
+    pub up: [f64; 3],
+    /// Columns and rows.
+    pub pixels: [u32; 2],
+    /// Distance from one pixel to the next, along a row and along a column, metres. Pixels fill the pitch.
+    pub pixel_pitch_m: [f64; 2],
+    /// From the pinhole to the sensor along the axis, metres.
+    pub focal_distance_m: f64,
+    /// Diameter of the round hole, metres.
+    pub pinhole_diameter_m: f64,
+    /// How the hole is treated.
+    pub pinhole_model: PinholeModel,
+    /// Exposure time, seconds.
+    pub exposure_s: f64,
+    /// Wavelength of the light, metres, where it is known. Geometry does not need it.
+    pub wavelength_m: Option<f64>,
+    /// Length of one scene unit, metres. Rays start in scene units.
+    pub scene_unit_m: f64,
+}
+
+/// What is wrong with a [`CameraDescription`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A quantity that must be positive and finite is not.
+    #[error("{quantity} must be positive and finite, not {value}")]
+    NotPositive {
+        /// Which, in words.
+        quantity: &'static str,
+        /// The value found, SI.
+        value: f64,
+    },
+    /// A vector has a component that is NaN or infinite.
+    #[error("{quantity} must have finite components")]
+    NotFinite {
+        /// Which, in words.
+        quantity: &'static str,
+    },
+    /// A direction of length zero.
+    #[error("{quantity} must not be the zero vector")]
+    ZeroVector {
+        /// Which, in words.
+        quantity: &'static str,
+    },
+    /// The picture would have no right.
+    #[error("up is parallel to direction")]
+    UpParallel,
+    /// No pixels, or more than can be held.
+    #[error("{columns} x {rows} pixels: expected at least 1 and at most {MOST_PIXELS} in all")]
+    PixelCount {
+        /// Pixels in a row.
+        columns: u32,
+        /// Rows.
+        rows: u32,
+    },
+}
+
+/// A checked pinhole camera. All quantities are SI; the frame (right, up, direction) is orthonormal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PinholeCamera {
+    position_m: DVec3,
+    direction: DVec3,
+    right: DVec3,
+    up: DVec3,
+    pixels: [u32; 2],
+    pixel_pitch_m: [f64; 2],
+    focal_distance_m: f64,
+    pinhole_diameter_m: f64,
+    pinhole_model: PinholeModel,
+    exposure_s: f64,
+    wavelength_m: Option<f64>,
+    scene_unit_m: f64,
+}
+
+impl PinholeCamera {
+    /// Checks a description.
+    ///
+    /// # Errors
+    /// The first quantity that is out of its range.
+    pub fn new(asked: &CameraDescription) -> Result<Self, CameraError> {
+        positive("focal distance", asked.focal_distance_m)?;
+        positive("pinhole diameter", asked.pinhole_diameter_m)?;
+        positive("exposure time", asked.exposure_s)?;
+        positive("pixel pitch", asked.pixel_pitch_m[0])?;
+        positive("pixel pitch", asked.pixel_pitch_m[1])?;
+        positive("wavelength", asked.wavelength_m.unwrap_or(1.0))?;
+        positive("scene unit", asked.scene_unit_m)?;
+        let [columns, rows] = asked.pixels;
+        if !(1..=MOST_PIXELS).contains(&(u64::from(columns) * u64::from(rows))) {
+            return Err(CameraError::PixelCount { columns, rows });
+        }
+        let position_m = DVec3::from(asked.position_m);
+        if !position_m.is_finite() {
+            return Err(CameraError::NotFinite { quantity: "position" });
+        }
+        let direction = unit("direction", asked.direction)?;
+        let across = direction.cross(unit("up", asked.up)?);
+        if across.length() < SMALLEST_UP_SINE {
+            return Err(CameraError::UpParallel);
+        }
+        let right = across.normalize();
+        Ok(PinholeCamera {
+            position_m,
+            direction,
+            right,
+            up: right.cross(direction),
+            pixels: asked.pixels,
+            pixel_pitch_m: asked.pixel_pitch_m,
+            focal_distance_m: asked.focal_distance_m,
+            pinhole_diameter_m: asked.pinhole_diameter_m,
+            pinhole_model: asked.pinhole_model,
+            exposure_s: asked.exposure_s,
+            wavelength_m: asked.wavelength_m,
+            scene_unit_m: asked.scene_unit_m,
+        })
+    }
+
+    /// Centre of the pinhole, scene frame, metres.
+    #[must_use]
+    pub fn position_m(&self) -> DVec3 {
+        self.position_m
+    }
+
+    /// Where the camera looks; unit.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// The picture's right; unit.
+    #[must_use]
+    pub fn right(&self) -> DVec3 {
+        self.right
+    }
+
+    /// The picture's up; unit.
+    #[must_use]
+    pub fn up(&self) -> DVec3 {
+        self.up
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn columns(&self) -> u32 {
+        self.pixels[0]
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn rows(&self) -> u32 {
+        self.pixels[1]
+    }
+
+    /// Columns times rows.
+    #[must_use]
+    pub fn pixel_count(&self) -> u64 {
+        u64::from(self.pixels[0]) * u64::from(self.pixels[1])
+    }
+
+    /// Distance between pixels along a row and along a column, metres.
+    #[must_use]
+    pub fn pixel_pitch_m(&self) -> [f64; 2] {
+        self.pixel_pitch_m
+    }
+
+    /// From pinhole to sensor, metres.
+    #[must_use]
+    pub fn focal_distance_m(&self) -> f64 {
+        self.focal_distance_m
+    }
+
+    /// Diameter of the hole, metres.
+    #[must_use]
+    pub fn pinhole_diameter_m(&self) -> f64 {
+        self.pinhole_diameter_m
+    }
+
+    /// Area of the hole, m².
+    #[must_use]
+    pub fn pinhole_area_m2(&self) -> f64 {
+        FRAC_PI_4 * self.pinhole_diameter_m * self.pinhole_diameter_m
+    }
+
+    /// Area of a pixel, m².
+    #[must_use]
+    pub fn pixel_area_m2(&self) -> f64 {
+        self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
+    }
+
+    /// How the hole is treated.
+    #[must_use]
+    pub fn pinhole_model(&self) -> PinholeModel {
+        self.pinhole_model
+    }
+
+    /// The same camera with the hole treated in another way.
+    #[must_use]
+    pub fn with_pinhole_model(mut self, model: PinholeModel) -> Self {
+        self.pinhole_model = model;
+        self
+    }
+
+    /// Exposure time, seconds.
+    #[must_use]
+    pub fn exposure_s(&self) -> f64 {
+        self.exposure_s
+    }
+
+    /// Wavelength, metres, where it is known.
+    #[must_use]
+    pub fn wavelength_m(&self) -> Option<f64> {
+        self.wavelength_m
+    }
+
+    /// Length of one scene unit, metres.
+    #[must_use]
+    pub fn scene_unit_m(&self) -> f64 {
+        self.scene_unit_m
+    }
+
+    /// `τ·A_pinhole/f²` in s·sr: what turns the mean of L·cos⁴θ into exposure, Eqs. 4 and 8 of the paper.
+    #[must_use]
+    pub fn exposure_per_radiance(&self) -> f64 {
+        self.exposure_s * self.pinhole_area_m2() / (self.focal_distance_m * self.focal_distance_m)
+    }
+
+    /// cos⁴θ of the line from the middle of a pixel through the middle of the hole.
+    #[must_use]
+    pub fn central_cos4(&self, pixel: u64) -> f64 {
+        let [x, y] = self.on_image(pixel, 0.5, 0.5);
+        let f2 = self.focal_distance_m * self.focal_distance_m;
+        let cos2 = f2 / (f2 + x * x + y * y);
+        cos2 * cos2
+    }
+
+    /// Where a point of a pixel appears on the upright image, metres right of and above the axis, one focal distance before
+    /// the hole: the sensor point itself is behind the hole, at minus this. `u` runs from the pixel's left, `v` from its top.
+    #[inline]
+    pub(crate) fn on_image(&self, pixel: u64, u: f64, v: f64) -> [f64; 2] {
+        let columns = u64::from(self.pixels[0]);
+        let (column, row) = ((pixel % columns) as f64, (pixel / columns) as f64);
+        [
+            (column + u - 0.5 * f64::from(self.pixels[0])) * self.pixel_pitch_m[0],
+            (0.5 * f64::from(self.pixels[1]) - row - v) * self.pixel_pitch_m[1],
+        ]
+    }
+}
+
+fn positive(quantity: &'static str, value: f64) -> Result<(), CameraError> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(CameraError::NotPositive { quantity, value }) }
+}
+
+fn unit(quantity: &'static str, components: [f64; 3]) -> Result<DVec3, CameraError> {
+    let vector = DVec3::from(components);
+    if !vector.is_finite() {
+        return Err(CameraError::NotFinite { quantity });
+    }
+    // Scaling by the largest component first keeps very long and very short vectors from overflowing.
+    let largest = vector.abs().max_element();
+    if largest == 0.0 { Err(CameraError::ZeroVector { quantity }) } else { Ok((vector / largest).normalize()) }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// The camera of the paper's experiment.
+    pub(crate) fn paper_description() -> CameraDescription {
+        CameraDescription {
+            position_m: [0.0, 0.0, 0.48],
+            direction: [0.0, 0.0, -1.0],
+            up: [0.0, 1.0, 0.0],
+            pixels: [192, 165],
+            pixel_pitch_m: [13.75e-6, 16e-6],
+            focal_distance_m: 6.75e-3,
+            pinhole_diameter_m: 0.1e-3,
+            pinhole_model: PinholeModel::Finite,
+            exposure_s: 0.01,
+            wavelength_m: Some(650e-9),
+            scene_unit_m: 1.0,
+        }
+    }
+
+    pub(crate) fn paper_camera() -> PinholeCamera {
+        PinholeCamera::new(&paper_description()).unwrap()
+    }
+
+    #[test]
+    fn the_frame_is_that_of_a_viewer_who_looks_along_direction() {
+        let camera = paper_camera();
+        assert_eq!(camera.right(), DVec3::X);
+        assert_eq!(camera.up(), DVec3::Y);
+    }
+
+    #[test]
+    fn a_slanted_up_is_made_perpendicular() {
+        let asked = CameraDescription { direction: [1.0, 2.0, -3e200], up: [0.1, 5.0, 1.0], ..paper_description() };
+        let camera = PinholeCamera::new(&asked).unwrap();
+        for (a, b) in [(camera.right(), camera.up()), (camera.up(), camera.direction())] {
+            assert!(a.dot(b).abs() < 1e-15 && (a.length() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn each_bad_quantity_is_named() {
+        let message = |asked: CameraDescription| PinholeCamera::new(&asked).unwrap_err().to_string();
+        let good = paper_description;
+        assert_eq!(
+            message(CameraDescription { pinhole_diameter_m: -1e-4, ..good() }),
+            "pinhole diameter must be positive and finite, not -0.0001"
+        );
+        assert_eq!(
+            message(CameraDescription { exposure_s: f64::NAN, ..good() }),
+            "exposure time must be positive and finite, not NaN"
+        );
+        assert_eq!(message(CameraDescription { up: [0.0, 0.0, 2.0], ..good() }), "up is parallel to direction");
+        assert_eq!(message(CameraDescription { up: [0.0; 3], ..good() }), "up must not be the zero vector");
+        assert_eq!(
+            message(CameraDescription { direction: [0.0, f64::INFINITY, 0.0], ..good() }),
+            "direction must have finite components"
+        );
+        assert_eq!(
+            message(CameraDescription { pixels: [u32::MAX, u32::MAX], ..good() }),
+            "4294967295 x 4294967295 pixels: expected at least 1 and at most 268435456 in all"
+        );
+        assert!(message(CameraDescription { pixels: [0, 5], ..good() }).starts_with("0 x 5 pixels"));
+    }
+}
