@@ -1,2 +1,129 @@
 //! In-process replacements of the commands that Radiance scenes call.
+//!
+//! A scene line such as `!genbox wood crate 1 1 1 | xform -t 0 0 2` runs here, without a shell, a disk or a second process:
+//! [`pipeline`] splits the line as `sh` would in the plain cases ([`shell_words`]) and hands each command to [`run`].
+//! The output is the text that the real program prints; numbers are rounded as C's `printf` rounds them.
+//!
+//! Guarantees: no panic on any argument; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the same arguments give the
+//! same bytes. An [`Error`] knows which argument it is about, and [`PipelineError`] where that argument stands in the line.
+//!
+//! This crate may not know the scene, the disk, the clock or the environment: files come from a
+//! [`Loader`], and `xform`, which needs the scene parser, comes from the caller as `extra`.
+//!
+//! ```
+//! use radsight_loader::MemoryLoader;
+//! let loader = MemoryLoader::default().with("corners", "0 0  1 0  0 1");
+//! let output = radsight_generate::pipeline("cat corners | genprism wood wedge - -l 0 0 2", &loader, &|_, _| None).unwrap();
+//! assert!(String::from_utf8(output.standard_output).unwrap().contains("wood polygon wedge.b"));
+//! ```
 #![forbid(unsafe_code)]
+
+mod arguments;
+mod cat;
+mod echo;
+mod error;
+mod genbox;
+mod genprism;
+mod gensky;
+mod number_text;
+mod pipeline;
+mod replmarks;
+mod scene_words;
+pub mod shell_words;
+mod sun;
+mod text;
+
+pub use error::Error;
+pub use pipeline::{PipelineError, pipeline};
+pub use text::MAX_OUTPUT_BYTES;
+
+use radsight_loader::Loader;
+
+/// What a command gave.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Output {
+    /// What the program prints; for a generator, scene text.
+    pub standard_output: Vec<u8>,
+    /// What the program says on standard error without failing, one message each, without the program's name.
+    pub warnings: Vec<String>,
+    /// Files that the program writes, by name; whoever reads the standard output must be able to load them.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+/// Runs a command that this crate lacks (`xform`); `None` when the caller lacks it too.
+pub type Extra<'a> = dyn Fn(&[String], Option<&[u8]>) -> Option<Result<Output, Error>> + 'a;
+
+/// All that a program is given.
+pub(crate) struct Invocation<'a> {
+    pub(crate) argv: &'a [String],
+    pub(crate) standard_input: Option<&'a [u8]>,
+    pub(crate) loader: &'a dyn Loader,
+    pub(crate) extra: &'a Extra<'a>,
+}
+
+impl Invocation<'_> {
+    /// Standard input, empty when there is none.
+    pub(crate) fn standard_input(&self) -> &[u8] {
+        self.standard_input.unwrap_or_default()
+    }
+}
+
+type Program = fn(&Invocation<'_>) -> Result<Output, Error>;
+
+/// Sorted by name.
+const PROGRAMS: &[(&str, Program)] = &[
+    ("cat", cat::run),
+    ("echo", echo::run),
+    ("genbox", genbox::run),
+    ("genprism", genprism::run),
+    ("gensky", gensky::run),
+    ("replmarks", replmarks::run),
+];
+
+/// The names of all programs that [`run`] has, sorted.
+#[must_use]
+pub fn names() -> &'static [&'static str] {
+    const NAMES: [&str; PROGRAMS.len()] = {
+        let mut names = [""; PROGRAMS.len()];
+        let mut index = 0;
+        while index < names.len() {
+            names[index] = PROGRAMS[index].0;
+            index += 1;
+        }
+        names
+    };
+    &NAMES
+}
+
+/// Whether [`run`] has the program; a leading directory is ignored, as in `/usr/local/bin/genbox`.
+#[must_use]
+pub fn knows(program: &str) -> bool {
+    find(program).is_some()
+}
+
+/// Runs one command. `argv[0]` is the program's name.
+///
+/// # Errors
+/// When the program is unknown, its arguments or input are wrong, a file cannot be loaded, or the output would be too large.
+pub fn run(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader) -> Result<Output, Error> {
+    run_with(argv, standard_input, loader, &|_, _| None)
+}
+
+pub(crate) fn run_with(
+    argv: &[String],
+    standard_input: Option<&[u8]>,
+    loader: &dyn Loader,
+    extra: &Extra<'_>,
+) -> Result<Output, Error> {
+    let name = argv.first().map_or("", String::as_str);
+    match find(name) {
+        Some(program) => program(&Invocation { argv, standard_input, loader, extra }),
+        None => Err(Error::UnknownProgram { program: name.to_owned() }),
+    }
+}
+
+fn find(program: &str) -> Option<Program> {
+    let name = program.rsplit('/').next().unwrap_or(program);
+    let index = PROGRAMS.binary_search_by_key(&name, |entry| entry.0).ok()?;
+    Some(PROGRAMS[index].1)
+}

@@ -1,0 +1,129 @@
+//! Reading a program's arguments, with errors that name the argument.
+
+use crate::Error;
+use crate::number_text::{leading_integer, leading_number};
+
+/// A walk over `argv`, from the word after the program's name.
+pub(crate) struct Arguments<'a> {
+    argv: &'a [String],
+    usage: &'static str,
+    next: usize,
+    /// What was accepted though it is probably a slip.
+    pub(crate) warnings: Vec<String>,
+}
+
+impl<'a> Arguments<'a> {
+    pub(crate) fn new(argv: &'a [String], usage: &'static str) -> Self {
+        Arguments { argv, usage, next: 1.min(argv.len()), warnings: Vec::new() }
+    }
+
+    /// The program's name without its directory.
+    pub(crate) fn program(&self) -> &'a str {
+        self.argv.first().map_or("", |word| word.rsplit('/').next().unwrap_or(word))
+    }
+
+    /// Index into `argv` of the word that comes next.
+    pub(crate) fn position(&self) -> usize {
+        self.next
+    }
+
+    /// The word that comes next, left in place.
+    pub(crate) fn peek(&self) -> Option<&'a str> {
+        self.argv.get(self.next).map(String::as_str)
+    }
+
+    /// The next word, if there is one.
+    pub(crate) fn word(&mut self) -> Option<&'a str> {
+        let word = self.peek()?;
+        self.next += 1;
+        Some(word)
+    }
+
+    /// The words from the next one on.
+    pub(crate) fn rest(&self) -> &'a [String] {
+        &self.argv[self.next.min(self.argv.len())..]
+    }
+
+    /// The next word; `name` says in the error what is missing.
+    pub(crate) fn required(&mut self, name: &str) -> Result<&'a str, Error> {
+        match self.word() {
+            Some(word) => Ok(word),
+            None => Err(self.mistake(self.next, format!("missing {name}"))),
+        }
+    }
+
+    /// The next word as a finite number. Text after a number is ignored with a warning, as C's `atof` ignores it in silence.
+    pub(crate) fn number(&mut self, name: &str) -> Result<f64, Error> {
+        let position = self.next;
+        let word = self.required(name)?;
+        match leading_number(word) {
+            Some((value, end)) if value.is_finite() => {
+                self.warn_about_tail(word, end, name);
+                Ok(value)
+            }
+            _ => Err(self.mistake(position, format!("{name} is \"{word}\", expected a finite number"))),
+        }
+    }
+
+    /// The next word as a number above zero.
+    pub(crate) fn positive(&mut self, name: &str) -> Result<f64, Error> {
+        let position = self.next;
+        let value = self.number(name)?;
+        if value > 0.0 {
+            return Ok(value);
+        }
+        Err(self.mistake(position, format!("{name} is {value}, expected a number above zero")))
+    }
+
+    /// The next word as an integer; a fraction is cut off with a warning.
+    pub(crate) fn integer(&mut self, name: &str) -> Result<i64, Error> {
+        let position = self.next;
+        let word = self.required(name)?;
+        match leading_integer(word) {
+            Some((value, end)) => {
+                self.warn_about_tail(word, end, name);
+                Ok(value)
+            }
+            None => Err(self.mistake(position, format!("{name} is \"{word}\", expected an integer"))),
+        }
+    }
+
+    /// The next word as an integer above zero.
+    pub(crate) fn count(&mut self, name: &str) -> Result<usize, Error> {
+        let position = self.next;
+        let value = self.integer(name)?;
+        match usize::try_from(value) {
+            Ok(count) if count > 0 => Ok(count),
+            _ => Err(self.mistake(position, format!("{name} is {value}, expected an integer above zero"))),
+        }
+    }
+
+    /// Three numbers; `name` stands before `x`, `y` and `z` in errors.
+    pub(crate) fn vector(&mut self, name: &str) -> Result<[f64; 3], Error> {
+        Ok([self.number(&format!("{name} x"))?, self.number(&format!("{name} y"))?, self.number(&format!("{name} z"))?])
+    }
+
+    /// An error about the word just read, which no option or argument explains.
+    pub(crate) fn unknown(&self) -> Error {
+        let position = self.next.saturating_sub(1);
+        let word = self.argv.get(position).map_or("", String::as_str);
+        let what = if word.starts_with(['-', '+']) { "unknown option" } else { "unexpected argument" };
+        self.mistake(position, format!("{what} \"{word}\""))
+    }
+
+    /// An error about the word at an index of `argv`.
+    pub(crate) fn mistake(&self, argument: usize, mistake: impl Into<String>) -> Error {
+        Error::Argument { program: self.program().to_owned(), mistake: mistake.into(), usage: self.usage, argument }
+    }
+
+    /// An error about what the arguments describe together.
+    pub(crate) fn impossible(&self, mistake: impl Into<String>) -> Error {
+        Error::Impossible { program: self.program().to_owned(), mistake: mistake.into() }
+    }
+
+    fn warn_about_tail(&mut self, word: &str, end: usize, name: &str) {
+        if end < word.len() {
+            self.warnings.push(format!("{name} is \"{word}\"; \"{}\" is ignored", &word[end..]));
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! `genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]`: a box with a corner in the origin.
+//!
+//! Lengths are in scene units. Edges can be bevelled (`-b`), rounded with cylinders and spheres (`-r`), or rounded with
+//! facets (`-n` a power of two an edge; always when `-i` turns the box inside out), flat or smoothed (`-s`).
+//! `-o` gives Wavefront text instead of a scene.
+
+use std::fmt::Write;
+
+use crate::arguments::Arguments;
+use crate::text::{Text, wide};
+use crate::{Error, Invocation, Output};
+
+const USAGE: &str = "genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]";
+
+/// What the options ask for.
+struct Options<'a> {
+    material: &'a str,
+    name: &'a str,
+    size: [f64; 3],
+    /// Bevel or radius of rounding; zero for sharp edges.
+    bevel: f64,
+    rounded: bool,
+    /// Each rounded edge has 2^this facets; 1 stands for a true cylinder.
+    subdivisions: u32,
+    reversed: bool,
+    smooth: bool,
+    wavefront: bool,
+}
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let options = read(&mut arguments)?;
+    let mut text = Text::default();
+    text.command_comment(invocation.argv)?;
+    let mut corners = Primitives { options: &options, text: &mut text };
+    emit(&options, &mut corners)?;
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+}
+
+fn read<'a>(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
+    let material = arguments.required("material")?;
+    let name = arguments.required("name")?;
+    let size = [arguments.positive("xsize")?, arguments.positive("ysize")?, arguments.positive("zsize")?];
+    let (mut bevel, mut rounded, mut segments) = (0.0, false, 1);
+    let (mut reversed, mut smooth, mut wavefront) = (false, false, false);
+    while let Some(option) = arguments.word() {
+        match option.as_bytes() {
+            [b'-', b'o', ..] => wavefront = true,
+            [b'-', b'i', ..] => reversed = true,
+            [b'-', b's', ..] => smooth = true,
+            [b'-', b'b', ..] => bevel = arguments.positive("bevel (-b)")?,
+            [b'-', b'r', ..] => {
+                rounded = true;
+                bevel = arguments.positive("round (-r)")?;
+            }
+            [b'-', b'n', ..] => segments = arguments.count("nsegs (-n)")?,
+            _ => return Err(arguments.unknown()),
+        }
+    }
+    if (wavefront || reversed) && segments == 1 {
+        segments = 32;
+    }
+    let subdivisions = if rounded { 1 + (segments - 1).checked_ilog2().unwrap_or(0) } else { 0 };
+    Ok(Options { material, name, size, bevel, rounded, subdivisions, reversed, smooth, wavefront })
+}
+
+/// A corner of the box. In octal digits: the sum of 1, 2, 4 says where along x, y, z it lies (set: far side), and of 010, 020,
+/// 040 whether it is moved inwards by the bevel there.
+type Corner = usize;
+
+/// Where the faces, edges and corners of a box go.
+trait Faces {
+    fn polygon(&mut self, corners: &[Corner]) -> Result<(), Error>;
+    fn edge(&mut self, from: Corner, to: Corner) -> Result<(), Error>;
+    fn corner_sphere(&mut self, corner: Corner) -> Result<(), Error>;
+}
+
+#[rustfmt::skip]
+const BEVELLED_SIDES: [[Corner; 4]; 6] = [
+    [0o51, 0o55, 0o54, 0o50], [0o64, 0o66, 0o62, 0o60], [0o32, 0o33, 0o31, 0o30],
+    [0o53, 0o52, 0o56, 0o57], [0o65, 0o61, 0o63, 0o67], [0o36, 0o34, 0o35, 0o37],
+];
+#[rustfmt::skip]
+const BEVELS: [[Corner; 4]; 12] = [
+    [0o31, 0o51, 0o50, 0o30], [0o60, 0o62, 0o32, 0o30], [0o50, 0o54, 0o64, 0o60],
+    [0o34, 0o36, 0o66, 0o64], [0o37, 0o57, 0o56, 0o36], [0o52, 0o62, 0o66, 0o56],
+    [0o52, 0o53, 0o33, 0o32], [0o57, 0o67, 0o63, 0o53], [0o61, 0o31, 0o33, 0o63],
+    [0o65, 0o67, 0o37, 0o35], [0o55, 0o51, 0o61, 0o65], [0o34, 0o54, 0o55, 0o35],
+];
+#[rustfmt::skip]
+const BEVELLED_CORNERS: [[Corner; 3]; 8] = [
+    [0o30, 0o50, 0o60], [0o51, 0o31, 0o61], [0o32, 0o62, 0o52], [0o64, 0o54, 0o34],
+    [0o36, 0o56, 0o66], [0o65, 0o35, 0o55], [0o53, 0o63, 0o33], [0o37, 0o67, 0o57],
+];
+#[rustfmt::skip]
+const EDGES: [[Corner; 2]; 12] = [
+    [0o70, 0o71], [0o70, 0o74], [0o70, 0o72], [0o73, 0o71], [0o73, 0o72], [0o73, 0o77],
+    [0o75, 0o71], [0o75, 0o74], [0o75, 0o77], [0o76, 0o72], [0o76, 0o74], [0o76, 0o77],
+];
+const SHARP_SIDES: [[Corner; 4]; 6] =
+    [[1, 5, 4, 0], [4, 6, 2, 0], [2, 3, 1, 0], [3, 2, 6, 7], [5, 1, 3, 7], [6, 4, 5, 7]];
+
+/// All faces in Radiance's order.
+fn emit(options: &Options<'_>, faces: &mut dyn Faces) -> Result<(), Error> {
+    if options.bevel == 0.0 {
+        return SHARP_SIDES.iter().try_for_each(|side| faces.polygon(side));
+    }
+    BEVELLED_SIDES.iter().try_for_each(|side| faces.polygon(side))?;
+    if options.rounded {
+        EDGES.iter().try_for_each(|edge| faces.edge(edge[0], edge[1]))?;
+        return (0o70..0o100).try_for_each(|corner| faces.corner_sphere(corner));
+    }
+    BEVELS.iter().try_for_each(|side| faces.polygon(side))?;
+    BEVELLED_CORNERS.iter().try_for_each(|corner| faces.polygon(corner))
+}
+
+impl Options<'_> {
+    /// Position of a corner, in scene units.
+    fn position(&self, corner: Corner) -> [f64; 3] {
+        std::array::from_fn(|axis| {
+            let far = ((corner >> axis) & 1 != 0) != self.reversed;
+            let inset = if (corner >> axis) & 0o10 != 0 { self.bevel } else { 0.0 };
+            if far { self.size[axis] - inset } else { inset }
+        })
+    }
+}
+
+/// Writes Radiance primitives.
+struct Primitives<'a, 'b> {
+    options: &'a Options<'b>,
+    text: &'a mut Text,
+}
+
+/// A corner's letter in a primitive's name.
+fn letter(corner: Corner) -> char {
+    const LETTERS: &[u8; 64] = b"0123456789._ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    LETTERS[corner & 63] as char
+}
+
+impl Primitives<'_, '_> {
+    fn head(&mut self, kind: &str, corners: &[Corner], numbers: usize) -> Result<(), Error> {
+        let Options { material, name, .. } = self.options;
+        let letters: String = corners.iter().map(|corner| letter(*corner)).collect();
+        self.text.primitive(material, kind, format_args!("{name}.{letters}"), numbers)?;
+        for corner in corners {
+            let [x, y, z] = self.options.position(*corner);
+            self.text.vertex(x, y, z)?;
+        }
+        Ok(())
+    }
+}
+
+impl Faces for Primitives<'_, '_> {
+    fn polygon(&mut self, corners: &[Corner]) -> Result<(), Error> {
+        self.head("polygon", corners, 3 * corners.len())
+    }
+
+    fn edge(&mut self, from: Corner, to: Corner) -> Result<(), Error> {
+        self.head("cylinder", &[from, to], 7)?;
+        Ok(writeln!(self.text, "\t{}", wide(self.options.bevel))?)
+    }
+
+    fn corner_sphere(&mut self, corner: Corner) -> Result<(), Error> {
+        self.head("sphere", &[corner], 4)?;
+        Ok(writeln!(self.text, "\t{}", wide(self.options.bevel))?)
+    }
+}

@@ -1,0 +1,252 @@
+//! Text output with a size limit, and the forms of numbers that C's `printf` writes.
+
+use std::fmt::{self, Display, Formatter, Write};
+
+/// No command gives more than this; a wish for more is an error instead of an exhausted machine.
+pub const MAX_OUTPUT_BYTES: usize = 1 << 30;
+
+/// Collects a program's output. Writing fails when [`MAX_OUTPUT_BYTES`] is passed.
+#[derive(Default)]
+pub(crate) struct Text {
+    bytes: Vec<u8>,
+}
+
+impl Text {
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// Appends bytes that need not be UTF-8.
+    pub(crate) fn push_bytes(&mut self, bytes: &[u8]) -> fmt::Result {
+        if bytes.len() > MAX_OUTPUT_BYTES - self.bytes.len() {
+            return Err(fmt::Error);
+        }
+        self.bytes.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    /// Fails at once when `count` more items of at least `bytes_each` cannot fit.
+    pub(crate) fn expect_room(&self, count: f64, bytes_each: f64) -> fmt::Result {
+        let wanted = self.bytes.len() as f64 + count * bytes_each;
+        if wanted <= MAX_OUTPUT_BYTES as f64 { Ok(()) } else { Err(fmt::Error) }
+    }
+
+    /// One line of three coordinates, each `%18.12g`, with a tab before and between them.
+    pub(crate) fn vertex(&mut self, x: f64, y: f64, z: f64) -> fmt::Result {
+        writeln!(self, "\t{}\t{}\t{}", wide(x), wide(y), wide(z))
+    }
+
+    /// The head of a primitive without string and integer arguments, up to the count of its numbers.
+    pub(crate) fn primitive(&mut self, modifier: &str, kind: &str, name: impl Display, numbers: usize) -> fmt::Result {
+        write!(self, "\n{modifier} {kind} {name}\n0\n0\n{numbers}\n")
+    }
+
+    /// The command as a comment line, words quoted where Radiance quotes them.
+    pub(crate) fn command_comment(&mut self, argv: &[String]) -> fmt::Result {
+        self.write_str("#")?;
+        for (index, word) in argv.iter().enumerate() {
+            let word = if index == 0 { word.rsplit('/').next().unwrap_or(word) } else { word };
+            write!(self, " {}", Quoted(&word.replace(['\n', '\r'], " ")))?;
+        }
+        self.write_str("\n")
+    }
+
+    /// The command as a comment line, words as they are.
+    pub(crate) fn plain_command_comment(&mut self, argv: &[String]) -> fmt::Result {
+        writeln!(self, "# {}", argv.join(" ").replace(['\n', '\r'], " "))
+    }
+}
+
+impl Write for Text {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.push_bytes(text.as_bytes())
+    }
+}
+
+/// A word as Radiance writes it: quoted when it is empty, has white space, or has a quote inside.
+pub(crate) struct Quoted<'a>(pub(crate) &'a str);
+
+impl Display for Quoted<'_> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let word = self.0;
+        // Of the quotes inside, the last one decides, as in Radiance; one at either end does not count.
+        let inside = word.as_bytes().get(1..word.len().saturating_sub(1)).unwrap_or_default();
+        let quote = match inside.iter().rev().find(|byte| matches!(byte, b'"' | b'\'')) {
+            Some(b'"') => Some('\''),
+            Some(_) => Some('"'),
+            None => None,
+        };
+        match quote {
+            Some(quote) => write!(formatter, "{quote}{word}{quote}"),
+            None if word.is_empty() || word.contains(is_space) => write!(formatter, "\"{word}\""),
+            None => formatter.write_str(word),
+        }
+    }
+}
+
+/// White space as C's `isspace` has it.
+pub(crate) fn is_space(character: char) -> bool {
+    matches!(character, ' ' | '\t' | '\n' | '\r' | '\x0b' | '\x0c')
+}
+
+/// A number as C's `%{width}.{precision}g` prints it.
+#[derive(Clone, Copy)]
+pub(crate) struct General {
+    value: f64,
+    width: usize,
+    precision: usize,
+}
+
+/// `%18.12g`, the form of most generators.
+pub(crate) fn wide(value: f64) -> General {
+    General { value, width: 18, precision: 12 }
+}
+
+/// `%.{precision}g`.
+pub(crate) fn general(value: f64, precision: usize) -> General {
+    General { value, width: 0, precision }
+}
+
+/// `%{width}.{precision}g`.
+pub(crate) fn padded(value: f64, width: usize, precision: usize) -> General {
+    General { value, width, precision }
+}
+
+impl Display for General {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let mut digits = Digits::default();
+        write_general(&mut digits, self.value, self.precision)?;
+        let width = self.width;
+        write!(formatter, "{:>width$}", digits.as_str())
+    }
+}
+
+/// A number as C's `%.{digits}e` prints it: at least two digits of exponent, with its sign.
+#[derive(Clone, Copy)]
+pub(crate) struct Exponential(pub(crate) f64, pub(crate) usize);
+
+impl Display for Exponential {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        if !self.0.is_finite() {
+            return write_not_finite(formatter, self.0);
+        }
+        let mut scientific = Digits::default();
+        write!(scientific, "{:.*e}", self.1, self.0)?;
+        let (mantissa, exponent) = scientific.parts();
+        write!(formatter, "{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
+    }
+}
+
+fn write_not_finite(out: &mut dyn Write, value: f64) -> fmt::Result {
+    let sign = if value.is_sign_negative() { "-" } else { "" };
+    write!(out, "{sign}{}", if value.is_nan() { "nan" } else { "inf" })
+}
+
+/// C's `%g`: `precision` significant digits, no trailing zeros, an exponent only below 1e-4 and from 10^precision on.
+fn write_general(out: &mut dyn Write, value: f64, precision: usize) -> fmt::Result {
+    if !value.is_finite() {
+        return write_not_finite(out, value);
+    }
+    if value == value.trunc() && value.abs() < 1e6 && precision >= 6 && (value != 0.0 || value.is_sign_positive()) {
+        return write!(out, "{}", value as i64);
+    }
+    let precision = precision.max(1);
+    let mut scientific = Digits::default();
+    write!(scientific, "{:.*e}", precision - 1, value)?;
+    let (mantissa, exponent) = scientific.parts();
+    let (sign, mantissa) = match mantissa.strip_prefix('-') {
+        Some(rest) => ("-", rest),
+        None => ("", mantissa),
+    };
+    let (first, rest) = mantissa.split_at(1);
+    let rest = rest.trim_start_matches('.').trim_end_matches('0');
+    out.write_str(sign)?;
+    if exponent < -4 || exponent >= precision as i32 {
+        let point = if rest.is_empty() { "" } else { "." };
+        return write!(out, "{first}{point}{rest}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs());
+    }
+    if exponent < 0 {
+        out.write_str("0")?;
+        if first == "0" {
+            return Ok(());
+        }
+        let zeros = (-exponent - 1) as usize;
+        return write!(out, ".{:0<zeros$}{first}{rest}", "");
+    }
+    let whole = exponent as usize;
+    if rest.len() <= whole {
+        return write!(out, "{first}{rest:0<whole$}");
+    }
+    write!(out, "{first}{}.{}", &rest[..whole], &rest[whole..])
+}
+
+/// A small buffer for one number's text.
+#[derive(Default)]
+struct Digits {
+    text: String,
+}
+
+impl Digits {
+    fn as_str(&self) -> &str {
+        &self.text
+    }
+
+    /// Mantissa and exponent of Rust's `e` form.
+    fn parts(&self) -> (&str, i32) {
+        let (mantissa, exponent) = self.text.split_once('e').unwrap_or((&self.text, "0"));
+        (mantissa, exponent.parse().unwrap_or(0))
+    }
+}
+
+impl Write for Digits {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.text.push_str(text);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn general_numbers_are_those_of_c() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "-0"),
+            (1.0, "1"),
+            (0.1, "0.1"),
+            (123_456.0, "123456"),
+            (1e12, "1e+12"),
+            (123_456_789_012.0, "123456789012"),
+            (1e-4, "0.0001"),
+            (1e-5, "1e-05"),
+            (1.0 / 3.0, "0.333333333333"),
+            (-2.0 / 3.0 * 1e-7, "-6.66666666667e-08"),
+            (1e100, "1e+100"),
+            (99_999.999_999_999_9, "100000"),
+            (1_234_500_000.25, "1234500000.25"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(general(value, 12).to_string(), expected);
+        }
+        assert_eq!(wide(0.5).to_string(), "               0.5");
+        assert_eq!(general(1_234_567.0, 6).to_string(), "1.23457e+06");
+    }
+
+    #[test]
+    fn exponents_have_two_digits_and_a_sign() {
+        assert_eq!(Exponential(12_345.678, 3).to_string(), "1.235e+04");
+        assert_eq!(Exponential(0.0, 3).to_string(), "0.000e+00");
+        assert_eq!(Exponential(1e-101, 3).to_string(), "1.000e-101");
+    }
+
+    #[test]
+    fn words_are_quoted_as_radiance_quotes_them() {
+        for (word, expected) in
+            [("a", "a"), ("", "\"\""), ("a b", "\"a b\""), ("x'y", "\"x'y\""), ("x\"y", "'x\"y'"), ("x\"", "x\"")]
+        {
+            assert_eq!(Quoted(word).to_string(), expected);
+        }
+    }
+}

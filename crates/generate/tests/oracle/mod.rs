@@ -1,0 +1,187 @@
+//! Runs the real Radiance programs and compares their output with ours.
+#![allow(dead_code)]
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use radsight_generate::{Error, Output, run};
+use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+
+/// Where the real programs are.
+pub struct Radiance {
+    bin: Option<PathBuf>,
+    library: Option<PathBuf>,
+}
+
+/// What a real program did.
+pub struct RealOutput {
+    pub standard_output: String,
+    pub standard_error: String,
+    pub succeeded: bool,
+}
+
+impl Radiance {
+    /// `RADSIGHT_RADIANCE` names a folder with `bin` and `lib`; otherwise the programs must be on PATH.
+    pub fn find() -> Option<Radiance> {
+        if let Some(root) = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from) {
+            return Some(Radiance { bin: Some(root.join("bin")), library: Some(root.join("lib")) });
+        }
+        let found = Command::new("rcalc").arg("-n").arg("-e").arg("$1=1").stdin(Stdio::null()).output().is_ok();
+        if !found {
+            println!("skipped: real Radiance not found");
+        }
+        found.then_some(Radiance { bin: None, library: None })
+    }
+
+    pub fn library(&self) -> Option<&Path> {
+        self.library.as_deref()
+    }
+
+    pub fn run(&self, argv: &[String], standard_input: &[u8], directory: Option<&Path>) -> RealOutput {
+        let program = self.bin.as_ref().map_or(PathBuf::from(&argv[0]), |bin| bin.join(&argv[0]));
+        let mut command = Command::new(program);
+        command.arg0(&argv[0]).args(&argv[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        if let Some(library) = &self.library {
+            command.env("RAYPATH", format!(".:{}", library.display()));
+        }
+        if let Some(directory) = directory {
+            command.current_dir(directory);
+        }
+        let mut child = command.spawn().expect("the real program starts");
+        let mut pipe = child.stdin.take().expect("a pipe");
+        let bytes = standard_input.to_vec();
+        let writer = std::thread::spawn(move || drop(pipe.write_all(&bytes)));
+        let output = child.wait_with_output().expect("the real program ends");
+        writer.join().expect("the writer ends");
+        RealOutput {
+            standard_output: String::from_utf8_lossy(&output.stdout).into_owned(),
+            standard_error: String::from_utf8_lossy(&output.stderr).into_owned(),
+            succeeded: output.status.success(),
+        }
+    }
+}
+
+/// Files in memory, and real folders after them.
+#[derive(Default)]
+pub struct TestLoader {
+    pub files: HashMap<String, Vec<u8>>,
+    pub folders: Vec<PathBuf>,
+}
+
+impl Loader for TestLoader {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        if let Some(bytes) = self.files.get(name) {
+            return Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() });
+        }
+        for folder in &self.folders {
+            let path = folder.join(name);
+            if let Ok(bytes) = std::fs::read(&path) {
+                return Ok(Loaded { path: path.display().to_string(), bytes });
+            }
+        }
+        Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() })
+    }
+}
+
+pub fn words(line: &str) -> Vec<String> {
+    line.split_whitespace().map(str::to_owned).collect()
+}
+
+pub fn ours(argv: &[String], standard_input: &[u8], loader: &dyn Loader) -> Result<Output, Error> {
+    run(argv, Some(standard_input), loader)
+}
+
+/// How alike two outputs are.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Likeness {
+    Identical,
+    /// Same words, and numbers that differ in the last printed digits only.
+    Rounded,
+    Different(String),
+}
+
+/// Compares word by word.
+pub fn compare(ours: &str, real: &str) -> Likeness {
+    if ours == real {
+        return Likeness::Identical;
+    }
+    let (mut left, mut right) = (ours.split_whitespace(), real.split_whitespace());
+    let mut place = 0;
+    loop {
+        place += 1;
+        match (left.next(), right.next()) {
+            (None, None) => return Likeness::Rounded,
+            (Some(a), Some(b)) if a == b || close(a, b) => {}
+            (a, b) => return Likeness::Different(format!("word {place}: ours {a:?}, real {b:?}")),
+        }
+    }
+}
+
+fn close(a: &str, b: &str) -> bool {
+    match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => {
+            // One unit in the last of the digits that are printed, at least 1e-11 of the largest coordinates.
+            let printed = |text: f64| 1e-10 * text.abs().max(1e-2);
+            (a - b).abs() <= printed(a).max(printed(b)) || a.is_nan() && b.is_nan()
+        }
+        _ => false,
+    }
+}
+
+/// Runs both and panics unless the outputs agree; gives whether they are the same bytes.
+pub fn expect_same(radiance: &Radiance, argv: &[String], standard_input: &[u8], loader: &TestLoader) -> bool {
+    let real = radiance.run(argv, standard_input, loader.folders.first().map(PathBuf::as_path));
+    let mine = ours(argv, standard_input, loader);
+    let mine = match mine {
+        Ok(output) => String::from_utf8(output.standard_output).expect("text"),
+        Err(error) => panic!("{argv:?}: ours fails with {error}; real says {}", real.standard_error),
+    };
+    match compare(&mine, &real.standard_output) {
+        Likeness::Identical => true,
+        Likeness::Rounded => false,
+        Likeness::Different(what) => {
+            panic!(
+                "{argv:?}: {what}\n--- ours\n{mine:.3000}\n--- real\n{:.3000}\n{}",
+                real.standard_output, real.standard_error
+            )
+        }
+    }
+}
+
+/// A small generator of reproducible numbers.
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 16
+    }
+
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit as u64) as usize
+    }
+
+    pub fn chance(&mut self, of: usize) -> bool {
+        self.below(of) == 0
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() & 0xFFFF_FFFF) as f64 / 4_294_967_296.0
+    }
+
+    /// A number with few or many digits, as text.
+    pub fn text(&mut self, low: f64, high: f64) -> String {
+        let value = self.between(low, high);
+        match self.below(4) {
+            0 => format!("{value:.0}"),
+            1 => format!("{value:.2}"),
+            2 => format!("{value:.5e}"),
+            _ => format!("{value:.9}"),
+        }
+    }
+}

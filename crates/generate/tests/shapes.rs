@@ -1,0 +1,137 @@
+//! genbox, genprism, replmarks and their like against the real programs.
+
+mod oracle;
+
+use oracle::{Numbers, Radiance, TestLoader, expect_same, ours, words};
+
+#[test]
+fn boxes_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut numbers = Numbers(1);
+    let loader = TestLoader::default();
+    let mut identical = 0;
+    let lines = 300;
+    for _ in 0..lines {
+        let mut argv = words("genbox some_mat a.box");
+        argv.extend((0..3).map(|_| numbers.text(0.51, 9.0)));
+        match numbers.below(4) {
+            0 => {}
+            1 => argv.extend(["-b".into(), numbers.text(0.6, 2.0)]),
+            2 => argv.extend(["-r".into(), "0.2".into()]),
+            _ => {
+                argv.extend(["-r".into(), format!("{:.3}", numbers.between(0.01, 0.25))]);
+                argv.extend(["-n".into(), (1 + numbers.below(9)).to_string()]);
+                if numbers.chance(2) {
+                    argv.push("-s".into());
+                }
+            }
+        }
+        for option in ["-i", "-o"] {
+            if numbers.chance(4) {
+                argv.push(option.into());
+            }
+        }
+        identical += usize::from(expect_same(&radiance, &argv, b"", &loader));
+    }
+    println!("genbox: {identical} of {lines} outputs are the same bytes");
+}
+
+#[test]
+fn prisms_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut numbers = Numbers(2);
+    let loader = TestLoader::default();
+    let mut identical = 0;
+    let lines = 400;
+    for _ in 0..lines {
+        let count = 3 + numbers.below(9);
+        let mut corners = Vec::new();
+        for index in 0..count {
+            let (angle, radius) = (index as f64 * 6.28 / count as f64, numbers.between(1.0, 4.0));
+            corners.push(format!("{:.6}", radius * angle.cos()));
+            corners.push(format!("{:.6}", radius * angle.sin()));
+        }
+        if numbers.chance(3) {
+            corners.reverse();
+        }
+        let mut argv = words("genprism mat p.1");
+        let mut standard_input = String::new();
+        if numbers.chance(3) {
+            argv.push("-".into());
+            standard_input = corners.join("\n") + if numbers.chance(3) { " x" } else { "\n" };
+        } else {
+            argv.push(count.to_string());
+            argv.extend(corners);
+        }
+        if numbers.chance(2) {
+            let up = if numbers.chance(2) { -1.0 } else { 1.0 };
+            argv.push("-l".into());
+            argv.extend([numbers.text(-2.0, 2.0), numbers.text(-2.0, 2.0), numbers.text(up * 0.6, up * 3.0)]);
+        }
+        if numbers.chance(2) {
+            argv.extend(["-r".into(), format!("{:.4}", numbers.between(0.01, 0.5))]);
+        }
+        for option in ["-c", "-e"] {
+            if numbers.chance(4) {
+                argv.push(option.into());
+            }
+        }
+        identical += usize::from(expect_same(&radiance, &argv, standard_input.as_bytes(), &loader));
+    }
+    println!("genprism: {identical} of {lines} outputs are the same bytes");
+}
+
+#[test]
+fn replaced_markers_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut numbers = Numbers(3);
+    let loader = TestLoader::default();
+    let mut identical = 0;
+    let lines = 200;
+    for line in 0..lines {
+        let mut scene = String::from("# a comment\n!xform -t 1 2 3 a.rad\nvoid plastic other\n0\n0\n5 1 1 1 0 0\n");
+        scene += "other alias copy other\nother \"polygon\" \"with space\"\n0 0 9 1 2 3 4 5 6 7 8 9\n";
+        for marker in 0..4 {
+            let modifier = ["rmod", "other", "smod", "rmod"][marker];
+            let quad = numbers.chance(3);
+            let corner: [f64; 3] = std::array::from_fn(|_| numbers.between(-5.0, 5.0));
+            let mut x: [f64; 3] = std::array::from_fn(|_| numbers.between(2.0, 3.0));
+            let y: [f64; 3] = std::array::from_fn(|_| numbers.between(-1.0, 1.0));
+            if numbers.chance(4) {
+                x = [0.0, 0.0, 3.0];
+            }
+            let mut points = vec![corner];
+            points.push(std::array::from_fn(|axis| corner[axis] + x[axis]));
+            points.push(std::array::from_fn(|axis| corner[axis] + y[axis]));
+            if quad {
+                // The far side is drawn in, so that two long edges meet in one corner.
+                points.insert(2, std::array::from_fn(|axis| corner[axis] + 0.2 * x[axis] + 1.001 * y[axis]));
+            }
+            let count = points.len() * 3;
+            scene += &format!("{modifier} polygon m.{line}.{marker}\n0\n0\n{count}\n");
+            for point in points {
+                scene += &format!(" {:.7} {:.7} {:.7}\n", point[0], point[1], point[2]);
+            }
+        }
+        let mut argv = words(["replmarks -s 1 -x dummy.rad rmod", "replmarks -i a.oct -m new rmod"][line % 2]);
+        if numbers.chance(3) {
+            argv = words("replmarks -I a.rtm -s .5 rmod -x b.rad -m other_mod smod");
+        }
+        let real = radiance.run(&argv, scene.as_bytes(), None);
+        match ours(&argv, scene.as_bytes(), &loader) {
+            Ok(output) => {
+                let mine = String::from_utf8(output.standard_output).unwrap();
+                assert_ne!(real.standard_output, "", "{}", real.standard_error);
+                match oracle::compare(&mine, &real.standard_output) {
+                    oracle::Likeness::Identical => identical += 1,
+                    oracle::Likeness::Rounded => {}
+                    oracle::Likeness::Different(what) => {
+                        panic!("{argv:?} {what}\n{mine}\n---\n{}", real.standard_output)
+                    }
+                }
+            }
+            Err(error) => assert!(!real.succeeded, "{argv:?}: {error}\n{scene}"),
+        }
+    }
+    println!("replmarks: {identical} of {lines} outputs are the same bytes");
+}
