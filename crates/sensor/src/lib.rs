@@ -1,2 +1,73 @@
-//! Turns exposure into grey values.
+//! From exposure to grey values: the paper's power law, a linear sensor after EMVA 1288, and calibration.
+//!
+//! Exposure is energy per area on a pixel, J/m². A [`Sensor`] turns it into a grey value, saturated and rounded once, at the
+//! end: half away from zero, never below 0, never above what the bits can hold.
+//!
+//! Guarantees: a [`PowerLaw`] or [`Emva1288`] holds only finite values within their ranges; the grey value is a function of
+//! (exposure, seed, pixel) only. May not know where the exposure came from; does no input or output.
+//!
+//! ```
+//! use radsight_sensor::{BitDepth, ExposureUnit, PowerLaw, PowerLawDescription};
+//! let sensor = PowerLaw::new(&PowerLawDescription {
+//!     k: 33844.0,
+//!     gamma: 0.85,
+//!     grey_background: 12.0,
+//!     grey_max: 161.0,
+//!     exposure_unit: ExposureUnit::MicrojoulePerSquareCentimetre,
+//!     bits: BitDepth::EIGHT,
+//! })?;
+//! assert_eq!(sensor.grey(0.0), 12);
+//! assert_eq!(sensor.grey(1e-6), 25); // 33844·(1e-4)^0.85 + 12 = 25.47
+//! assert_eq!(sensor.grey(1.0), 161);
+//! # Ok::<(), radsight_sensor::SensorError>(())
+//! ```
 #![forbid(unsafe_code)]
+
+mod bit_depth;
+pub mod calibrate;
+mod emva1288;
+mod error;
+mod exposure_unit;
+mod power_law;
+
+pub use bit_depth::BitDepth;
+pub use emva1288::{Emva1288, Emva1288Description};
+pub use error::SensorError;
+pub use exposure_unit::ExposureUnit;
+pub use power_law::{PowerLaw, PowerLawDescription};
+
+/// Any sensor that a camera file can ask for.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Sensor {
+    /// Eq. 5 of the paper, without noise.
+    PowerLaw(PowerLaw),
+    /// A linear sensor with photon and read noise.
+    Emva1288(Emva1288),
+}
+
+impl Sensor {
+    /// The grey value of pixel number `pixel` at `exposure` J/m². `seed` matters only to a sensor with noise.
+    #[must_use]
+    pub fn grey(&self, exposure: f64, seed: u64, pixel: u64) -> u16 {
+        match self {
+            Sensor::PowerLaw(sensor) => sensor.grey(exposure),
+            Sensor::Emva1288(sensor) => sensor.grey(exposure, seed, pixel),
+        }
+    }
+
+    /// The grey values of a picture's exposures (J/m²), pixel 0 first.
+    #[must_use]
+    pub fn greys(&self, exposures: &[f64], seed: u64) -> Vec<u16> {
+        (0..).zip(exposures).map(|(pixel, &exposure)| self.grey(exposure, seed, pixel)).collect()
+    }
+
+    /// The width of the grey values.
+    #[must_use]
+    pub fn bits(&self) -> BitDepth {
+        match self {
+            Sensor::PowerLaw(sensor) => sensor.bits(),
+            Sensor::Emva1288(sensor) => sensor.bits(),
+        }
+    }
+}

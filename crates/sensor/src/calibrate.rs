@@ -1,0 +1,291 @@
+//! Fits Eq. 5 of the paper to measured (exposure, grey) pairs.
+//!
+//! The model is `G = min(K·E^γ + G₀, G_max)`. For a given γ and a given set of saturated points it is linear in K and G₀, so only
+//! γ is searched (variable projection, Golub and Pereyra, SIAM J. Numer. Anal. 10(2), 1973), from several
+//! guesses of where saturation begins; the begin then moves to where the curve meets the plateau, and the best fit is taken.
+
+use crate::ExposureUnit;
+
+/// γ is searched between these.
+const GAMMA_RANGE: [f64; 2] = [0.02, 10.0];
+/// Steps of the first, geometric scan over γ.
+const GAMMA_STEPS: i32 = 48;
+/// First guesses of where saturation begins.
+const GUESSES: usize = 24;
+/// Points that are enough to judge a guess.
+const POINTS_FOR_GUESSES: usize = 1024;
+/// Moves of the begin of saturation after which a guess is given up.
+const ROUNDS: usize = 32;
+/// Fewest points below saturation: one more than K, γ and G₀.
+const FEWEST_POINTS: usize = 4;
+/// Fewest points that make a plateau.
+const FEWEST_SATURATED: usize = 2;
+
+/// A measured pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// Exposure, in the unit in which K is wanted.
+    pub exposure: f64,
+    /// Grey level, whole or a mean over pixels.
+    pub grey: f64,
+}
+
+/// The fitted sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calibration {
+    /// K, grey levels at 1 unit of exposure.
+    pub k: f64,
+    /// γ.
+    pub gamma: f64,
+    /// G₀, grey levels. May come out slightly negative from noisy data.
+    pub grey_background: f64,
+    /// G_max, grey levels; `None` where the data do not reach saturation.
+    pub grey_max: Option<f64>,
+    /// Root mean square of the residuals, grey levels.
+    pub rms_residual: f64,
+    /// Points taken as saturated.
+    pub saturated: usize,
+    /// The unit of exposure to which K belongs.
+    pub exposure_unit: ExposureUnit,
+}
+
+impl Calibration {
+    /// The fitted grey level, not rounded, at an exposure in the calibration's unit.
+    #[must_use]
+    pub fn grey(&self, exposure: f64) -> f64 {
+        let rising = self.k * exposure.max(0.0).powf(self.gamma) + self.grey_background;
+        rising.min(self.grey_max.unwrap_or(f64::INFINITY))
+    }
+}
+
+/// Why nothing could be fitted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// Too little data for K, γ and G₀.
+    #[error("{found} different exposure(s) below saturation, at least {FEWEST_POINTS} are needed")]
+    TooFewPoints {
+        /// Different exposures found.
+        found: usize,
+    },
+    /// A value that no measurement gives.
+    #[error(
+        "pair {index} (from 0) is ({exposure}, {grey}): expected an exposure of at least 0 and a finite grey level"
+    )]
+    BadMeasurement {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// Its exposure.
+        exposure: f64,
+        /// Its grey level.
+        grey: f64,
+    },
+    /// Grey does not rise with exposure.
+    #[error("grey levels do not rise with exposure")]
+    NotRising,
+}
+
+/// Fits the pairs, in any order.
+///
+/// # Errors
+/// When there are too few different exposures, a value is not finite, or grey does not rise with exposure.
+pub fn calibrate(pairs: &[Measurement], exposure_unit: ExposureUnit) -> Result<Calibration, CalibrationError> {
+    let bad = |pair: &Measurement| !(pair.exposure.is_finite() && pair.exposure >= 0.0 && pair.grey.is_finite());
+    if let Some(index) = pairs.iter().position(bad) {
+        let Measurement { exposure, grey } = pairs[index];
+        return Err(CalibrationError::BadMeasurement { index, exposure, grey });
+    }
+    let mut sorted = pairs.to_vec();
+    sorted.sort_by(|a, b| a.exposure.total_cmp(&b.exposure));
+    let found = distinct(&sorted);
+    if found < FEWEST_POINTS {
+        return Err(CalibrationError::TooFewPoints { found });
+    }
+    // Exposures are scaled to at most 1, so that no power of them can overflow.
+    let largest = sorted[sorted.len() - 1].exposure;
+    sorted.iter_mut().for_each(|pair| pair.exposure /= largest);
+    let fit = best_split(&sorted).ok_or(CalibrationError::NotRising)?;
+    Ok(Calibration {
+        k: fit.k / largest.powf(fit.gamma),
+        gamma: fit.gamma,
+        grey_background: fit.background,
+        grey_max: (fit.saturated > 0).then_some(fit.plateau),
+        rms_residual: (fit.squares / sorted.len() as f64).sqrt(),
+        saturated: fit.saturated,
+        exposure_unit,
+    })
+}
+
+/// A fit with its sum of squares over all points.
+#[derive(Clone, Copy, Debug)]
+struct Fit {
+    k: f64,
+    gamma: f64,
+    background: f64,
+    plateau: f64,
+    saturated: usize,
+    squares: f64,
+}
+
+fn distinct(sorted: &[Measurement]) -> usize {
+    1 + sorted.windows(2).filter(|pair| pair[0].exposure < pair[1].exposure).count() - usize::from(sorted.is_empty())
+}
+
+/// The best fit over many first guesses of where saturation begins. Many points are thinned for the guesses.
+fn best_split(sorted: &[Measurement]) -> Option<Fit> {
+    let thinned: Vec<Measurement> = sorted.iter().step_by(sorted.len().div_ceil(POINTS_FOR_GUESSES)).copied().collect();
+    let mut best: Option<Fit> = None;
+    for guess in (0..thinned.len()).step_by(thinned.len().div_ceil(GUESSES)) {
+        if let Some(fit) = settle(&thinned, guess) {
+            best = Some(best.filter(|best| best.squares <= fit.squares).unwrap_or(fit));
+        }
+    }
+    if thinned.len() == sorted.len() {
+        return best;
+    }
+    let guess = best?.saturated * (sorted.len() / thinned.len());
+    settle(sorted, guess).or_else(|| fit_split(sorted, guess))
+}
+
+/// Moves the begin of saturation to where the rising curve meets the plateau, until it stays. `None` where it never does.
+fn settle(sorted: &[Measurement], mut saturated: usize) -> Option<Fit> {
+    for _ in 0..ROUNDS {
+        let fit = fit_split(sorted, saturated)?;
+        let below = sorted.partition_point(|pair| fit.k * pair.exposure.powf(fit.gamma) + fit.background < fit.plateau);
+        let next = sorted.len() - below;
+        if next == saturated || (next < FEWEST_SATURATED && saturated == 0) {
+            return Some(fit);
+        }
+        saturated = if next < FEWEST_SATURATED { 0 } else { next };
+    }
+    None
+}
+
+/// Fits with the last `saturated` points on the plateau.
+fn fit_split(sorted: &[Measurement], saturated: usize) -> Option<Fit> {
+    let (rising, flat) = sorted.split_at(sorted.len().checked_sub(saturated)?);
+    if rising.is_empty() || distinct(rising) < FEWEST_POINTS {
+        return None;
+    }
+    let mut fit = fit_gamma(rising)?;
+    fit.saturated = saturated;
+    if saturated > 0 {
+        fit.plateau = flat.iter().map(|pair| pair.grey).sum::<f64>() / saturated as f64;
+        fit.squares += flat.iter().map(|pair| (pair.grey - fit.plateau).powi(2)).sum::<f64>();
+    }
+    Some(fit)
+}
+
+/// The best γ for points that all rise: a geometric scan, then golden sections around its best.
+fn fit_gamma(rising: &[Measurement]) -> Option<Fit> {
+    let ratio = (GAMMA_RANGE[1] / GAMMA_RANGE[0]).powf(1.0 / f64::from(GAMMA_STEPS));
+    let scanned = (0..=GAMMA_STEPS).map(|step| fit_linear(rising, GAMMA_RANGE[0] * ratio.powi(step)));
+    let best = scanned.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut low, mut high) = ((best.gamma / ratio).ln(), (best.gamma * ratio).ln());
+    for _ in 0..60 {
+        let (left, right) = (high - golden * (high - low), low + golden * (high - low));
+        if fit_linear(rising, left.exp()).squares < fit_linear(rising, right.exp()).squares {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    let fit = fit_linear(rising, (0.5 * (low + high)).exp());
+    (fit.k > 0.0 && fit.squares.is_finite()).then_some(fit)
+}
+
+/// Least squares in K and G₀ at one γ.
+fn fit_linear(rising: &[Measurement], gamma: f64) -> Fit {
+    let count = rising.len() as f64;
+    let powers: Vec<f64> = rising.iter().map(|pair| pair.exposure.powf(gamma)).collect();
+    let mean_power = powers.iter().sum::<f64>() / count;
+    let mean_grey = rising.iter().map(|pair| pair.grey).sum::<f64>() / count;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for (pair, power) in rising.iter().zip(&powers) {
+        let off = power - mean_power;
+        covariance += off * (pair.grey - mean_grey);
+        variance += off * off;
+    }
+    let k = if variance > 0.0 { covariance / variance } else { 0.0 };
+    let background = mean_grey - k * mean_power;
+    let residual = |(pair, power): (&Measurement, &f64)| k * power + background - pair.grey;
+    let squares = rising.iter().zip(&powers).map(|both| residual(both).powi(2)).sum();
+    Fit { k, gamma, background, plateau: f64::INFINITY, saturated: 0, squares }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const UNIT: ExposureUnit = ExposureUnit::MicrojoulePerSquareCentimetre;
+
+    /// Data of the paper's sensor with exposures up to `largest` µJ/cm² and Gaussian noise on the grey level.
+    fn measured(count: u32, largest: f64, noise: f64, seed: u64) -> Vec<Measurement> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let pair = |index: u32| {
+            let exposure = largest * f64::from(index) / f64::from(count - 1);
+            let normal: f64 = StandardNormal.sample(&mut random);
+            Measurement { exposure, grey: (33844.0 * exposure.powf(0.85) + 12.0).min(161.0) + noise * normal }
+        };
+        (0..count).map(pair).collect()
+    }
+
+    #[test]
+    fn exact_data_give_the_exact_sensor() {
+        let fit = calibrate(&measured(24, 2.5e-3, 0.0, 0), UNIT).unwrap();
+        assert!((fit.k / 33844.0 - 1.0).abs() < 1e-5, "{fit:?}");
+        assert!((fit.gamma - 0.85).abs() < 1e-6 && (fit.grey_background - 12.0).abs() < 1e-5, "{fit:?}");
+        assert!((fit.grey_max.unwrap() - 161.0).abs() < 1e-9 && fit.rms_residual < 1e-5, "{fit:?}");
+        assert_eq!(fit.exposure_unit, UNIT);
+    }
+
+    #[test]
+    fn noisy_and_rounded_data_give_the_sensor_within_the_noise() {
+        for seed in 0..20 {
+            let mut pairs = measured(80, 2.5e-3, 0.5, seed);
+            pairs.iter_mut().for_each(|pair| pair.grey = pair.grey.round());
+            pairs.reverse();
+            let fit = calibrate(&pairs, UNIT).unwrap();
+            assert!((fit.gamma - 0.85).abs() < 0.04, "seed {seed}: {fit:?}");
+            assert!((fit.grey_background - 12.0).abs() < 1.5, "seed {seed}: {fit:?}");
+            assert!((fit.grey_max.unwrap() - 161.0).abs() < 0.5, "seed {seed}: {fit:?}");
+            assert!((0.3..0.8).contains(&fit.rms_residual), "seed {seed}: {fit:?}");
+            // What counts is the curve: K and γ trade off against each other.
+            for pair in measured(50, 2.5e-3, 0.0, 0) {
+                assert!((fit.grey(pair.exposure) - pair.grey).abs() < 1.5, "seed {seed} at {}", pair.exposure);
+            }
+        }
+    }
+
+    #[test]
+    fn data_below_saturation_leave_grey_max_open() {
+        for seed in 0..20 {
+            let fit = calibrate(&measured(40, 1.2e-3, 0.3, seed), UNIT).unwrap();
+            assert!(fit.saturated <= 2, "seed {seed}: {fit:?}");
+            assert!((fit.grey(6e-4) - (33844.0 * 6e-4f64.powf(0.85) + 12.0)).abs() < 0.4, "seed {seed}: {fit:?}");
+        }
+        let exact = calibrate(&measured(40, 1.2e-3, 0.0, 0), UNIT).unwrap();
+        assert_eq!((exact.grey_max, exact.saturated), (None, 0));
+    }
+
+    #[test]
+    fn much_data_is_fitted_in_bounded_time() {
+        let fit = calibrate(&measured(20_000, 2.5e-3, 1.0, 3), UNIT).unwrap();
+        assert!((fit.gamma - 0.85).abs() < 0.01 && (fit.grey_max.unwrap() - 161.0).abs() < 0.2, "{fit:?}");
+    }
+
+    #[test]
+    fn data_that_say_nothing_are_refused() {
+        let flat: Vec<_> = (0..9).map(|i| Measurement { exposure: f64::from(i), grey: 50.0 - f64::from(i) }).collect();
+        assert_eq!(calibrate(&flat, UNIT), Err(CalibrationError::NotRising));
+        let same = [Measurement { exposure: 1.0, grey: 5.0 }; 9];
+        assert_eq!(calibrate(&same, UNIT), Err(CalibrationError::TooFewPoints { found: 1 }));
+        assert_eq!(calibrate(&[], UNIT), Err(CalibrationError::TooFewPoints { found: 0 }));
+        let bad = [Measurement { exposure: f64::NAN, grey: 5.0 }];
+        assert!(calibrate(&bad, UNIT).unwrap_err().to_string().starts_with("pair 0 (from 0) is (NaN, 5)"));
+    }
+}

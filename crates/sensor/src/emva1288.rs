@@ -1,0 +1,216 @@
+//! A linear sensor as EMVA Standard 1288, release 4.0 (linear), models it.
+//!
+//! Photons on a pixel `μ_p = A·E·λ/(h·c)`; electrons are Poisson with mean `η·μ_p + I_d·t`, plus Gaussian read noise of
+//! `σ_d`, held in a well of limited depth; grey `y = y_dark + K·electrons`, rounded once. Mean and variance of the grey value
+//! then follow the photon transfer line `σ_y² = K²σ_d² + 1/12 + K(μ_y − y_dark)`, by which the standard measures K.
+//! Differences between pixels (DSNU, PRNU) are left out: all pixels are alike.
+
+use crate::error::{not_negative, positive, within};
+use crate::{BitDepth, SensorError};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, Poisson, StandardNormal};
+
+/// Planck's constant, J·s (exact in the SI).
+const PLANCK: f64 = 6.626_070_15e-34;
+/// The speed of light, m/s (exact in the SI).
+const LIGHT_SPEED: f64 = 299_792_458.0;
+
+/// The largest full well that is accepted, electrons.
+const LARGEST_WELL: f64 = 1e9;
+
+/// A linear sensor as it was asked for; [`Emva1288::new`] checks it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emva1288Description {
+    /// η, electrons a photon at `wavelength_m`, above 0, at most 1.
+    pub quantum_efficiency: f64,
+    /// K, grey levels an electron.
+    pub gain_dn_per_e: f64,
+    /// y_dark at zero exposure time, grey levels.
+    pub dark_offset_dn: f64,
+    /// I_d, electrons a second.
+    pub dark_current_e_per_s: f64,
+    /// σ_d, standard deviation of the read noise, electrons.
+    pub read_noise_e: f64,
+    /// Depth of the well, electrons.
+    pub full_well_e: f64,
+    /// Width of the grey values.
+    pub bits: BitDepth,
+    /// A, area of a pixel, m².
+    pub pixel_area_m2: f64,
+    /// λ, metres.
+    pub wavelength_m: f64,
+    /// t, exposure time, seconds.
+    pub exposure_s: f64,
+}
+
+/// A checked linear sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emva1288 {
+    asked: Emva1288Description,
+    electrons_per_exposure: f64,
+}
+
+impl Emva1288 {
+    /// Checks a description.
+    ///
+    /// # Errors
+    /// The first quantity that is out of its range.
+    pub fn new(asked: &Emva1288Description) -> Result<Self, SensorError> {
+        within("quantum_efficiency", asked.quantum_efficiency, "above 0 and at most 1", |value| {
+            value > 0.0 && value <= 1.0
+        })?;
+        positive("gain_dn_per_e", asked.gain_dn_per_e)?;
+        not_negative("dark_offset_dn", asked.dark_offset_dn)?;
+        not_negative("dark_current_e_per_s", asked.dark_current_e_per_s)?;
+        not_negative("read_noise_e", asked.read_noise_e)?;
+        within("full_well_e", asked.full_well_e, "at least 1 and at most 1e9", |value| {
+            (1.0..=LARGEST_WELL).contains(&value)
+        })?;
+        positive("pixel area", asked.pixel_area_m2)?;
+        positive("wavelength", asked.wavelength_m)?;
+        positive("exposure time", asked.exposure_s)?;
+        let photons = asked.pixel_area_m2 * asked.wavelength_m / (PLANCK * LIGHT_SPEED);
+        Ok(Emva1288 { asked: *asked, electrons_per_exposure: photons * asked.quantum_efficiency })
+    }
+
+    /// The quantities of the sensor.
+    #[must_use]
+    pub fn description(&self) -> &Emva1288Description {
+        &self.asked
+    }
+
+    /// The width of the grey values.
+    #[must_use]
+    pub fn bits(&self) -> BitDepth {
+        self.asked.bits
+    }
+
+    /// Mean electrons of a pixel at `exposure` J/m², dark ones included, as if the well had no end. NaN counts as no light.
+    #[must_use]
+    pub fn mean_electrons(&self, exposure: f64) -> f64 {
+        exposure.max(0.0) * self.electrons_per_exposure + self.asked.dark_current_e_per_s * self.asked.exposure_s
+    }
+
+    /// The grey value without noise, before rounding, saturated.
+    #[must_use]
+    pub fn exact_grey(&self, exposure: f64) -> f64 {
+        self.grey_of_electrons(self.mean_electrons(exposure))
+    }
+
+    /// The grey value of pixel number `pixel` with its noise, which is a function of (`seed`, `pixel`, exposure) only.
+    #[must_use]
+    pub fn grey(&self, exposure: f64, seed: u64, pixel: u64) -> u16 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(pixel);
+        // Far beyond the well the count does not matter, and stays within what the generator of counts can do.
+        let mean = self.mean_electrons(exposure).min(2.0 * LARGEST_WELL);
+        let counted = Poisson::new(mean).map_or(0.0, |poisson| poisson.sample(&mut random));
+        let normal: f64 = StandardNormal.sample(&mut random);
+        let electrons = counted.min(self.asked.full_well_e) + self.asked.read_noise_e * normal;
+        self.asked.bits.quantise(self.asked.dark_offset_dn + self.asked.gain_dn_per_e * electrons)
+    }
+
+    fn grey_of_electrons(&self, electrons: f64) -> f64 {
+        let asked = &self.asked;
+        let grey = asked.dark_offset_dn + asked.gain_dn_per_e * electrons.min(asked.full_well_e);
+        grey.min(f64::from(asked.bits.largest()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn description() -> Emva1288Description {
+        Emva1288Description {
+            quantum_efficiency: 0.6,
+            gain_dn_per_e: 0.25,
+            dark_offset_dn: 60.0,
+            dark_current_e_per_s: 500.0,
+            read_noise_e: 12.0,
+            full_well_e: 14_000.0,
+            bits: BitDepth::new(12).unwrap(),
+            pixel_area_m2: 5e-6 * 5e-6,
+            wavelength_m: 532e-9,
+            exposure_s: 0.02,
+        }
+    }
+
+    /// Mean and variance of the grey values of many pixels at one exposure.
+    fn statistics(sensor: &Emva1288, exposure: f64) -> (f64, f64) {
+        let n = 40_000;
+        let greys: Vec<f64> = (0..n).map(|pixel| f64::from(sensor.grey(exposure, 11, pixel))).collect();
+        let mean = greys.iter().sum::<f64>() / n as f64;
+        (mean, greys.iter().map(|grey| (grey - mean).powi(2)).sum::<f64>() / (n - 1) as f64)
+    }
+
+    #[test]
+    fn photons_are_counted_as_the_standard_does() {
+        // The standard's own shorthand (its Eq. 3): μ_p = 50.34 · A[µm²] · t[ms] · λ[µm] · E[µW/cm²].
+        let sensor = Emva1288::new(&Emva1288Description { quantum_efficiency: 1.0, ..description() }).unwrap();
+        let shorthand = 50.34 * 25.0 * 20.0 * 0.532 * 3.0;
+        let exposure = 3.0 * 1e-6 * 1e4 * 0.02;
+        let photons = sensor.mean_electrons(exposure) - 500.0 * 0.02;
+        assert!((photons / shorthand - 1.0).abs() < 1e-4, "{photons} against {shorthand}");
+    }
+
+    #[test]
+    fn mean_and_variance_follow_the_photon_transfer_line() {
+        let sensor = Emva1288::new(&description()).unwrap();
+        let asked = description();
+        for electrons in [0.0, 5.0, 200.0, 3000.0, 9000.0] {
+            let exposure = electrons / sensor.electrons_per_exposure;
+            let (mean, variance) = statistics(&sensor, exposure);
+            let expected_mean = 60.0 + 0.25 * (electrons + 10.0);
+            assert!((mean - expected_mean).abs() < 4.0 * (variance / 4e4).sqrt(), "{mean} against {expected_mean}");
+            let line = (asked.gain_dn_per_e * asked.read_noise_e).powi(2)
+                + 1.0 / 12.0
+                + asked.gain_dn_per_e * (expected_mean - asked.dark_offset_dn);
+            // The variance of 40,000 values is known to 0.7 % (one standard deviation).
+            assert!((variance / line - 1.0).abs() < 0.03, "{electrons} e: {variance} against {line}");
+        }
+    }
+
+    #[test]
+    fn the_gain_is_found_from_two_exposures_as_the_standard_measures_it() {
+        let sensor = Emva1288::new(&description()).unwrap();
+        let (dark_mean, dark_variance) = statistics(&sensor, 0.0);
+        let (mean, variance) = statistics(&sensor, 7000.0 / sensor.electrons_per_exposure);
+        let gain = (variance - dark_variance) / (mean - dark_mean);
+        assert!((gain / 0.25 - 1.0).abs() < 0.03, "{gain}");
+    }
+
+    #[test]
+    fn the_well_saturates_with_read_noise_only() {
+        let sensor = Emva1288::new(&description()).unwrap();
+        let (mean, variance) = statistics(&sensor, 1e6);
+        assert!((mean - (60.0 + 0.25 * 14_000.0)).abs() < 0.1, "{mean}");
+        assert!((variance - 9.0 - 1.0 / 12.0).abs() < 0.3, "{variance}");
+        assert_eq!(sensor.exact_grey(f64::INFINITY), 3560.0);
+        assert_eq!(sensor.grey(f64::INFINITY, 0, 0), sensor.grey(1e300, 0, 0));
+    }
+
+    #[test]
+    fn noise_depends_on_seed_and_pixel_only() {
+        let sensor = Emva1288::new(&description()).unwrap();
+        let exposure = 1000.0 / sensor.electrons_per_exposure;
+        let picture = |seed| (0..50).map(|pixel| sensor.grey(exposure, seed, pixel)).collect::<Vec<_>>();
+        assert_eq!(picture(1), picture(1));
+        assert_ne!(picture(1), picture(2));
+        assert_eq!(sensor.grey(f64::NAN, 3, 4), sensor.grey(0.0, 3, 4));
+    }
+
+    #[test]
+    fn impossible_sensors_are_refused() {
+        let message = |asked: Emva1288Description| Emva1288::new(&asked).unwrap_err().to_string();
+        assert_eq!(
+            message(Emva1288Description { quantum_efficiency: 60.0, ..description() }),
+            "quantum_efficiency must be above 0 and at most 1, not 60"
+        );
+        assert_eq!(
+            message(Emva1288Description { read_noise_e: -1.0, ..description() }),
+            "read_noise_e must be at least 0 and finite, not -1"
+        );
+    }
+}
