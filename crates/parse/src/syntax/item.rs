@@ -1,0 +1,115 @@
+//! What scene text consists of.
+
+use super::lexer;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// A half-open range of bytes of the text.
+pub type Place = Range<u32>;
+
+/// A word of the text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// The first byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+    /// Whether quotes have to be taken away.
+    pub is_quoted: bool,
+}
+
+impl Word {
+    /// Where it stands, quotes included.
+    #[must_use]
+    pub fn place(self) -> Place {
+        self.start..self.end
+    }
+
+    /// What it says, without its quotes. `text` is the whole text.
+    #[must_use]
+    pub fn of(self, text: &[u8]) -> Cow<'_, [u8]> {
+        let raw = &text[self.start as usize..self.end as usize];
+        if self.is_quoted { Cow::Owned(lexer::without_quotes(raw)) } else { Cow::Borrowed(raw) }
+    }
+}
+
+/// One item of scene text.
+#[derive(Clone, Debug)]
+pub enum Item<'a> {
+    /// From `#` to the end of the line.
+    Comment(Place),
+    /// From `!` to the end of the line, continuation lines included.
+    Command(Place),
+    /// `modifier alias name target`.
+    Alias(Alias<'a>),
+    /// `modifier type name`, then three groups of arguments.
+    Primitive(Primitive<'a>),
+}
+
+/// Another name for a modifier.
+#[derive(Clone, Copy, Debug)]
+pub struct Alias<'a> {
+    pub(super) whole: &'a [u8],
+    /// What modifies the new name; `inherit` for the target's own modifier.
+    pub modifier: Word,
+    /// The word `alias`.
+    pub kind: Word,
+    /// The new name.
+    pub name: Word,
+    /// What it stands for.
+    pub target: Word,
+}
+
+impl<'a> Alias<'a> {
+    /// What a word of it says.
+    #[must_use]
+    pub fn text(&self, word: Word) -> Cow<'a, [u8]> {
+        word.of(self.whole)
+    }
+}
+
+/// Any primitive but an alias.
+#[derive(Clone, Copy, Debug)]
+pub struct Primitive<'a> {
+    pub(super) whole: &'a [u8],
+    /// What modifies it.
+    pub modifier: Word,
+    /// Its type; one of the known ones.
+    pub kind: crate::Kind,
+    /// The word that names the type.
+    pub kind_word: Word,
+    /// Its identifier.
+    pub name: Word,
+    /// String arguments.
+    pub strings: &'a [Word],
+    /// Integer arguments. No type of Radiance has any.
+    pub integers: &'a [i64],
+    /// Real arguments.
+    pub reals: &'a [f64],
+    /// Where the counts of the three groups stand.
+    pub counts: [Word; 3],
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl<'a> Primitive<'a> {
+    /// What a word of it says.
+    #[must_use]
+    pub fn text(&self, word: Word) -> Cow<'a, [u8]> {
+        word.of(self.whole)
+    }
+
+    /// Where it stands, from the modifier to the last argument.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        self.modifier.start..self.end
+    }
+
+    /// Where a real argument stands; found again by reading on from the count.
+    #[must_use]
+    pub fn real_place(&self, index: usize) -> Place {
+        let [_, _, count] = self.counts;
+        let rest = &self.whole[count.end as usize..self.end as usize];
+        lexer::words(rest, count.end).nth(index).map_or(count.place(), Word::place)
+    }
+}
