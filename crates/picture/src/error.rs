@@ -87,6 +87,9 @@ pub enum PictureError {
         /// Its own words.
         reason: String,
     },
+    /// The view cannot be.
+    #[error("view: {0}")]
+    View(#[from] crate::ViewError),
 }
 
 /// Shows up to 24 bytes for a message, with everything unprintable escaped.

@@ -190,7 +190,7 @@ impl Header {
     pub fn primaries(&self) -> Result<Option<RgbPrimaries>, PictureError> {
         let Some(Assignment { line, value }) = self.assignments("PRIMARIES").last() else { return Ok(None) };
         match number::leading_numbers::<8>(value.as_bytes()) {
-            Some(numbers) => Ok(Some(RgbPrimaries::from_array(numbers.map(|number| number as f32)))),
+            Some(numbers) => Ok(Some(RgbPrimaries::from_array(numbers))),
             None => Err(bad_value(line, "PRIMARIES", value.as_bytes(), "eight chromaticities")),
         }
     }
