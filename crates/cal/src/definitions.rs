@@ -1,0 +1,306 @@
+//! A set of definitions, read from function files.
+
+use crate::bindings::{Bindings, Known};
+use crate::lexer::Token;
+use crate::limits::MOST_FOLDING_STEPS;
+use crate::link::Linker;
+use crate::machine::{Entry, Machine, Stacks};
+use crate::names::{Assignment, Definition, Scope, SymbolId, Symbols};
+use crate::program::NoHost;
+use crate::syntax::{Body, Callee, Expr, Names, Node, Reader, is_parameter_name};
+use crate::{FaultKind, library};
+use radsight_diag::{Diagnostic, SourceId, Span};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Definitions of constants, variables and functions, each global or belonging to a file.
+///
+/// A file is loaded once; [`Program::compile`](crate::Program::compile) then makes programs of them. Cloning is cheap
+/// enough to do once a scene.
+#[derive(Clone, Debug)]
+pub struct Definitions {
+    pub(crate) symbols: Symbols,
+    scopes: HashSet<Scope>,
+    warnings: Vec<Diagnostic>,
+}
+
+impl Default for Definitions {
+    fn default() -> Self {
+        Definitions::new()
+    }
+}
+
+/// One statement of a function file.
+pub(crate) enum Statement {
+    /// A definition of a full name, and the names of its arguments if it is a function.
+    Define(String, Definition),
+    /// `$n = expression`.
+    Output(u32, Body),
+}
+
+/// Which statements a text may hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// Names only, as in function files.
+    Functions,
+    /// Output channels too, as in `rcalc`.
+    Records,
+}
+
+impl Definitions {
+    /// The library functions of the language alone.
+    #[must_use]
+    pub fn new() -> Definitions {
+        Definitions { symbols: Symbols::new(), scopes: HashSet::new(), warnings: Vec::new() }
+    }
+
+    /// What every function file of a scene may use: the variables of the ray (`Dx`, `Nx`, `Px`, … on the channels of
+    /// [`channel`](crate::channel)) and the definitions of Radiance's `rayinit.cal`.
+    #[must_use]
+    pub fn with_initial_library() -> Definitions {
+        let mut definitions = Definitions::new();
+        for text in [library::RAY_VARIABLES, library::RAYINIT] {
+            definitions.load_builtin(text);
+        }
+        definitions
+    }
+
+    /// Loads definitions that come with this crate. A fault in them is a bug, which the tests would find.
+    pub(crate) fn load_builtin(&mut self, text: &str) {
+        let statements = self.read(None, text.as_bytes(), &Scope::global(), Dialect::Functions);
+        debug_assert!(statements.is_ok(), "{statements:?}", statements = statements.err());
+    }
+
+    /// Reads a function file into a scope. What reads well is defined even when other statements are wrong.
+    ///
+    /// # Errors
+    /// Every mistake of the text. Unknown names are no mistake before they are used.
+    pub fn load(&mut self, source: SourceId, text: &[u8], scope: &Scope) -> Result<(), Vec<Diagnostic>> {
+        self.scopes.insert(scope.clone());
+        self.read(Some(source), text, scope, Dialect::Functions).map(|_| ())
+    }
+
+    /// Whether a file was loaded into this scope. The global scope needs no file.
+    #[must_use]
+    pub fn is_loaded(&self, scope: &Scope) -> bool {
+        *scope == Scope::global() || self.scopes.contains(scope)
+    }
+
+    /// What was suspect in the files loaded so far: constants that were defined again with another value.
+    pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// How many arguments the function takes that this name means in this scope; `None` if it means none.
+    #[must_use]
+    pub fn function_arity(&self, name: &str, scope: &Scope) -> Option<usize> {
+        let symbol = self.symbols.get(self.symbols.find(name, scope)?);
+        match &symbol.definition {
+            Some(definition) => definition.arity.map(usize::from),
+            None => symbol.builtin.map(crate::builtin::Builtin::arity),
+        }
+    }
+
+    /// Whether the name means a variable or constant in this scope.
+    #[must_use]
+    pub fn is_variable(&self, name: &str, scope: &Scope) -> bool {
+        self.symbols.find(name, scope).is_some_and(|id| self.symbols.get(id).variable().is_some())
+    }
+
+    /// Reads statements and defines what they define; gives the output channels.
+    pub(crate) fn read(
+        &mut self,
+        source: Option<SourceId>,
+        text: &[u8],
+        scope: &Scope,
+        dialect: Dialect,
+    ) -> Result<Vec<(u32, Body)>, Vec<Diagnostic>> {
+        let mut outputs = Vec::new();
+        let mut mistakes = Vec::new();
+        let mut loading = Loading { definitions: self, scope, steps: MOST_FOLDING_STEPS };
+        let mut reader = match Reader::new(text, source, 0, &mut loading) {
+            Ok(reader) => reader,
+            Err(mistake) => return Err(vec![mistake]),
+        };
+        while reader.lexer.token != Token::End {
+            let result = statement(&mut reader, scope, dialect);
+            match result {
+                Ok(Some(Statement::Define(name, definition))) => reader.names.define(name, definition),
+                Ok(Some(Statement::Output(channel, body))) => outputs.push((channel, body)),
+                Ok(None) => {}
+                Err(mistake) => {
+                    mistakes.push(mistake);
+                    if let Err(mistake) = reader.lexer.recover() {
+                        mistakes.push(mistake);
+                        break;
+                    }
+                }
+            }
+        }
+        if mistakes.is_empty() { Ok(outputs) } else { Err(mistakes) }
+    }
+
+    /// Gives a name its meaning.
+    pub(crate) fn define(&mut self, name: String, definition: Definition) {
+        let id = self.symbols.insert(name);
+        let symbol = self.symbols.get(id);
+        if let Some(old) = &symbol.definition
+            && old.assignment == Assignment::Constant
+            && !old.body.same_as(&definition.body)
+        {
+            let warning = Diagnostic::warning(format!("constant \"{}\" is defined again", symbol.bare()));
+            self.warnings.push(definition.span.into_iter().fold(warning, Diagnostic::at));
+        }
+        self.symbols.define(id, Some(Arc::new(definition)));
+    }
+}
+
+/// Reads one statement and the `;` after it.
+fn statement<N: Names>(
+    reader: &mut Reader<'_, '_, N>,
+    scope: &Scope,
+    dialect: Dialect,
+) -> Result<Option<Statement>, Diagnostic> {
+    if reader.lexer.take(b';')? {
+        return Ok(None);
+    }
+    reader.parameters.clear();
+    let statement = if dialect == Dialect::Records && reader.lexer.token == Token::Mark(b'$') {
+        let channel = reader.channel()?;
+        reader.lexer.expect(b'=')?;
+        Statement::Output(channel, reader.body()?)
+    } else {
+        definition(reader, scope)?
+    };
+    if reader.lexer.token != Token::End {
+        if reader.lexer.token != Token::Mark(b';') {
+            return Err(reader.lexer.unexpected("\";\" or an operator"));
+        }
+        reader.lexer.advance()?;
+    }
+    Ok(Some(statement))
+}
+
+fn definition<N: Names>(reader: &mut Reader<'_, '_, N>, scope: &Scope) -> Result<Statement, Diagnostic> {
+    let Token::Name(name) = reader.lexer.token else {
+        return Err(reader.lexer.unexpected("the name of a definition"));
+    };
+    let span = reader.lexer.place(reader.lexer.token_start(), reader.lexer.token_end());
+    reader.lexer.advance()?;
+    let mut arity = None;
+    if reader.lexer.token == Token::Mark(b'(') {
+        parameters(reader)?;
+        arity = Some(u16::try_from(reader.parameters.len()).unwrap_or(u16::MAX));
+    }
+    let assignment = match reader.lexer.token {
+        Token::Mark(b'=') => Assignment::Variable,
+        Token::Mark(b':') => Assignment::Constant,
+        _ => return Err(reader.lexer.unexpected("\"=\" or \":\"")),
+    };
+    reader.lexer.advance()?;
+    let body = reader.body()?;
+    Ok(Statement::Define(scope.qualify(name), Definition { assignment, arity, body, span }))
+}
+
+fn parameters<N: Names>(reader: &mut Reader<'_, '_, N>) -> Result<(), Diagnostic> {
+    loop {
+        reader.lexer.advance()?;
+        match reader.lexer.token {
+            Token::Name(name) if is_parameter_name(name) => reader.parameters.push(name),
+            _ => return Err(reader.lexer.unexpected("the name of an argument")),
+        }
+        reader.lexer.advance()?;
+        if reader.lexer.token != Token::Mark(b',') {
+            break;
+        }
+    }
+    reader.lexer.expect(b')')
+}
+
+/// The meaning of names while a file is read.
+struct Loading<'d> {
+    definitions: &'d mut Definitions,
+    scope: &'d Scope,
+    /// What folding constants may still take.
+    steps: u64,
+}
+
+impl Loading<'_> {
+    fn define(&mut self, name: String, definition: Definition) {
+        self.definitions.define(name, definition);
+    }
+}
+
+impl Names for Loading<'_> {
+    fn resolve(&mut self, name: &str) -> Result<SymbolId, Diagnostic> {
+        Ok(self.definitions.symbols.find_or_insert(name, self.scope))
+    }
+
+    fn fold(&mut self, body: &Body, node: Node) -> Result<Option<f64>, Diagnostic> {
+        fold(&Known::new(self.definitions), body, node, &mut self.steps)
+    }
+}
+
+/// The value of a variable or call, if it is a constant.
+pub(crate) fn fold(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<Option<f64>, Diagnostic> {
+    match body.expr(node) {
+        Expr::Variable(symbol) => {
+            let Some(definition) = known.symbol(symbol).and_then(|symbol| symbol.variable()) else { return Ok(None) };
+            if definition.assignment != Assignment::Constant {
+                return Ok(None);
+            }
+            if let Some(value) = definition.body.as_number() {
+                return Ok(Some(value));
+            }
+        }
+        Expr::Call { callee: Callee::Symbol(symbol), first, count } => {
+            let constant = |symbol| known.symbol(symbol).is_some_and(|symbol| symbol.is_constant_function());
+            let fixed = |node: &Node| match body.expr(*node) {
+                Expr::Number(_) => true,
+                Expr::Variable(symbol) => constant(symbol),
+                _ => false,
+            };
+            if !constant(symbol) || !body.arguments(first, count).iter().all(fixed) {
+                return Ok(None);
+            }
+        }
+        _ => return Ok(None),
+    }
+    evaluate_constant(known, body, node, steps).map(Some)
+}
+
+fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<f64, Diagnostic> {
+    let bindings = Bindings { highest_channel: Some(0), ..Bindings::default() };
+    let mut linker = Linker::new(known, &bindings);
+    let entry = linker.expression_root(body, node);
+    let (image, problems) = linker.finish();
+    let mut stacks = Stacks::default();
+    let mut machine = Machine::new(&image, &mut stacks, &NoHost, *steps);
+    let result = machine.run(Entry::Expression(entry), &[]);
+    let fault = machine.fault;
+    *steps = machine.steps_left().saturating_sub(image.code.len() as u64);
+    let place = |message: String, span: Option<Span>| span.into_iter().fold(Diagnostic::error(message), Diagnostic::at);
+    match (result, fault) {
+        (Ok(value), None) => Ok(value),
+        (Err(FaultKind::Undefined), _) if !problems.is_empty() => Err(unfoldable(problems)),
+        (Ok(_), Some(kind)) | (Err(kind), _) => {
+            let because = machine_warning(&stacks).unwrap_or_else(|| kind.to_string());
+            Err(place(format!("bad constant expression: {because}"), body.span(node)))
+        }
+    }
+}
+
+fn machine_warning(stacks: &Stacks) -> Option<String> {
+    stacks.warnings.last().map(ToString::to_string)
+}
+
+/// What keeps a constant from being one.
+fn unfoldable(mut problems: Vec<Diagnostic>) -> Diagnostic {
+    let mut first = problems.swap_remove(0);
+    if first.message.starts_with("illegal channel") {
+        first.hints =
+            vec!["a constant is defined with \":\"; define with \"=\" what changes from ray to ray".to_owned()];
+        first.message = format!("constant depends on {}", first.message.trim_start_matches("illegal "));
+    }
+    first
+}

@@ -1,0 +1,298 @@
+//! Compiled expressions.
+
+use crate::bindings::{Bindings, Known};
+use crate::definitions::{Definitions, fold};
+use crate::fault::{Fault, Warning};
+use crate::lexer::Token;
+use crate::limits::{MOST_FOLDING_STEPS, MOST_STEPS};
+use crate::link::{Linker, highest_parameter, too_few_arguments};
+use crate::machine::{Entry, Image, Machine, Op, Stacks};
+use crate::names::{Scope, SymbolId};
+use crate::syntax::{Body, Names, Node, Reader};
+use radsight_diag::{Diagnostic, Span};
+
+/// What a program asks of its host while it runs.
+pub trait Host {
+    /// The value of a channel, from 1.
+    fn channel(&self, channel: u32) -> f64;
+
+    /// The value of a function of the host, by its index in [`Bindings::functions`]. Must depend on nothing but the
+    /// arguments and what the channels depend on.
+    fn call(&self, function: u32, arguments: &[f64]) -> f64 {
+        let _ = (function, arguments);
+        0.0
+    }
+}
+
+/// A host without channels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoHost;
+
+impl Host for NoHost {
+    fn channel(&self, _channel: u32) -> f64 {
+        0.0
+    }
+}
+
+/// Channel values in a list; the first is `$1`. Channels past its end are 0.
+impl Host for [f64] {
+    fn channel(&self, channel: u32) -> f64 {
+        (channel as usize).checked_sub(1).and_then(|index| self.get(index)).copied().unwrap_or(0.0)
+    }
+}
+
+/// Something to compile.
+#[derive(Clone, Copy, Debug)]
+pub enum Root<'a> {
+    /// An expression, as it stands in a primitive's string arguments.
+    Expression {
+        /// Its text.
+        text: &'a str,
+        /// Where the text stands; positions inside are counted from its start.
+        span: Span,
+    },
+    /// A function, by its name; the host gives its arguments at each evaluation.
+    Function {
+        /// Its name.
+        name: &'a str,
+        /// How many arguments the host gives.
+        arity: u16,
+        /// Where the name stands.
+        span: Span,
+    },
+}
+
+/// Memory for evaluations, one for each thread. Any program can use it.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    stacks: Stacks,
+}
+
+impl Scratch {
+    /// Memory that grows as it is needed.
+    #[must_use]
+    pub fn new() -> Scratch {
+        Scratch::default()
+    }
+
+    /// The mathematical faults of the last evaluation that had any, in order; the first hundred of them.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.stacks.warnings
+    }
+}
+
+/// Compiled roots, safe to share between threads.
+#[derive(Clone, Debug)]
+pub struct Program {
+    image: Image,
+    entries: Vec<Entry>,
+}
+
+impl Program {
+    /// Compiles roots, whose names are looked up in `scope` first.
+    ///
+    /// # Errors
+    /// Every unknown name, missing argument, illegal channel and mistake of syntax that an evaluation could meet.
+    pub fn compile(
+        definitions: &Definitions,
+        scope: &Scope,
+        roots: &[Root<'_>],
+        bindings: &Bindings<'_>,
+    ) -> Result<Program, Vec<Diagnostic>> {
+        let mut known = Known::new(definitions);
+        let roots = read_roots(&mut known, scope, roots)?;
+        let mut linker = Linker::new(&known, bindings);
+        let mut entries = Vec::with_capacity(roots.len());
+        for root in &roots {
+            match root {
+                ReadRoot::Expression(body) => {
+                    entries.push(Entry::Expression(linker.expression_root(body, body.root)));
+                }
+                ReadRoot::Function { symbol, arity, span } => {
+                    if let Some(problem) = lacking(&known, *symbol, *arity) {
+                        linker.problems.push(problem.at(*span));
+                    }
+                    let routine = linker.function_root(*symbol, *arity, Some(*span));
+                    entries.push(Entry::Function(routine.unwrap_or(0)));
+                }
+            }
+        }
+        let (image, problems) = linker.finish();
+        if problems.is_empty() { Ok(Program { image, entries }) } else { Err(problems) }
+    }
+
+    /// How many roots there are.
+    #[must_use]
+    pub fn roots(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// The channels that an evaluation may read, in increasing order.
+    #[must_use]
+    pub fn channels_used(&self) -> Vec<u32> {
+        let mut channels = self.image.channels.clone();
+        channels.sort_unstable();
+        channels
+    }
+
+    /// The value of a root that is the same for every ray.
+    ///
+    /// # Panics
+    /// If there is no such root.
+    #[must_use]
+    pub fn constant(&self, root: usize) -> Option<f64> {
+        match self.entries[root] {
+            Entry::Expression(start) => match self.image.code.get(start as usize..start as usize + 2) {
+                Some([Op::Number(value), Op::Stop]) => Some(*value),
+                _ => None,
+            },
+            Entry::Function(_) => None,
+        }
+    }
+
+    /// Whether every root is the same for every ray.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        (0..self.entries.len()).all(|root| self.constant(root).is_some())
+    }
+
+    /// Evaluates one root. `arguments` are those of a [`Root::Function`].
+    ///
+    /// # Errors
+    /// A [`Fault`], which holds the value that Radiance would go on with.
+    ///
+    /// # Panics
+    /// If there is no such root.
+    #[inline]
+    pub fn eval<H: Host + ?Sized>(
+        &self,
+        root: usize,
+        arguments: &[f64],
+        host: &H,
+        scratch: &mut Scratch,
+    ) -> Result<f64, Fault> {
+        self.eval_exactly(root, arguments, host, scratch)
+    }
+
+    /// Evaluates all roots into `values`, as many as there are roots; what they share is computed once.
+    ///
+    /// # Errors
+    /// The fault that stands at the end, when Radiance's colour and texture functions look: the library functions of a later
+    /// root forget a fault of an earlier one. `values` holds what Radiance would go on with.
+    ///
+    /// # Panics
+    /// If `values` is shorter than the roots are many.
+    pub fn eval_all<H: Host + ?Sized>(
+        &self,
+        arguments: &[f64],
+        host: &H,
+        scratch: &mut Scratch,
+        values: &mut [f64],
+    ) -> Result<(), Fault> {
+        self.eval_all_exactly(arguments, host, scratch, values)
+    }
+
+    fn eval_all_exactly<H: Host + ?Sized>(
+        &self,
+        arguments: &[f64],
+        host: &H,
+        scratch: &mut Scratch,
+        values: &mut [f64],
+    ) -> Result<(), Fault> {
+        let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
+        let mut last = 0.0;
+        for (entry, value) in self.entries.iter().zip(values) {
+            *value = 0.0;
+            last = machine.run(*entry, arguments).map_err(|kind| Fault { kind, value: 0.0 })?;
+            *value = last;
+        }
+        machine.fault.map_or(Ok(()), |kind| Err(Fault { kind, value: last }))
+    }
+
+    fn eval_exactly<H: Host + ?Sized>(
+        &self,
+        root: usize,
+        arguments: &[f64],
+        host: &H,
+        scratch: &mut Scratch,
+    ) -> Result<f64, Fault> {
+        let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
+        match (machine.run(self.entries[root], arguments), machine.fault) {
+            (Ok(value), None) => Ok(value),
+            (Ok(value), Some(kind)) => Err(Fault { kind, value }),
+            (Err(kind), _) => Err(Fault { kind, value: 0.0 }),
+        }
+    }
+}
+
+/// A root after reading.
+enum ReadRoot {
+    Expression(Body),
+    Function { symbol: SymbolId, arity: u16, span: Span },
+}
+
+fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Result<Vec<ReadRoot>, Vec<Diagnostic>> {
+    let mut read = Vec::with_capacity(roots.len());
+    let mut mistakes = Vec::new();
+    let mut names = Looking { known, scope, steps: MOST_FOLDING_STEPS };
+    for root in roots {
+        match *root {
+            Root::Expression { text, span } => match read_expression(&mut names, text, span) {
+                Ok(body) => read.push(ReadRoot::Expression(body)),
+                Err(mistake) => mistakes.push(mistake),
+            },
+            Root::Function { name, arity, span } => {
+                let symbol = names.find(name);
+                read.push(ReadRoot::Function { symbol, arity, span });
+            }
+        }
+    }
+    if mistakes.is_empty() { Ok(read) } else { Err(mistakes) }
+}
+
+fn read_expression(names: &mut Looking<'_, '_>, text: &str, span: Span) -> Result<Body, Diagnostic> {
+    let mut reader = Reader::new(text.as_bytes(), Some(span.source), span.start, names)?;
+    let body = reader.body()?;
+    match reader.lexer.token {
+        Token::End => Ok(body),
+        _ => Err(reader.lexer.unexpected("an operator or the end of the expression")),
+    }
+}
+
+/// A function root that uses more arguments than the host gives.
+fn lacking(known: &Known<'_>, symbol: SymbolId, arity: u16) -> Option<Diagnostic> {
+    let found = known.symbol(symbol)?;
+    let needed = match (found.function(), found.builtin) {
+        (Some(definition), _) => highest_parameter(&definition.body),
+        (None, Some(builtin)) => builtin.arity(),
+        (None, None) => 0,
+    };
+    (needed > usize::from(arity)).then(|| too_few_arguments(found.bare(), arity, needed))
+}
+
+/// The meaning of names in a root.
+struct Looking<'k, 'd> {
+    known: &'k mut Known<'d>,
+    scope: &'k Scope,
+    steps: u64,
+}
+
+impl Looking<'_, '_> {
+    fn find(&mut self, name: &str) -> SymbolId {
+        match self.known.definitions.symbols.find(name, self.scope) {
+            Some(symbol) => symbol,
+            None => self.known.stranger(name),
+        }
+    }
+}
+
+impl Names for Looking<'_, '_> {
+    fn resolve(&mut self, name: &str) -> Result<SymbolId, Diagnostic> {
+        Ok(self.find(name))
+    }
+
+    fn fold(&mut self, body: &Body, node: Node) -> Result<Option<f64>, Diagnostic> {
+        fold(self.known, body, node, &mut self.steps)
+    }
+}
