@@ -1,0 +1,53 @@
+//! What the commands of scene text need besides their programs: a directory to look in, and a line without line ends.
+
+use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+
+/// Looks for names in a directory first. `xform` goes to the directory of the file it reads, so that commands in the file
+/// find their files beside it.
+pub(crate) struct DirectoryLoader<'a> {
+    /// Empty for none.
+    pub(crate) directory: String,
+    pub(crate) loader: &'a dyn Loader,
+}
+
+impl Loader for DirectoryLoader<'_> {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        let is_elsewhere = self.directory.is_empty() || name.starts_with(['/', '~']);
+        if !is_elsewhere && let Ok(loaded) = self.loader.load(&format!("{}/{name}", self.directory), kind) {
+            return Ok(loaded);
+        }
+        self.loader.load(name, kind)
+    }
+
+    fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
+        if self.directory.is_empty() {
+            return self.loader.run_command(command, standard_input);
+        }
+        let directory = radsight_generate::shell_words::join(std::slice::from_ref(&self.directory));
+        self.loader.run_command(&format!("cd {directory} && {command}"), standard_input)
+    }
+}
+
+/// The directory part of a path; empty if there is none.
+pub(crate) fn directory_of(path: &str) -> String {
+    match path.rfind('/') {
+        Some(0) => "/".to_owned(),
+        Some(at) => path[..at].strip_prefix("./").unwrap_or(&path[..at]).to_owned(),
+        None => String::new(),
+    }
+}
+
+/// A `!` line as a shell gets it: without the `!`, and with line ends of one byte. Keeps every byte in its place.
+pub(crate) fn command_line(line: &[u8]) -> String {
+    let mut bytes = line.get(1..).unwrap_or_default().to_vec();
+    for at in 0..bytes.len() {
+        if bytes[at] == b'\r' {
+            let is_pair = bytes.get(at + 1) == Some(&b'\n');
+            bytes[at] = b'\n';
+            if is_pair {
+                bytes[at + 1] = b' ';
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}

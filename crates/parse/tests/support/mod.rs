@@ -1,0 +1,114 @@
+//! Real Radiance and the files of others, for tests that compare.
+#![allow(dead_code, reason = "each test file uses a part")]
+
+use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Real Radiance, if there is one: the folder in `RADSIGHT_RADIANCE`, else what is on the path.
+pub(crate) struct Radiance {
+    folder: Option<PathBuf>,
+}
+
+impl Radiance {
+    /// `None`, with a note, when there is no real Radiance.
+    pub(crate) fn find() -> Option<Radiance> {
+        let folder = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
+        let found = Radiance { folder };
+        let works = found.command("xform").stdin(Stdio::null()).output().is_ok();
+        if !works {
+            eprintln!("skipped: real Radiance not found");
+        }
+        works.then_some(found)
+    }
+
+    pub(crate) fn command(&self, program: &str) -> Command {
+        // Programs print their own name, so it is looked up on the path rather than spelt out.
+        let mut command = Command::new(program);
+        let Some(folder) = &self.folder else { return command };
+        let path = std::env::var("PATH").unwrap_or_default();
+        command.env("PATH", format!("{}:{path}", folder.join("bin").display()));
+        command.env("RAYPATH", format!(".:lib:{}", folder.join("lib").display()));
+        command
+    }
+
+    /// Standard output of a program that is run in a folder, and whether it succeeded.
+    pub(crate) fn run(&self, program: &str, arguments: &[&str], folder: &Path) -> (Vec<u8>, bool) {
+        let output = self.command(program).args(arguments).current_dir(folder).stdin(Stdio::null()).output().unwrap();
+        (output.stdout, output.status.success())
+    }
+
+    /// Where real Radiance keeps its library, if known.
+    pub(crate) fn library(&self) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join("lib"))
+    }
+}
+
+/// The folder with the scenes of others, if there is one: `RADSIGHT_SHARED`.
+pub(crate) fn shared() -> Option<PathBuf> {
+    let folder = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: RADSIGHT_SHARED is not set");
+    }
+    folder
+}
+
+/// Files on the disk, searched for in a folder, its `lib`, and the library.
+pub(crate) struct Disk {
+    pub(crate) folder: PathBuf,
+    pub(crate) library: Option<PathBuf>,
+}
+
+impl Loader for Disk {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        let places = [Some(self.folder.clone()), Some(self.folder.join("lib")), self.library.clone()];
+        for place in places.into_iter().flatten() {
+            if let Ok(bytes) = std::fs::read(place.join(name)) {
+                let path = if place == self.folder { name.to_owned() } else { place.join(name).display().to_string() };
+                return Ok(Loaded { path, bytes });
+            }
+        }
+        Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() })
+    }
+}
+
+/// All files below a folder, sorted.
+pub(crate) fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() { folders.push(path) } else { found.push(path) }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The first difference between two texts, word by word; numbers may differ by rounding.
+pub(crate) fn difference(ours: &[u8], theirs: &[u8], tolerance: f64) -> Option<String> {
+    let [ours, theirs] = [ours, theirs].map(|text| String::from_utf8_lossy(text).into_owned());
+    let line = |text: &str, number: usize| text.lines().nth(number).unwrap_or("(end)").to_owned();
+    let [lines, expected] = [&ours, &theirs].map(|text| text.lines().count());
+    for number in 0..lines.max(expected) {
+        let (a, b) = (line(&ours, number), line(&theirs, number));
+        if a != b && !equal_words(&a, &b, tolerance) {
+            return Some(format!("line {}:\n  ours:   {a}\n  theirs: {b}", number + 1));
+        }
+        if number > 20_000 {
+            break;
+        }
+    }
+    None
+}
+
+fn equal_words(a: &str, b: &str, tolerance: f64) -> bool {
+    let (a, b): (Vec<_>, Vec<_>) = (a.split_whitespace().collect(), b.split_whitespace().collect());
+    let scale = a.iter().chain(&b).filter_map(|word| word.parse::<f64>().ok()).fold(1.0, |m: f64, v| m.max(v.abs()));
+    a.len() == b.len()
+        && a.iter().zip(&b).all(|(a, b)| match (a.parse::<f64>(), b.parse::<f64>()) {
+            (Ok(a), Ok(b)) => (a - b).abs() <= tolerance * scale,
+            _ => a == b,
+        })
+}
