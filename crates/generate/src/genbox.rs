@@ -4,9 +4,11 @@
 //! facets (`-n` a power of two an edge; always when `-i` turns the box inside out), flat or smoothed (`-s`).
 //! `-o` gives Wavefront text instead of a scene.
 
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
+use crate::facets::{Mesh, Use, cross, normalize, subtract};
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
@@ -32,9 +34,30 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let options = read(&mut arguments)?;
     let mut text = Text::default();
     text.command_comment(invocation.argv)?;
-    let mut corners = Primitives { options: &options, text: &mut text };
-    emit(&options, &mut corners)?;
+    if options.subdivisions > 1 || options.wavefront {
+        write_facets(&options, &mut text)?;
+    } else {
+        emit(&options, &mut Primitives { options: &options, text: &mut text })?;
+    }
     Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+}
+
+fn write_facets(options: &Options<'_>, text: &mut Text) -> Result<(), Error> {
+    // Eight corners of 4^n triangles each dominate; their vertices and normals take more room than their text.
+    text.expect_room(8.0 * 4f64.powi(options.subdivisions as i32), 1000.0)?;
+    let mut facets = Facets::new(options);
+    emit(options, &mut facets)?;
+    let mut mesh = facets.mesh;
+    if !options.smooth {
+        mesh.flatten();
+    }
+    if !options.wavefront {
+        return mesh.write_scene(text, options.material, options.name);
+    }
+    if options.rounded {
+        mesh.join_vertices(2e-6);
+    }
+    mesh.write_wavefront(text, options.material, options.name)
 }
 
 fn read<'a>(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
@@ -163,5 +186,106 @@ impl Faces for Primitives<'_, '_> {
     fn corner_sphere(&mut self, corner: Corner) -> Result<(), Error> {
         self.head("sphere", &[corner], 4)?;
         Ok(writeln!(self.text, "\t{}", wide(self.options.bevel))?)
+    }
+}
+
+/// Collects facets where edges and corners are not true cylinders and spheres.
+struct Facets<'a, 'b> {
+    options: &'a Options<'b>,
+    mesh: Mesh,
+    /// The mesh's vertex of each corner that has one.
+    vertices: [Option<usize>; 64],
+}
+
+impl<'a, 'b> Facets<'a, 'b> {
+    fn new(options: &'a Options<'b>) -> Self {
+        Facets { options, mesh: Mesh::default(), vertices: [None; 64] }
+    }
+
+    fn vertex(&mut self, corner: Corner) -> usize {
+        *self.vertices[corner].get_or_insert_with(|| self.mesh.vertex(self.options.position(corner)))
+    }
+
+    /// 1, or −1 when the box is inside out.
+    fn sign(&self) -> f64 {
+        if self.options.reversed { -1.0 } else { 1.0 }
+    }
+
+    /// A part of a sphere between three unit vectors from its centre, divided `levels` times into four.
+    fn sphere_part(&mut self, centre: [f64; 3], directions: [[f64; 3]; 3], levels: u32) {
+        if levels == 0 {
+            let (radius, sign) = (self.options.bevel, self.sign());
+            let corners = directions.map(|direction| {
+                let vertex = self.mesh.vertex(std::array::from_fn(|axis| centre[axis] + radius * direction[axis]));
+                Use { vertex, normal: self.mesh.normal(direction.map(|value| sign * value)) }
+            });
+            return self.mesh.face(&corners);
+        }
+        let [a, b, c] = directions;
+        let middle = |p: [f64; 3], q: [f64; 3]| normalize(std::array::from_fn(|axis| p[axis] + q[axis])).unwrap_or(p);
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        for part in [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]] {
+            self.sphere_part(centre, part, levels - 1);
+        }
+    }
+}
+
+impl Faces for Facets<'_, '_> {
+    fn polygon(&mut self, corners: &[Corner]) -> Result<(), Error> {
+        let mut uses: Vec<Use> =
+            corners.iter().map(|corner| Use { vertex: self.vertex(*corner), normal: None }).collect();
+        if self.options.rounded {
+            let [a, b, c] = [0, 1, 2].map(|index| self.mesh.position(uses[index].vertex));
+            let normal = self.mesh.normal(cross(subtract(b, a), subtract(c, b)));
+            uses.iter_mut().for_each(|corner| corner.normal = normal);
+        }
+        self.mesh.face(&uses);
+        Ok(())
+    }
+
+    fn edge(&mut self, from: Corner, to: Corner) -> Result<(), Error> {
+        let (Options { size, bevel, subdivisions, .. }, sign) = (self.options, self.sign());
+        let ends = [from, to].map(|corner| {
+            let vertex = self.vertex(corner);
+            self.mesh.position(vertex)
+        });
+        let outwards = |axis: usize| if ends[1][axis] < 0.5 * size[axis] { -bevel } else { *bevel };
+        // The directions in which the quarter circle starts and ends.
+        let (start, end) = match (from ^ to) & 7 {
+            1 => (2, 1),
+            2 => (0, 2),
+            _ => (1, 0),
+        };
+        let segments = 1u32 << subdivisions;
+        let mut previous: Option<[Use; 2]> = None;
+        for step in 0..=segments {
+            let (sine, cosine) =
+                if step == 0 { (0.0, 1.0) } else { (0.5 * PI / f64::from(segments) * f64::from(step)).sin_cos() };
+            let mut offset = [0.0; 3];
+            offset[start] = cosine * outwards(start);
+            offset[end] = sine * outwards(end);
+            let vertices = ends.map(|point| self.mesh.vertex(std::array::from_fn(|axis| point[axis] + offset[axis])));
+            let normal = self.mesh.normal(offset.map(|value| sign * value));
+            let current = vertices.map(|vertex| Use { vertex, normal });
+            if let Some([before_from, before_to]) = previous {
+                self.mesh.face(&[before_from, before_to, current[1], current[0]]);
+            }
+            previous = Some(current);
+        }
+        Ok(())
+    }
+
+    fn corner_sphere(&mut self, corner: Corner) -> Result<(), Error> {
+        let mut directions = [[0.0; 3]; 3];
+        for (axis, direction) in directions.iter_mut().enumerate() {
+            let far = ((corner >> axis) & 1 != 0) != self.options.reversed;
+            direction[axis] = if far { 1.0 } else { -1.0 };
+        }
+        if matches!(corner & 7, 0 | 3 | 5 | 6) {
+            directions.swap(0, 1);
+        }
+        let vertex = self.vertex(corner);
+        self.sphere_part(self.mesh.position(vertex), directions, self.options.subdivisions);
+        Ok(())
     }
 }

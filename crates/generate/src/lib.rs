@@ -22,10 +22,16 @@ mod arguments;
 mod cat;
 mod echo;
 mod error;
+mod facets;
+mod genbeads;
+mod genblinds;
 mod genbox;
+mod genclock;
+mod gendaylit;
 mod genprism;
 mod gensky;
 mod number_text;
+mod perez;
 mod pipeline;
 mod replmarks;
 mod scene_words;
@@ -74,7 +80,11 @@ type Program = fn(&Invocation<'_>) -> Result<Output, Error>;
 const PROGRAMS: &[(&str, Program)] = &[
     ("cat", cat::run),
     ("echo", echo::run),
+    ("genbeads", genbeads::run),
+    ("genblinds", genblinds::run),
     ("genbox", genbox::run),
+    ("genclock", genclock::run),
+    ("gendaylit", gendaylit::run),
     ("genprism", genprism::run),
     ("gensky", gensky::run),
     ("replmarks", replmarks::run),

@@ -10,6 +10,7 @@ use std::fmt::Write;
 use radsight_loader::FileKind;
 
 use crate::arguments::Arguments;
+use crate::facets::{cross, dot, subtract};
 use crate::scene_words::SceneWords;
 use crate::shell_words;
 use crate::text::{Quoted, Text};
@@ -276,18 +277,6 @@ fn rotations(x_axis: [f64; 3], y_axis: [f64; 3], z_axis: [f64; 3], push: &mut dy
             push(option, angle.to_degrees());
         }
     }
-}
-
-fn subtract(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| a[axis] - b[axis])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The unit vector and the length, unless that is zero or not a number.

@@ -31,9 +31,52 @@ fn boxes_equal_real_ones() {
                 argv.push(option.into());
             }
         }
-        identical += usize::from(expect_same(&radiance, &argv, b"", &loader));
+        if argv.contains(&"-s".to_owned()) && !argv.contains(&"-o".to_owned()) {
+            expect_same_smoothing(&radiance, &argv, &loader);
+        } else {
+            identical += usize::from(expect_same(&radiance, &argv, b"", &loader));
+        }
     }
     println!("genbox: {identical} of {lines} outputs are the same bytes");
+}
+
+/// Symmetric triangles have two longest axes, and the last bit decides along which one they are seen; so the comparison is of
+/// the normals at the corners, and of all other words.
+fn expect_same_smoothing(radiance: &Radiance, argv: &[String], loader: &TestLoader) {
+    let real = smoothing(&radiance.run(argv, b"", None).standard_output);
+    let mine = smoothing(&String::from_utf8(ours(argv, b"", loader).unwrap().standard_output).unwrap());
+    let likeness = oracle::compare(&mine.0.join(" "), &real.0.join(" "));
+    assert!(!matches!(likeness, oracle::Likeness::Different(_)), "{argv:?}: {likeness:?}");
+    assert_eq!(mine.1.len(), real.1.len());
+    for (a, b) in mine.1.iter().zip(&real.1) {
+        assert!((a - b).abs() < 2e-6 * a.abs().max(1.0), "{argv:?}: {a} {b}");
+    }
+}
+
+/// The words outside of the interpolation arguments, and
+/// the interpolated normals at the corners of the polygon after each.
+fn smoothing(text: &str) -> (Vec<String>, Vec<f64>) {
+    let (mut others, mut normals) = (Vec::new(), Vec::new());
+    let mut functions: Option<(usize, Vec<f64>)> = None;
+    let mut words = text.split_whitespace().peekable();
+    while let Some(word) = words.next() {
+        others.push(word.to_owned());
+        if word == "10" {
+            let axis: usize = words.next().unwrap().parse().unwrap();
+            functions = Some((axis, words.by_ref().take(9).map(|word| word.parse().unwrap()).collect()));
+        } else if word == "9"
+            && let Some((axis, rows)) = functions.take()
+        {
+            let numbers: Vec<&str> = words.by_ref().take(9).collect();
+            for corner in numbers.chunks(3) {
+                let point: Vec<f64> = corner.iter().map(|word| word.parse().unwrap()).collect();
+                let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
+                normals.extend(rows.chunks(3).map(|row| row[0] * u + row[1] * v + row[2]));
+            }
+            others.extend(numbers.iter().map(|word| (*word).to_owned()));
+        }
+    }
+    (others, normals)
 }
 
 #[test]
@@ -47,7 +90,7 @@ fn prisms_equal_real_ones() {
         let count = 3 + numbers.below(9);
         let mut corners = Vec::new();
         for index in 0..count {
-            let (angle, radius) = (index as f64 * 6.28 / count as f64, numbers.between(1.0, 4.0));
+            let (angle, radius) = (index as f64 * 6.2 / count as f64, numbers.between(1.0, 4.0));
             corners.push(format!("{:.6}", radius * angle.cos()));
             corners.push(format!("{:.6}", radius * angle.sin()));
         }
@@ -134,4 +177,51 @@ fn replaced_markers_equal_real_ones() {
         }
     }
     println!("replmarks: {identical} of {lines} outputs are the same bytes");
+}
+
+#[test]
+fn blinds_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut numbers = Numbers(5);
+    let loader = TestLoader::default();
+    let (mut identical, lines) = (0, 200);
+    for _ in 0..lines {
+        let mut argv = words("genblinds mat blind");
+        argv.extend([numbers.text(0.5, 3.0), numbers.text(0.5, 30.0), numbers.text(0.5, 30.0)]);
+        argv.extend([numbers.below(7).to_string(), numbers.text(-80.0, 80.0)]);
+        if numbers.chance(2) {
+            argv.extend([["-r", "+r"][numbers.below(2)].to_owned(), numbers.text(1.8, 5.0)]);
+        }
+        identical += usize::from(expect_same(&radiance, &argv, b"", &loader));
+    }
+    println!("genblinds: {identical} of {lines} outputs are the same bytes");
+}
+
+#[test]
+fn clocks_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    for line in
+        ["genclock 12:34", "genclock -f paint 3.75", "genclock -c x -n y 23:1", "genclock -n z 0", "genclock 11:59:30"]
+    {
+        assert!(expect_same(&radiance, &words(line), b"", &TestLoader::default()), "{line}");
+    }
+}
+
+#[test]
+fn beads_lie_on_the_curve_at_the_asked_spacing() {
+    let argv = words("genbeads mat b 0 0 0 1 2 3 4 0 0 0 0 -5 .1 .05");
+    let text = String::from_utf8(ours(&argv, b"", &TestLoader::default()).unwrap().standard_output).unwrap();
+    let spheres: Vec<Vec<f64>> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("4 "))
+        .map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(spheres[0], [0.0, 0.0, 0.0, 0.1]);
+    assert!(text.contains(&format!("mat sphere b.{}\n", spheres.len() - 1)));
+    let last = spheres.last().unwrap();
+    assert!((last[0] - 1.0).abs() < 0.1 && (last[1] - 2.0).abs() < 0.1 && (last[2] - 3.0).abs() < 0.1);
+    for pair in spheres.windows(2) {
+        let distance = (0..3).map(|axis| (pair[0][axis] - pair[1][axis]).powi(2)).sum::<f64>().sqrt();
+        assert!((distance - 0.05).abs() < 0.01, "{distance}");
+    }
 }
