@@ -22,6 +22,8 @@ pub struct Definitions {
     pub(crate) symbols: Symbols,
     scopes: HashSet<Scope>,
     warnings: Vec<Diagnostic>,
+    /// Channels that have a value while constants are read.
+    pub(crate) fixed_channels: Vec<(u32, f64)>,
 }
 
 impl Default for Definitions {
@@ -51,7 +53,12 @@ impl Definitions {
     /// The library functions of the language alone.
     #[must_use]
     pub fn new() -> Definitions {
-        Definitions { symbols: Symbols::new(), scopes: HashSet::new(), warnings: Vec::new() }
+        Definitions {
+            symbols: Symbols::new(),
+            scopes: HashSet::new(),
+            warnings: Vec::new(),
+            fixed_channels: Vec::new(),
+        }
     }
 
     /// What every function file of a scene may use: the variables of the ray (`Dx`, `Nx`, `Px`, … on the channels of
@@ -140,6 +147,12 @@ impl Definitions {
         if mistakes.is_empty() { Ok(outputs) } else { Err(mistakes) }
     }
 
+    /// Reads one expression in the global scope; unknown names are added, to be defined later.
+    pub(crate) fn read_expression(&mut self, source: SourceId, text: &[u8]) -> Result<Body, Diagnostic> {
+        let mut loading = Loading { definitions: self, scope: &Scope::global(), steps: MOST_FOLDING_STEPS };
+        read_expression(&mut loading, text, source, 0)
+    }
+
     /// Gives a name its meaning.
     pub(crate) fn define(&mut self, name: String, definition: Definition) {
         let id = self.symbols.insert(name);
@@ -152,6 +165,21 @@ impl Definitions {
             self.warnings.push(definition.span.into_iter().fold(warning, Diagnostic::at));
         }
         self.symbols.define(id, Some(Arc::new(definition)));
+    }
+}
+
+/// Reads a text that is one expression; its first byte stands at `base` of `source`.
+pub(crate) fn read_expression<N: Names>(
+    names: &mut N,
+    text: &[u8],
+    source: SourceId,
+    base: u32,
+) -> Result<Body, Diagnostic> {
+    let mut reader = Reader::new(text, Some(source), base, names)?;
+    let body = reader.body()?;
+    match reader.lexer.token {
+        Token::End => Ok(body),
+        _ => Err(reader.lexer.unexpected("an operator or the end of the expression")),
     }
 }
 
@@ -270,7 +298,8 @@ pub(crate) fn fold(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) 
 }
 
 fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64) -> Result<f64, Diagnostic> {
-    let bindings = Bindings { highest_channel: Some(0), ..Bindings::default() };
+    let fixed = &known.definitions.fixed_channels;
+    let bindings = Bindings { highest_channel: Some(0), constant_channels: fixed, ..Bindings::default() };
     let mut linker = Linker::new(known, &bindings);
     let entry = linker.expression_root(body, node);
     let (image, problems) = linker.finish();

@@ -36,6 +36,7 @@ mod bindings;
 mod builtin;
 pub mod channel;
 mod definitions;
+mod environment;
 mod fault;
 mod lexer;
 pub mod library;
@@ -49,6 +50,7 @@ mod syntax;
 
 pub use bindings::Bindings;
 pub use definitions::Definitions;
+pub use environment::{Environment, Handle};
 pub use fault::{Fault, FaultKind, Warning};
 pub use names::Scope;
 pub use program::{Host, NoHost, Program, Root, Scratch};

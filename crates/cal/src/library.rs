@@ -3,6 +3,9 @@
 /// The variables of a ray, on their channels.
 pub(crate) const RAY_VARIABLES: &str = include_str!("../library/ray_variables.cal");
 
+/// The curves that Radiance's generators offer.
+pub(crate) const CURVES: &str = include_str!("../library/curves.cal");
+
 /// Our equivalent of Radiance's `rayinit.cal`.
 pub(crate) const RAYINIT: &str = include_str!("../library/rayinit.cal");
 

@@ -1,15 +1,15 @@
 //! Compiled expressions.
 
 use crate::bindings::{Bindings, Known};
-use crate::definitions::{Definitions, fold};
+use crate::definitions::{Definitions, fold, read_expression};
 use crate::fault::{Fault, Warning};
-use crate::lexer::Token;
 use crate::limits::{MOST_FOLDING_STEPS, MOST_STEPS};
 use crate::link::{Linker, highest_parameter, too_few_arguments};
 use crate::machine::{Entry, Image, Machine, Op, Stacks};
 use crate::names::{Scope, SymbolId};
-use crate::syntax::{Body, Names, Node, Reader};
+use crate::syntax::{Body, Names, Node};
 use radsight_diag::{Diagnostic, Span};
+use std::sync::Arc;
 
 /// What a program asks of its host while it runs.
 pub trait Host {
@@ -75,6 +75,10 @@ impl Scratch {
         Scratch::default()
     }
 
+    pub(crate) fn forget_warnings(&mut self) {
+        self.stacks.warnings.clear();
+    }
+
     /// The mathematical faults of the last evaluation that had any, in order; the first hundred of them.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
@@ -102,18 +106,26 @@ impl Program {
     ) -> Result<Program, Vec<Diagnostic>> {
         let mut known = Known::new(definitions);
         let roots = read_roots(&mut known, scope, roots)?;
-        let mut linker = Linker::new(&known, bindings);
+        Program::build(&known, &roots, bindings)
+    }
+
+    pub(crate) fn build(
+        known: &Known<'_>,
+        roots: &[ReadRoot],
+        bindings: &Bindings<'_>,
+    ) -> Result<Program, Vec<Diagnostic>> {
+        let mut linker = Linker::new(known, bindings);
         let mut entries = Vec::with_capacity(roots.len());
-        for root in &roots {
+        for root in roots {
             match root {
                 ReadRoot::Expression(body) => {
                     entries.push(Entry::Expression(linker.expression_root(body, body.root)));
                 }
                 ReadRoot::Function { symbol, arity, span } => {
-                    if let Some(problem) = lacking(&known, *symbol, *arity) {
-                        linker.problems.push(problem.at(*span));
+                    if let Some(problem) = lacking(known, *symbol, *arity) {
+                        linker.problems.push(span.iter().fold(problem, |problem, span| problem.at(*span)));
                     }
-                    let routine = linker.function_root(*symbol, *arity, Some(*span));
+                    let routine = linker.function_root(*symbol, *arity, *span);
                     entries.push(Entry::Function(routine.unwrap_or(0)));
                 }
             }
@@ -227,9 +239,9 @@ impl Program {
 }
 
 /// A root after reading.
-enum ReadRoot {
-    Expression(Body),
-    Function { symbol: SymbolId, arity: u16, span: Span },
+pub(crate) enum ReadRoot {
+    Expression(Arc<Body>),
+    Function { symbol: SymbolId, arity: u16, span: Option<Span> },
 }
 
 fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Result<Vec<ReadRoot>, Vec<Diagnostic>> {
@@ -238,26 +250,19 @@ fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Resul
     let mut names = Looking { known, scope, steps: MOST_FOLDING_STEPS };
     for root in roots {
         match *root {
-            Root::Expression { text, span } => match read_expression(&mut names, text, span) {
-                Ok(body) => read.push(ReadRoot::Expression(body)),
-                Err(mistake) => mistakes.push(mistake),
-            },
+            Root::Expression { text, span } => {
+                match read_expression(&mut names, text.as_bytes(), span.source, span.start) {
+                    Ok(body) => read.push(ReadRoot::Expression(Arc::new(body))),
+                    Err(mistake) => mistakes.push(mistake),
+                }
+            }
             Root::Function { name, arity, span } => {
                 let symbol = names.find(name);
-                read.push(ReadRoot::Function { symbol, arity, span });
+                read.push(ReadRoot::Function { symbol, arity, span: Some(span) });
             }
         }
     }
     if mistakes.is_empty() { Ok(read) } else { Err(mistakes) }
-}
-
-fn read_expression(names: &mut Looking<'_, '_>, text: &str, span: Span) -> Result<Body, Diagnostic> {
-    let mut reader = Reader::new(text.as_bytes(), Some(span.source), span.start, names)?;
-    let body = reader.body()?;
-    match reader.lexer.token {
-        Token::End => Ok(body),
-        _ => Err(reader.lexer.unexpected("an operator or the end of the expression")),
-    }
 }
 
 /// A function root that uses more arguments than the host gives.

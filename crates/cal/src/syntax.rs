@@ -101,6 +101,33 @@ impl Body {
         self.source.map(|source| Span { source, start, end })
     }
 
+    /// A body that is one number.
+    pub(crate) fn number(value: f64) -> Body {
+        Body::of(Expr::Number(value))
+    }
+
+    /// A body that is one channel.
+    pub(crate) fn channel(channel: u32) -> Body {
+        Body::of(Expr::Channel(channel))
+    }
+
+    /// A body that is one variable.
+    pub(crate) fn variable(symbol: SymbolId) -> Body {
+        Body::of(Expr::Variable(symbol))
+    }
+
+    fn of(expr: Expr) -> Body {
+        Body { nodes: vec![expr], ranges: vec![(0, 0)], ..Body::default() }
+    }
+
+    /// The channel, if the whole body is one.
+    pub(crate) fn as_channel(&self) -> Option<u32> {
+        match self.expr(self.root) {
+            Expr::Channel(channel) => Some(channel),
+            _ => None,
+        }
+    }
+
     /// The value, if the whole body is one number.
     pub(crate) fn as_number(&self) -> Option<f64> {
         match self.expr(self.root) {

@@ -1,0 +1,403 @@
+//! Definitions that change while they are used, as in `rcalc`, `gensurf` and their like.
+
+use crate::bindings::{Bindings, Known};
+use crate::definitions::{Definitions, Dialect};
+use crate::fault::Warning;
+use crate::names::{Assignment, Definition, Scope, SymbolId};
+use crate::program::{Host, Program, ReadRoot, Scratch};
+use crate::syntax::Body;
+use radsight_diag::{Diagnostic, SourceId};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The first channel through which variables that are set to numbers are served.
+const FIRST_SLOT: u32 = 0x4000_0000;
+
+/// Something of an [`Environment`] that can be evaluated again and again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Handle(usize);
+
+#[derive(Clone, Debug)]
+enum Request {
+    Expression(Arc<Body>),
+    Variable(SymbolId),
+    Function(SymbolId, u16),
+}
+
+/// Definitions from `-e` and `-f` options, variables set for each record, output channels.
+///
+/// All names are global. A change of a definition takes effect at the next evaluation, which then compiles anew what it
+/// needs; setting a variable to another number compiles nothing. Mathematical faults are no errors here, as they are none in
+/// `rcalc`: the value goes on as Radiance's would, and [`Environment::warnings`] tells what happened.
+///
+/// ```
+/// use radsight_cal::{Environment, NoHost};
+/// use radsight_diag::SourceMap;
+/// let mut sources = SourceMap::default();
+/// let mut environment = Environment::new();
+/// environment.set_constant("PI", std::f64::consts::PI);
+///
+/// let option = b"area(r) = PI*r^2; x = k*area($1); $2 = x+recno; cond = 5-recno";
+/// let source = sources.add("-e", &option[..], None);
+/// environment.define(source, option).unwrap();
+/// environment.set_variable("k", 2.0);
+/// environment.set_variable("recno", 1.0);
+///
+/// let area = environment.function("area", 1);
+/// assert_eq!(environment.eval(area, &[1.0], &NoHost), Ok(std::f64::consts::PI));
+/// let condition = environment.variable("cond");
+/// for record in [[1.0], [2.0]] {
+///     let channels = &record[..]; // $1
+///     assert!(environment.eval(condition, &[], channels).unwrap() > 0.0);
+///     for (channel, output) in environment.outputs() {
+///         let value = environment.eval(output, &[], channels).unwrap();
+///         assert_eq!((channel, value), (2, 2.0 * std::f64::consts::PI * record[0] * record[0] + 1.0));
+///     }
+/// }
+/// ```
+#[derive(Debug)]
+pub struct Environment {
+    definitions: Definitions,
+    requests: Vec<Request>,
+    programs: Vec<Option<Program>>,
+    outputs: BTreeMap<u32, Handle>,
+    host_functions: Vec<(String, usize)>,
+    /// The numbers of the variables that are set to numbers, and which variables they are.
+    slots: Vec<(SymbolId, f64)>,
+    scratch: Scratch,
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Environment::new()
+    }
+}
+
+impl Environment {
+    /// The library functions of the language alone; not even `PI` is defined.
+    #[must_use]
+    pub fn new() -> Environment {
+        Environment::over(Definitions::new())
+    }
+
+    /// On top of other definitions, [`Definitions::with_initial_library`] for instance.
+    #[must_use]
+    pub fn over(definitions: Definitions) -> Environment {
+        Environment {
+            definitions,
+            requests: Vec::new(),
+            programs: Vec::new(),
+            outputs: BTreeMap::new(),
+            host_functions: Vec::new(),
+            slots: Vec::new(),
+            scratch: Scratch::new(),
+        }
+    }
+
+    /// What Radiance's generators start with: `PI`, and the curves `hermite`, `bezier` and `bspline`.
+    #[must_use]
+    pub fn for_generators() -> Environment {
+        let mut environment = Environment::new();
+        environment.set_constant("PI", std::f64::consts::PI);
+        environment.definitions.load_builtin(crate::library::CURVES);
+        environment
+    }
+
+    /// Offers a function that the host computes, for a name without a definition; [`Host::call`] gets the index returned.
+    pub fn offer_function(&mut self, name: &str, arity: usize) -> u32 {
+        self.host_functions.push((name.to_owned(), arity));
+        self.forget_programs();
+        self.host_functions.len() as u32 - 1
+    }
+
+    /// Reads definitions and output channels, from a file or an option.
+    ///
+    /// # Errors
+    /// Every mistake of the text; what reads well is defined.
+    pub fn define(&mut self, source: SourceId, text: &[u8]) -> Result<(), Vec<Diagnostic>> {
+        self.forget_programs();
+        self.publish_slots();
+        let outputs = self.definitions.read(Some(source), text, &Scope::global(), Dialect::Records)?;
+        for (channel, body) in outputs {
+            let handle = self.request(Request::Expression(Arc::new(body)));
+            self.outputs.insert(channel, handle);
+        }
+        Ok(())
+    }
+
+    /// Sets a variable to a number. Cheap when the variable was set before and not defined otherwise since.
+    pub fn set_variable(&mut self, name: &str, value: f64) {
+        let symbol = self.definitions.symbols.insert(Scope::global().qualify(name));
+        match self.slots.iter().position(|(known, _)| *known == symbol) {
+            Some(slot) if self.serves(symbol, slot) => self.slots[slot].1 = value,
+            Some(slot) => {
+                self.slots[slot].1 = value;
+                self.serve(symbol, slot);
+            }
+            None => {
+                self.slots.push((symbol, value));
+                self.serve(symbol, self.slots.len() - 1);
+            }
+        }
+    }
+
+    /// Sets a constant, which is folded into what is read from now on.
+    pub fn set_constant(&mut self, name: &str, value: f64) {
+        let name = Scope::global().qualify(name);
+        let body = Body::number(value);
+        self.definitions.define(name, Definition { assignment: Assignment::Constant, arity: None, body, span: None });
+        self.forget_programs();
+    }
+
+    /// Takes a definition away.
+    pub fn remove(&mut self, name: &str) {
+        if let Some(symbol) = self.definitions.symbols.find(name, &Scope::global()) {
+            self.definitions.symbols.define(symbol, None);
+            self.forget_programs();
+        }
+    }
+
+    /// How many arguments the function takes that this name means.
+    #[must_use]
+    pub fn function_arity(&self, name: &str) -> Option<usize> {
+        let defined = self.definitions.function_arity(name, &Scope::global());
+        let offered = || self.host_functions.iter().find(|(known, _)| known == name).map(|(_, arity)| *arity);
+        defined.or_else(offered)
+    }
+
+    /// Whether the name is defined as a variable or constant.
+    #[must_use]
+    pub fn is_variable(&self, name: &str) -> bool {
+        self.definitions.is_variable(name, &Scope::global())
+    }
+
+    /// Whether the name is defined as a constant.
+    #[must_use]
+    pub fn is_constant(&self, name: &str) -> bool {
+        let found = self.definitions.symbols.find(name, &Scope::global());
+        let variable = found.and_then(|symbol| self.definitions.symbols.get(symbol).variable());
+        variable.is_some_and(|definition| definition.assignment == Assignment::Constant)
+    }
+
+    /// Whether the name occurs anywhere, so that setting it could matter.
+    #[must_use]
+    pub fn is_mentioned(&self, name: &str) -> bool {
+        self.definitions.symbols.find(name, &Scope::global()).is_some()
+    }
+
+    /// Reads an expression, to be evaluated with the definitions that hold at each evaluation.
+    ///
+    /// # Errors
+    /// A mistake of the text.
+    pub fn expression(&mut self, source: SourceId, text: &[u8]) -> Result<Handle, Diagnostic> {
+        self.publish_slots();
+        let body = self.definitions.read_expression(source, text)?;
+        Ok(self.request(Request::Expression(Arc::new(body))))
+    }
+
+    /// A variable, by its name.
+    pub fn variable(&mut self, name: &str) -> Handle {
+        let symbol = self.definitions.symbols.find_or_insert(name, &Scope::global());
+        self.request(Request::Variable(symbol))
+    }
+
+    /// A function, by its name and the number of arguments that it will be given.
+    pub fn function(&mut self, name: &str, arity: u16) -> Handle {
+        let symbol = self.definitions.symbols.find_or_insert(name, &Scope::global());
+        self.request(Request::Function(symbol, arity))
+    }
+
+    /// The output channels, in increasing order.
+    #[must_use]
+    pub fn outputs(&self) -> Vec<(u32, Handle)> {
+        self.outputs.iter().map(|(channel, handle)| (*channel, *handle)).collect()
+    }
+
+    /// Evaluates. `arguments` are those of a function.
+    ///
+    /// # Errors
+    /// Names without a definition, missing arguments, and computations without end.
+    pub fn eval<H: Host + ?Sized>(
+        &mut self,
+        handle: Handle,
+        arguments: &[f64],
+        host: &H,
+    ) -> Result<f64, Vec<Diagnostic>> {
+        if self.programs[handle.0].is_none() {
+            let program = self.compile(handle)?;
+            self.programs[handle.0] = Some(program);
+        }
+        let Some(program) = &self.programs[handle.0] else { return Err(Vec::new()) };
+        self.scratch.forget_warnings();
+        let host = WithSlots { host, slots: &self.slots };
+        match program.eval(0, arguments, &host, &mut self.scratch) {
+            Ok(value) => Ok(value),
+            Err(fault) if fault.kind.is_fatal() => Err(vec![Diagnostic::error(fault.to_string())]),
+            Err(fault) => Ok(fault.value),
+        }
+    }
+
+    /// The mathematical faults of the last evaluation.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        self.scratch.warnings()
+    }
+
+    fn compile(&self, handle: Handle) -> Result<Program, Vec<Diagnostic>> {
+        let known = Known::new(&self.definitions);
+        let root = match &self.requests[handle.0] {
+            Request::Expression(body) => ReadRoot::Expression(Arc::clone(body)),
+            Request::Variable(symbol) => ReadRoot::Expression(Arc::new(Body::variable(*symbol))),
+            Request::Function(symbol, arity) => ReadRoot::Function { symbol: *symbol, arity: *arity, span: None },
+        };
+        let functions: Vec<(&str, usize)> = self.host_functions.iter().map(|(name, n)| (name.as_str(), *n)).collect();
+        Program::build(&known, &[root], &Bindings { functions: &functions, ..Bindings::default() })
+    }
+
+    fn request(&mut self, request: Request) -> Handle {
+        self.requests.push(request);
+        self.programs.push(None);
+        Handle(self.requests.len() - 1)
+    }
+
+    fn forget_programs(&mut self) {
+        self.programs.fill(None);
+    }
+
+    fn slot_channel(slot: usize) -> u32 {
+        FIRST_SLOT.saturating_add(u32::try_from(slot).unwrap_or(u32::MAX))
+    }
+
+    /// Whether the variable still is the slot, and nothing was defined in its place.
+    fn serves(&self, symbol: SymbolId, slot: usize) -> bool {
+        let variable = self.definitions.symbols.get(symbol).variable();
+        variable.is_some_and(|definition| definition.body.as_channel() == Some(Self::slot_channel(slot)))
+    }
+
+    fn serve(&mut self, symbol: SymbolId, slot: usize) {
+        let body = Body::channel(Self::slot_channel(slot));
+        let definition = Definition { assignment: Assignment::Variable, arity: None, body, span: None };
+        self.definitions.symbols.define(symbol, Some(Arc::new(definition)));
+        self.forget_programs();
+    }
+
+    /// Lets constants that are read see the numbers of now.
+    fn publish_slots(&mut self) {
+        let numbered = self.slots.iter().enumerate();
+        self.definitions.fixed_channels =
+            numbered.map(|(slot, (_, value))| (Self::slot_channel(slot), *value)).collect();
+    }
+}
+
+/// The host of the caller, and the variables that are set to numbers.
+struct WithSlots<'h, H: ?Sized> {
+    host: &'h H,
+    slots: &'h [(SymbolId, f64)],
+}
+
+impl<H: Host + ?Sized> Host for WithSlots<'_, H> {
+    fn channel(&self, channel: u32) -> f64 {
+        match channel.checked_sub(FIRST_SLOT) {
+            Some(slot) => self.slots.get(slot as usize).map_or(0.0, |(_, value)| *value),
+            None => self.host.channel(channel),
+        }
+    }
+
+    fn call(&self, function: u32, arguments: &[f64]) -> f64 {
+        self.host.call(function, arguments)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NoHost;
+    use radsight_diag::SourceMap;
+
+    fn environment(text: &str) -> Environment {
+        let mut environment = Environment::for_generators();
+        let source = SourceMap::default().add("-e", text.as_bytes(), None);
+        environment.define(source, text.as_bytes()).unwrap();
+        environment
+    }
+
+    fn value(environment: &mut Environment, name: &str) -> Result<f64, Vec<Diagnostic>> {
+        let handle = environment.variable(name);
+        environment.eval(handle, &[], &NoHost)
+    }
+
+    #[test]
+    fn a_definition_may_come_after_its_use_and_change() {
+        let mut environment = environment("y = 2*x");
+        assert!(value(&mut environment, "y").is_err());
+        environment.set_variable("x", 3.0);
+        assert_eq!(value(&mut environment, "y"), Ok(6.0));
+        environment.set_variable("x", 4.0);
+        assert_eq!(value(&mut environment, "y"), Ok(8.0));
+        let source = SourceMap::default().add("-e", &b""[..], None);
+        environment.define(source, b"x = 5; y = x").unwrap();
+        assert_eq!(value(&mut environment, "y"), Ok(5.0));
+        environment.set_variable("x", 7.0);
+        assert_eq!(value(&mut environment, "y"), Ok(7.0));
+    }
+
+    #[test]
+    fn a_constant_is_folded_when_it_is_read() {
+        let mut environment = environment("a : 1; b = a + 1; a : 5; c = a");
+        assert_eq!(value(&mut environment, "b"), Ok(2.0));
+        assert_eq!(value(&mut environment, "c"), Ok(5.0));
+    }
+
+    #[test]
+    fn a_constant_function_sees_the_number_a_variable_has_now() {
+        let mut environment = environment("f(x) : x*y");
+        environment.set_variable("y", 3.0);
+        let source = SourceMap::default().add("-e", &b""[..], None);
+        environment.define(source, b"z = f(2)").unwrap();
+        environment.set_variable("y", 4.0);
+        assert_eq!(value(&mut environment, "z"), Ok(6.0));
+    }
+
+    #[test]
+    fn output_channels_come_in_order_and_the_last_definition_holds() {
+        let environment = environment("$3=1; $1=2; $3=5");
+        assert_eq!(environment.outputs().iter().map(|(channel, _)| *channel).collect::<Vec<_>>(), [1, 3]);
+    }
+
+    #[test]
+    fn a_mathematical_fault_is_a_warning() {
+        let mut environment = environment("x = 1 + acos(y)");
+        environment.set_variable("y", 2.0);
+        assert_eq!(value(&mut environment, "x"), Ok(1.0));
+        assert_eq!(environment.warnings()[0].to_string(), "acos(): domain error");
+        environment.set_variable("y", 1.0);
+        assert_eq!(value(&mut environment, "x"), Ok(1.0));
+        assert!(environment.warnings().is_empty());
+    }
+
+    #[test]
+    fn the_host_computes_functions_it_offers() {
+        struct Doubling;
+        impl Host for Doubling {
+            fn channel(&self, channel: u32) -> f64 {
+                f64::from(channel)
+            }
+            fn call(&self, function: u32, arguments: &[f64]) -> f64 {
+                f64::from(function) + 2.0 * arguments[0]
+            }
+        }
+        let mut environment = environment("x = in($3)");
+        environment.offer_function("other", 2);
+        assert_eq!(environment.offer_function("in", 1), 1);
+        let x = environment.variable("x");
+        assert_eq!(environment.eval(x, &[], &Doubling), Ok(7.0));
+    }
+
+    #[test]
+    fn curves_of_the_generators_pass_through_their_ends() {
+        let mut environment = environment("a = hermite(1,2,0,0,0); b = hermite(1,2,9,9,1); c = bezier(1,0,0,4,1)");
+        for (name, expected) in [("a", 1.0), ("b", 2.0), ("c", 4.0)] {
+            assert_eq!(value(&mut environment, name), Ok(expected), "{name}");
+        }
+    }
+}
