@@ -1,2 +1,187 @@
 //! The camera file: camera, light ring and sensor, and the ring as scene text.
+//!
+//! [`CameraFile::read`] takes the text of a `camera.toml` and gives checked values, or every mistake in it with line, column
+//! and hint. [`Rig::scene_text`] writes the ring of LEDs as Radiance scene text that stands on its own.
+//!
+//! Guarantees: a file that is read without error describes a camera, ring and sensor that exist; hostile text ends in errors, in
+//! bounded time and memory. May not know the renderer; files come through a [`Loader`].
+//!
+//! ```
+//! use radsight_camera::CameraFile;
+//! use radsight_diag::SourceMap;
+//! use radsight_loader::MemoryLoader;
+//! let text = b"[camera]
+//! position_m = [0.0, 0.0, 0.48]
+//! direction = [0.0, 0.0, -1.0]
+//! up = [0.0, 1.0, 0.0]
+//! pixels = [192, 165]
+//! pixel_pitch_um = [13.75, 16.0]
+//! focal_distance_mm = 6.75
+//! pinhole_diameter_mm = -0.1
+//! exposure_ms = 10.0
+//! ";
+//! let mut sources = SourceMap::default();
+//! let errors = CameraFile::read("camera.toml", text, &mut sources, &MemoryLoader::default()).unwrap_err();
+//! assert_eq!(
+//!     errors[0].render(&sources),
+//!     "camera.toml:8:23: error: \"pinhole_diameter_mm\" must be positive, not -0.1\n  8 | pinhole_diameter_mm = -0.1\n    |                       ^^^^\n"
+//! );
+//! ```
 #![forbid(unsafe_code)]
+
+mod angular_table;
+mod camera_section;
+mod lobe_pattern;
+mod number_table;
+mod rig;
+mod rig_section;
+mod section;
+mod sensor_section;
+
+pub use angular_table::AngularTable;
+pub use number_table::{NumberTable, NumberTableRow, read_measurements};
+pub use rig::{LedEmission, Rig};
+
+use radsight_diag::{Diagnostic, SourceId, SourceMap, hint_nearest};
+use radsight_loader::Loader;
+use radsight_pinhole::{BandWeights, BandWeightsError, PinholeCamera};
+use radsight_sensor::Sensor;
+use section::{Section, shorten};
+use std::collections::BTreeSet;
+use toml::de::{DeTable, DeValue};
+
+/// The largest camera file that is read, bytes.
+const LARGEST_FILE: usize = 1 << 20;
+
+/// Messages about one file after which the rest are only counted.
+const MOST_MESSAGES: usize = 50;
+
+/// The tables of a camera file.
+const SECTIONS: [&str; 3] = ["camera", "rig", "sensor"];
+
+/// All that a camera file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraFile {
+    /// The pinhole camera.
+    pub camera: PinholeCamera,
+    /// The light ring, where there is one.
+    pub rig: Option<Rig>,
+    /// The sensor, where there is one.
+    pub sensor: Option<Sensor>,
+    /// How the bands of a coloured scene add up, where the file says so; see [`CameraFile::band_weights_for`].
+    pub band_weights: Option<BandWeights>,
+    /// What is allowed but looks like a slip.
+    pub warnings: Vec<Diagnostic>,
+}
+
+impl CameraFile {
+    /// Reads the text of a camera file, called `name` in messages. Files that it names are looked for beside it.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file; never empty.
+    pub fn read(
+        name: &str,
+        bytes: &[u8],
+        sources: &mut SourceMap,
+        loader: &dyn Loader,
+    ) -> Result<Self, Vec<Diagnostic>> {
+        let source = sources.add(name, bytes, None);
+        let text = as_text(bytes, source, sources).map_err(|error| vec![error])?;
+        let (document, errors) = DeTable::parse_recoverable(text);
+        if !errors.is_empty() {
+            return Err(syntax_errors(&errors, text, source, sources));
+        }
+        let mut found = Found::default();
+        let file = read_document(document.get_ref(), name, source, sources, loader, &mut found);
+        match file {
+            Some(file) if found.errors.is_empty() => Ok(CameraFile { warnings: found.warnings, ..file }),
+            _ => Err(in_file_order(found.errors, source)),
+        }
+    }
+
+    /// The weights for radiances of `bands` bands: those of the file, or equal ones.
+    ///
+    /// # Errors
+    /// When the file gives weights for another number of bands.
+    pub fn band_weights_for(&self, bands: usize) -> Result<BandWeights, BandWeightsError> {
+        self.band_weights.as_ref().map_or_else(|| Ok(BandWeights::equal(bands)), |weights| weights.for_bands(bands))
+    }
+}
+
+/// Messages collected while reading.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    pub(crate) errors: Vec<Diagnostic>,
+    pub(crate) warnings: Vec<Diagnostic>,
+}
+
+fn as_text<'a>(bytes: &'a [u8], source: SourceId, sources: &SourceMap) -> Result<&'a str, Diagnostic> {
+    if bytes.len() > LARGEST_FILE {
+        return Err(Diagnostic::error(format!(
+            "the camera file has {} bytes, expected at most {LARGEST_FILE}",
+            bytes.len()
+        ))
+        .at(sources.span(source, 0, 0)));
+    }
+    std::str::from_utf8(bytes).map_err(|error| {
+        let at = error.valid_up_to();
+        Diagnostic::error("the camera file is not UTF-8 text").at(sources.span(source, at, at + 1))
+    })
+}
+
+/// What the TOML parser says, the first of each line: what follows on a line is mostly its own confusion.
+fn syntax_errors(errors: &[toml::de::Error], text: &str, source: SourceId, sources: &SourceMap) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    let mut lines_seen = BTreeSet::new();
+    for error in errors {
+        let span = error.span().unwrap_or(0..0);
+        let before = &text.as_bytes()[..span.start.min(text.len())];
+        let line_start = before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        if lines_seen.insert(line_start) {
+            let message = error.message().lines().collect::<Vec<_>>().join(", ");
+            diagnostics.push(Diagnostic::error(shorten(&message)).at(sources.span(source, span.start, span.end)));
+        }
+        if diagnostics.len() == MOST_MESSAGES {
+            break;
+        }
+    }
+    in_file_order(diagnostics, source)
+}
+
+/// Messages of the file itself by their place in it, then those of other files, at most [`MOST_MESSAGES`].
+fn in_file_order(mut messages: Vec<Diagnostic>, source: SourceId) -> Vec<Diagnostic> {
+    messages.sort_by_key(|message| message.span.map(|span| (span.source != source, span.source, span.start)));
+    let left_out = messages.len().saturating_sub(MOST_MESSAGES);
+    messages.truncate(MOST_MESSAGES);
+    if left_out > 0 {
+        messages.push(Diagnostic::error(format!("{left_out} more errors")));
+    }
+    messages
+}
+
+fn read_document(
+    document: &DeTable<'_>,
+    name: &str,
+    source: SourceId,
+    sources: &mut SourceMap,
+    loader: &dyn Loader,
+    found: &mut Found,
+) -> Option<CameraFile> {
+    for (key, value) in document.iter().filter(|(key, _)| !SECTIONS.contains(&key.get_ref().as_ref())) {
+        let place = sources.span(source, key.span().start, key.span().end);
+        let kind = if matches!(value.get_ref(), DeValue::Table(_)) { "table" } else { "key" };
+        let message = format!("unknown {kind} \"{}\", expected [camera], [rig] and [sensor]", shorten(key.get_ref()));
+        found.errors.push(Diagnostic::error(message).at(place).maybe_hint(hint_nearest(key.get_ref(), SECTIONS)));
+    }
+    let camera_section = Section::open(document, "camera", source, sources, found);
+    if camera_section.is_none() && !document.contains_key("camera") {
+        found.errors.push(Diagnostic::error("the camera file has no [camera]").at(sources.span(source, 0, 0)));
+    }
+    let camera = camera_section.and_then(|section| camera_section::read(section, sources, found));
+    let rig = Section::open(document, "rig", source, sources, found)
+        .and_then(|section| rig_section::read(section, camera.as_ref(), name, sources, loader, found));
+    let sensor = Section::open(document, "sensor", source, sources, found)
+        .and_then(|section| sensor_section::read(section, camera.as_ref(), sources, found));
+    let (sensor, band_weights) = sensor.map_or((None, None), |(sensor, weights)| (Some(sensor), weights));
+    Some(CameraFile { camera: camera?, rig, sensor, band_weights, warnings: Vec::new() })
+}

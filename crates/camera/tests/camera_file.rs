@@ -1,0 +1,223 @@
+//! Reading camera files: what is understood, and the whole text of the messages.
+
+use radsight_camera::{CameraFile, LedEmission};
+use radsight_diag::SourceMap;
+use radsight_loader::MemoryLoader;
+use radsight_pinhole::PinholeModel;
+use radsight_sensor::{ExposureUnit, Sensor};
+
+const CAMERA: &str = r#"[camera]
+position_m = [0.0, 0.0, 0.48]
+direction = [0.0, 0.0, -1.0]
+up = [0.0, 1.0, 0.0]
+pixels = [192, 165]
+pixel_pitch_um = [13.75, 16.0]
+focal_distance_mm = 6.75
+pinhole_diameter_mm = 0.1
+pinhole_model = "finite"          # "point" | "finite" | "diffraction"
+exposure_ms = 10.0
+wavelength_nm = 650.0
+"#;
+
+const RIG: &str = r#"
+[rig]
+leds = 12
+ring_diameter_mm = 25.4
+led_diameter_mm = 5.0
+led_intensity_w_per_sr = 0.055    # on the axis of each LED
+led_cone_deg = 7.0
+"#;
+
+const SENSOR: &str = r#"
+[sensor]
+response = "power-law"            # Eq. 5; or "emva1288"
+k = 33844.0
+gamma = 0.85
+grey_background = 12
+grey_max = 161
+exposure_unit = "uJ/cm2"
+bits = 8
+band_weights = [1, 1, 1]
+"#;
+
+fn read_with(text: &str, loader: &MemoryLoader) -> Result<(CameraFile, String), String> {
+    let mut sources = SourceMap::default();
+    let file = CameraFile::read("rigs/camera.toml", text.as_bytes(), &mut sources, loader);
+    let render = |messages: &[radsight_diag::Diagnostic]| messages.iter().map(|m| m.render(&sources)).collect();
+    match file {
+        Ok(file) => {
+            let warnings = render(&file.warnings);
+            Ok((file, warnings))
+        }
+        Err(errors) => {
+            assert!(!errors.is_empty());
+            Err(render(&errors))
+        }
+    }
+}
+
+fn read(text: &str) -> Result<(CameraFile, String), String> {
+    read_with(text, &MemoryLoader::default())
+}
+
+fn errors(text: &str) -> String {
+    read(text).map(|(file, _)| format!("{file:?}")).unwrap_err()
+}
+
+#[test]
+fn the_papers_camera_is_understood() {
+    let (file, warnings) = read(&format!("{CAMERA}{RIG}{SENSOR}")).unwrap();
+    assert_eq!(warnings, "");
+    assert_eq!((file.camera.columns(), file.camera.rows()), (192, 165));
+    assert!((file.camera.focal_distance_m() - 6.75e-3).abs() < 1e-18);
+    assert_eq!(file.camera.pinhole_model(), PinholeModel::Finite);
+    assert_eq!(file.camera.wavelength_m().map(|w| (w * 1e9).round()), Some(650.0));
+    let rig = file.rig.as_ref().unwrap();
+    assert_eq!(rig.emission, LedEmission::Cone { full_angle_deg: 7.0 });
+    // I₀/A = 0.055 W/sr over 19.635 mm².
+    assert!((rig.axial_radiance() - 2801.13).abs() < 0.01, "{}", rig.axial_radiance());
+    let Some(Sensor::PowerLaw(sensor)) = file.sensor else { panic!("a power law was asked for") };
+    assert_eq!(sensor.description().exposure_unit, ExposureUnit::MicrojoulePerSquareCentimetre);
+    assert_eq!(file.band_weights_for(3).unwrap().as_slice().len(), 3);
+    assert_eq!(file.band_weights_for(1).unwrap().as_slice(), [1.0]);
+}
+
+#[test]
+fn a_camera_alone_is_enough() {
+    let minimal = CAMERA.lines().filter(|line| !line.contains("wavelength") && !line.contains("pinhole_model"));
+    let (file, _) = read(&minimal.collect::<Vec<_>>().join("\r\n")).unwrap();
+    assert!(file.rig.is_none() && file.sensor.is_none() && file.camera.wavelength_m().is_none());
+    assert_eq!(file.camera.scene_unit_m(), 1.0);
+}
+
+#[test]
+fn an_emva1288_sensor_takes_pixel_time_and_wavelength_from_the_camera() {
+    let text = "[sensor]\nresponse = \"emva1288\"\nquantum_efficiency = 0.6\ngain_dn_per_e = 0.25\nfull_well_e = 14000\n\
+                read_noise_e = 12\nbits = 12\n";
+    let (file, _) = read(&format!("{CAMERA}{text}")).unwrap();
+    let Some(Sensor::Emva1288(sensor)) = file.sensor else { panic!("a linear sensor was asked for") };
+    assert_eq!(sensor.description().exposure_s, 0.01);
+    assert!((sensor.description().pixel_area_m2 - 13.75e-6 * 16e-6).abs() < 1e-24);
+    let without = CAMERA.replace("wavelength_nm = 650.0\n", "");
+    insta::assert_snapshot!("emva1288_without_wavelength", errors(&format!("{without}{text}")));
+}
+
+#[test]
+fn every_mistake_of_a_camera_is_shown() {
+    let text = r#"[camera]
+position_m = [0.0, 0.0]
+direction = [0.0, nan, -1.0]
+up = "y"
+pixels = [192, 165.5]
+pixel_pich_um = [13.75, 16.0]
+focal_distance_mm = inf
+pinhole_diameter_mm = -1e-1
+pinhole_model = "finit"
+exposure_ms = "10"
+wavelength_nm = 0
+zebra = 1
+"#;
+    insta::assert_snapshot!(errors(text));
+}
+
+#[test]
+fn every_mistake_of_a_rig_is_shown() {
+    let text = "[rig]\nleds = 0\nring_diameter_mm = 1e400\nled_diameter_mm = true\nled_cone_deg = 270\n";
+    insta::assert_snapshot!(errors(&format!("{CAMERA}{text}")));
+}
+
+#[test]
+fn every_mistake_of_a_sensor_is_shown() {
+    let text = r#"[sensor]
+response = "power-law"
+k = [33844.0]
+gama = 0.85
+grey_background = -12
+grey_max = 300
+exposure_unit = "uJ/cm"
+bits = 9
+band_weights = [0, 0]
+"#;
+    insta::assert_snapshot!(errors(&format!("{CAMERA}{text}")));
+}
+
+#[test]
+fn a_grey_max_that_the_bits_cannot_hold_is_shown() {
+    insta::assert_snapshot!(errors(&format!("{CAMERA}{}", SENSOR.replace("161", "300"))));
+}
+
+#[test]
+fn an_unknown_response_is_shown_once() {
+    insta::assert_snapshot!(errors(&format!("{CAMERA}[sensor]\nresponse = \"powerlaw\"\nk = 1\n")));
+}
+
+#[test]
+fn diffraction_says_that_it_is_not_available_yet() {
+    insta::assert_snapshot!(errors(&CAMERA.replace("= \"finite\"", "= \"diffraction\"")));
+}
+
+#[test]
+fn up_along_direction_is_shown_at_up() {
+    insta::assert_snapshot!(errors(&CAMERA.replace("[0.0, 1.0, 0.0]", "[0.0, 0.0, 3.0]")));
+}
+
+#[test]
+fn unknown_tables_and_a_missing_camera_are_shown() {
+    insta::assert_snapshot!(errors("camra = 1\n[sensors]\nk = 1\n[rig]\n"));
+}
+
+#[test]
+fn syntax_errors_are_shown() {
+    insta::assert_snapshot!(errors("[camera]\npixels = [192, 165\nup = = 3\npixels = [1, 2]\n"));
+}
+
+#[test]
+fn a_table_is_found_beside_the_camera_file() {
+    let text = format!("{CAMERA}{}led_table = \"leds/hlmp.csv\"\n", RIG);
+    let loader = MemoryLoader::default().with("rigs/leds/hlmp.csv", "angle_deg,relative_intensity\n0,1\n10,0.1\n");
+    let (file, warnings) = read_with(&text, &loader).unwrap();
+    assert!(matches!(file.rig.unwrap().emission, LedEmission::Table(_)));
+    insta::assert_snapshot!(warnings);
+}
+
+#[test]
+fn a_bad_table_is_shown_with_the_place_that_names_it() {
+    let text = format!("{CAMERA}{}led_table = \"hlmp.csv\"\n", RIG.replace("led_cone_deg = 7.0\n", ""));
+    insta::assert_snapshot!("missing_table", errors(&text));
+    let loader = MemoryLoader::default().with("rigs/hlmp.csv", "angle_deg,relative_intensity\n0,1\n2,NaN\n");
+    insta::assert_snapshot!("nan_in_table", read_with(&text, &loader).unwrap_err());
+}
+
+#[test]
+fn suspicious_values_are_warned_of() {
+    let text = CAMERA
+        .replace("pinhole_diameter_mm = 0.1", "pinhole_diameter_mm = 10")
+        .replace("[13.75, 16.0]", "[13750.0, 16000.0]")
+        .replace("650.0", "0.65");
+    let rig = RIG.replace("ring_diameter_mm = 25.4", "ring_diameter_mm = 12.0");
+    insta::assert_snapshot!(read(&format!("{text}{rig}")).unwrap().1);
+}
+
+/// Cut at every byte, and with every byte replaced, a file must give an answer without a panic.
+#[test]
+fn damaged_files_never_panic() {
+    let whole = format!("{CAMERA}{RIG}{SENSOR}");
+    let bytes = whole.as_bytes();
+    for at in 0..bytes.len() {
+        for damage in [&b""[..], b"\xff", b"[", b"\"", b"-", b"9999999999", b"{"] {
+            let damaged = [&bytes[..at], damage, &bytes[(at + 1).min(bytes.len())..]].concat();
+            let mut sources = SourceMap::default();
+            if let Err(errors) = CameraFile::read("c", &damaged, &mut sources, &MemoryLoader::default()) {
+                assert!(errors.iter().all(|error| error.render(&sources).len() < 4000));
+            }
+        }
+        let mut sources = SourceMap::default();
+        let _ = CameraFile::read("c", &bytes[..at], &mut sources, &MemoryLoader::default());
+    }
+}
+
+#[test]
+fn deep_nesting_and_large_files_are_refused() {
+    assert!(!errors(&format!("x = {}", "[".repeat(100_000))).is_empty());
+    assert!(errors(&" ".repeat(2 << 20)).contains("expected at most"));
+}
