@@ -110,3 +110,84 @@ pub struct BsdfData {
     /// Transmittance, lambertian part.
     pub diffuse_transmitted: Rgb,
 }
+
+impl Axis {
+    /// The cell that holds `at`, and the weights of its two ends: linear within the grid and one cell beyond it, then falling
+    /// off as one over the distance, as Radiance does.
+    fn cell(&self, at: f64) -> (usize, f64, f64) {
+        let last_cell = self.count().saturating_sub(2);
+        let (cell, x) = match self {
+            Axis::Regular { first, last, count } => {
+                let x = (at - first) / (last - first) * (*count as f64 - 1.0);
+                ((x.max(0.0) as usize).min(last_cell), x)
+            }
+            Axis::Irregular(points) => {
+                let rising = points[points.len() - 1] > points[0];
+                let after = points.partition_point(|point| if rising { *point <= at } else { *point >= at });
+                let cell = after.saturating_sub(1).min(last_cell);
+                (cell, cell as f64 + (at - points[cell]) / (points[cell + 1] - points[cell]))
+            }
+        };
+        let position = cell as f64;
+        if x > position + 2.0 {
+            let near = 1.0 / (position - 1.0 - x);
+            (cell, near, -2.0 * near)
+        } else if x < position - 1.0 {
+            let far = 1.0 / (x - position);
+            (cell, -2.0 * far, far)
+        } else {
+            (cell, position + 1.0 - x, x - position)
+        }
+    }
+}
+
+impl DataGrid {
+    /// The value at a point, one coordinate an axis, by linear interpolation in each.
+    #[must_use]
+    pub fn value(&self, point: &[f64]) -> f64 {
+        self.value_from(0, 0, point)
+    }
+
+    fn value_from(&self, axis: usize, offset: usize, point: &[f64]) -> f64 {
+        let Some(coordinate) = point.get(axis) else { return f64::from(self.values[offset]) };
+        let stride: usize = self.axes[axis + 1..].iter().map(Axis::count).product();
+        if self.axes[axis].count() < 2 {
+            return self.value_from(axis + 1, offset, point);
+        }
+        let (cell, low, high) = self.axes[axis].cell(*coordinate);
+        let at = offset + cell * stride;
+        low * self.value_from(axis + 1, at, point) + high * self.value_from(axis + 1, at + stride, point)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> DataGrid {
+        let axes = vec![Axis::Regular { first: 0.0, last: 2.0, count: 3 }, Axis::Irregular(vec![0.0, 1.0, 10.0])];
+        DataGrid { file: String::new(), axes, values: vec![0.0, 1.0, 10.0, 100.0, 101.0, 110.0, 200.0, 201.0, 210.0] }
+    }
+
+    #[test]
+    fn a_bilinear_function_is_reproduced() {
+        let grid = table();
+        for (x, y) in [(0.0, 0.0), (0.25, 0.5), (1.5, 4.0), (2.0, 10.0), (2.5, 0.5)] {
+            assert!((grid.value(&[x, y]) - (100.0 * x + y)).abs() < 1e-9, "at {x} {y}");
+        }
+    }
+
+    #[test]
+    fn far_outside_the_value_falls_to_zero() {
+        let axes = vec![Axis::Regular { first: 0.0, last: 1.0, count: 2 }];
+        let grid = DataGrid { file: String::new(), axes, values: vec![1.0, 1.0] };
+        assert!((grid.value(&[3.0]) - 0.25).abs() < 0.5 && grid.value(&[1000.0]).abs() < 2e-3);
+    }
+
+    #[test]
+    fn a_falling_axis_is_read_backwards() {
+        let axes = vec![Axis::Irregular(vec![3.0, 1.0, 0.0])];
+        let grid = DataGrid { file: String::new(), axes, values: vec![30.0, 10.0, 0.0] };
+        assert!((grid.value(&[2.0]) - 20.0).abs() < 1e-12);
+    }
+}

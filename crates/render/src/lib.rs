@@ -1,2 +1,30 @@
 //! Traces rays through a valid scene.
+//!
+//! A [`RenderPlan`] decides once what a scene needs; a [`Renderer`] then answers rays from any number of threads. The value of a
+//! ray depends on the plan, the seed and the ray's number in its stream, never on threads or on other rays.
+//!
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; finite lights are integrated over their true extent. Knows neither
+//! files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
+
+mod compile;
+mod direct;
+mod geometry;
+mod light;
+mod lighting;
+mod options;
+mod plan;
+mod ray;
+mod reach;
+mod recognise;
+mod renderer;
+mod shader;
+mod surface_light;
+mod trace;
+mod view;
+
+pub use options::{BackFaces, Quantity, RenderOptions, Skipping};
+pub use plan::{Decision, ModelSource, NoModels, RenderPlan};
+pub use ray::Ray;
+pub use renderer::{RayWorker, Renderer};
+pub use trace::{FirstHit, Traced};

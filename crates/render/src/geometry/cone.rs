@@ -1,0 +1,68 @@
+//! Truncated cones and cylinders, without caps.
+
+use crate::ray::Ray;
+use glam::DVec3;
+use radsight_ir::{Cone, Facing};
+use std::ops::Range;
+
+/// Distance to the cone.
+///
+/// With `h` the height of a point over the base along the axis, the surface is `|radial part| = r₀ + k·h` for `0 ≤ h ≤ length`. The
+/// quadratic is set up about the point of the ray nearest to the middle of the axis, so that a distant start costs no digits.
+#[inline]
+pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64> {
+    let axis = cone.apex - cone.base;
+    let length = axis.length();
+    let axis = axis / length;
+    let slope = (cone.apex_radius - cone.base_radius) / length;
+    let middle = (cone.apex + cone.base) * 0.5;
+    let shift = (middle - ray.origin).dot(ray.direction);
+    let from_base = ray.at(shift) - cone.base;
+    let height = from_base.dot(axis);
+    let climb = ray.direction.dot(axis);
+    let radial = from_base - axis * height;
+    let radial_rate = ray.direction - axis * climb;
+    let radius = cone.base_radius + slope * height;
+    let radius_rate = slope * climb;
+    let a = radial_rate.length_squared() - radius_rate * radius_rate;
+    let half_b = radial.dot(radial_rate) - radius * radius_rate;
+    let c = radial.length_squared() - radius * radius;
+    let roots = solve(a, half_b, c)?;
+    let inside = |root: &f64| {
+        let distance = *root + shift;
+        let at = height + climb * *root;
+        distance > range.start && distance < range.end && at >= 0.0 && at <= length
+    };
+    roots.into_iter().find(inside).map(|root| root + shift)
+}
+
+/// The roots of `a·t² + 2·half_b·t + c`, the smaller one first.
+fn solve(a: f64, half_b: f64, c: f64) -> Option<[f64; 2]> {
+    let discriminant = half_b * half_b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let q = -(half_b + discriminant.sqrt().copysign(half_b));
+    let (first, second) = (q / a, c / q);
+    match (first.is_finite(), second.is_finite()) {
+        (true, true) => Some(if first < second { [first, second] } else { [second, first] }),
+        (true, false) => Some([first; 2]),
+        (false, true) => Some([second; 2]),
+        (false, false) => None,
+    }
+}
+
+/// Unit normal on the front side at a point of the surface.
+pub(crate) fn normal(cone: &Cone, point: DVec3) -> DVec3 {
+    let axis = cone.apex - cone.base;
+    let length = axis.length();
+    let axis = axis / length;
+    let slope = (cone.apex_radius - cone.base_radius) / length;
+    let from_base = point - cone.base;
+    let radial = (from_base - axis * from_base.dot(axis)).normalize_or(axis.any_orthonormal_vector());
+    let outward = (radial - axis * slope).normalize();
+    match cone.facing {
+        Facing::Outward => outward,
+        Facing::Inward => -outward,
+    }
+}

@@ -1,0 +1,87 @@
+//! Flat polygons: convex, concave, and with holes that are joined by seams.
+
+use crate::ray::Ray;
+use glam::DVec3;
+use std::ops::Range;
+
+/// A shear that takes the ray to the z axis, so that "does the ray pass through the polygon" is asked in two dimensions.
+///
+/// Two polygons that share an edge project its ends to the same numbers, so no ray passes between them, nor through both
+/// (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayFrame {
+    axes: [usize; 3],
+    shear: [f64; 2],
+}
+
+impl RayFrame {
+    #[inline]
+    pub(crate) fn new(ray: &Ray) -> RayFrame {
+        let size = ray.direction.abs();
+        let z = if size.x > size.y && size.x > size.z {
+            0
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let d = ray.direction.to_array();
+        RayFrame { axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z]] }
+    }
+
+    #[inline]
+    fn project(&self, point: DVec3) -> (f64, f64) {
+        let p = point.to_array();
+        let z = p[self.axes[2]];
+        (p[self.axes[0]] - self.shear[0] * z, p[self.axes[1]] - self.shear[1] * z)
+    }
+}
+
+/// Distance along the ray to the polygon's plane, where the ray passes through the polygon.
+#[inline]
+pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    if !passes_through(vertices, ray.origin, frame) {
+        return None;
+    }
+    let normal = area_vector(vertices);
+    let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
+    (distance > range.start && distance < range.end).then_some(distance)
+}
+
+/// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive half axis.
+#[inline]
+fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
+    let mut inside = false;
+    let (mut u0, mut v0) = frame.project(vertices[vertices.len() - 1] - origin);
+    for vertex in vertices {
+        let (u1, v1) = frame.project(*vertex - origin);
+        if (v0 >= 0.0) != (v1 >= 0.0) {
+            // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both.
+            let determinant = u0 * v1 - u1 * v0;
+            inside ^= (determinant > 0.0) == (v1 > v0);
+        }
+        (u0, v0) = (u1, v1);
+    }
+    inside
+}
+
+/// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
+#[inline]
+pub(super) fn area_vector(vertices: &[DVec3]) -> DVec3 {
+    let first = vertices[0];
+    let mut sum = DVec3::ZERO;
+    let mut previous = vertices[1] - first;
+    for vertex in &vertices[2..] {
+        let next = *vertex - first;
+        sum += previous.cross(next);
+        previous = next;
+    }
+    sum
+}
+
+/// Unit normal on the side from which the vertices run counter-clockwise.
+#[inline]
+pub(crate) fn normal(vertices: &[DVec3]) -> DVec3 {
+    area_vector(vertices).normalize_or(DVec3::Z)
+}

@@ -1,0 +1,404 @@
+//! Light sources with their true extent: places on them, drawn by area or by solid angle.
+
+use crate::geometry;
+use crate::ray::{PrimitiveId, Ray};
+use earcut::Earcut;
+use glam::DVec3;
+use radsight_ir::{Facing, Scene, Shape, SurfaceHandle};
+use radsight_sampling::unit_disk;
+use std::f64::consts::{PI, TAU};
+
+/// Index of a light in the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LightId(pub(crate) u32);
+
+/// A source of direct light: an emitting surface, or its image in plane mirrors.
+#[derive(Clone, Debug)]
+pub(crate) struct Light {
+    pub(crate) surface: SurfaceHandle,
+    pub(crate) primitive: Option<PrimitiveId>,
+    pub(crate) form: LightForm,
+    /// Sphere around it; infinite radius for a distant one.
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
+    /// A cone outside of which it is dark.
+    pub(crate) cone: Option<LightCone>,
+    /// Farther points get nothing from it (a glow's radius).
+    pub(crate) max_distance: f64,
+    /// F of a spotlight: the brightness is scaled by (r/(r+F))².
+    pub(crate) focal_distance: f64,
+    /// The mirrors through which it is seen, the one next to the receiver first; empty for a real light.
+    pub(crate) mirrors: Vec<Mirror>,
+}
+
+/// A sharp cone of emission.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightCone {
+    /// Unit, along which it shines.
+    pub(crate) axis: DVec3,
+    pub(crate) half_angle: f64,
+}
+
+/// A plane mirror that relays a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mirror {
+    pub(crate) surface: SurfaceHandle,
+    pub(crate) primitive: PrimitiveId,
+    pub(crate) point: DVec3,
+    pub(crate) normal: DVec3,
+}
+
+impl Mirror {
+    pub(crate) fn image_of_point(&self, point: DVec3) -> DVec3 {
+        point - self.normal * (2.0 * self.normal.dot(point - self.point))
+    }
+
+    pub(crate) fn image_of_direction(&self, direction: DVec3) -> DVec3 {
+        direction - self.normal * (2.0 * self.normal.dot(direction))
+    }
+}
+
+/// The emitting form, as it is drawn from.
+#[derive(Clone, Debug)]
+pub(crate) enum LightForm {
+    /// A ring; `x` and `y` are unit and span its plane.
+    Disk { center: DVec3, normal: DVec3, x: DVec3, y: DVec3, inner_squared: f64, outer_squared: f64 },
+    /// A parallelogram `corner + u·x + v·y`, unit normal.
+    Parallelogram { corner: DVec3, x: DVec3, y: DVec3, normal: DVec3, area: f64 },
+    /// Any other polygon.
+    Triangles { triangles: Vec<[DVec3; 3]>, cumulative: Vec<f64>, normal: DVec3, area: f64 },
+    /// A sphere, or a bubble that shines inward.
+    Sphere { center: DVec3, radius: f64, facing: Facing },
+    /// A truncated cone or cylinder; `x` and `y` are unit and perpendicular to the unit `axis`.
+    Cone { base: DVec3, axis: DVec3, x: DVec3, y: DVec3, length: f64, radii: [f64; 2], facing: Facing },
+    /// Infinitely far: a cone of directions about `direction`.
+    Distant { direction: DVec3, x: DVec3, y: DVec3, half_angle_sin_squared_half: f64 },
+}
+
+/// A place on a light, seen from a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightSample {
+    /// Unit, from the receiver to the light.
+    pub(crate) direction: DVec3,
+    /// Infinite for a distant one.
+    pub(crate) distance: f64,
+    /// Per solid angle at the receiver, 1/sr.
+    pub(crate) density: f64,
+    /// Unit normal there on the emitting side.
+    pub(crate) normal: DVec3,
+}
+
+impl LightForm {
+    /// The form of a surface; none for what cannot be drawn from.
+    pub(crate) fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
+        match shape {
+            Shape::Polygon { start, count } => polygon_form(&scene.vertices[start as usize..][..count as usize]),
+            Shape::Sphere(handle) => {
+                let sphere = scene.spheres[handle];
+                Some(LightForm::Sphere { center: sphere.center, radius: sphere.radius, facing: sphere.facing })
+            }
+            Shape::Cone(handle) => {
+                let cone = scene.cones[handle];
+                let length = cone.base.distance(cone.apex);
+                let axis = (cone.apex - cone.base) / length;
+                let (x, y) = axis.any_orthonormal_pair();
+                let radii = [cone.base_radius, cone.apex_radius];
+                Some(LightForm::Cone { base: cone.base, axis, x, y, length, radii, facing: cone.facing })
+            }
+            Shape::Ring(handle) => {
+                let ring = scene.rings[handle];
+                let (x, y) = ring.normal.any_orthonormal_pair();
+                Some(LightForm::Disk {
+                    center: ring.center,
+                    normal: ring.normal,
+                    x,
+                    y,
+                    inner_squared: ring.inner_radius * ring.inner_radius,
+                    outer_squared: ring.outer_radius * ring.outer_radius,
+                })
+            }
+            Shape::Source(handle) => {
+                let source = scene.sources[handle];
+                let (x, y) = source.direction.any_orthonormal_pair();
+                let sin = (0.25 * source.extent.full_angle).sin();
+                Some(LightForm::Distant { direction: source.direction, x, y, half_angle_sin_squared_half: sin * sin })
+            }
+            Shape::Mesh(_) | Shape::Instance(_) => None,
+        }
+    }
+
+    /// Emitting area in square scene units; the visible disk of a sphere counts whole.
+    pub(crate) fn area(&self) -> f64 {
+        match self {
+            LightForm::Disk { inner_squared, outer_squared, .. } => PI * (outer_squared - inner_squared),
+            LightForm::Parallelogram { area, .. } | LightForm::Triangles { area, .. } => *area,
+            LightForm::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            LightForm::Cone { length, radii, .. } => PI * (radii[0] + radii[1]) * length.hypot(radii[1] - radii[0]),
+            LightForm::Distant { .. } => f64::INFINITY,
+        }
+    }
+
+    /// The unit normal of a flat light on its emitting side, and a point of its plane.
+    pub(crate) fn plane(&self) -> Option<(DVec3, DVec3)> {
+        match self {
+            LightForm::Disk { center, normal, .. } => Some((*normal, *center)),
+            LightForm::Parallelogram { corner, normal, .. } => Some((*normal, *corner)),
+            LightForm::Triangles { triangles, normal, .. } => Some((*normal, triangles[0][0])),
+            _ => None,
+        }
+    }
+
+    /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
+    #[inline]
+    pub(crate) fn sample(&self, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
+        let (point, normal, area) = match self {
+            LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => {
+                let (a, b) = unit_disk(u, v);
+                let squared = a * a + b * b;
+                // A disk keeps its radius; a ring is squeezed into its width, uniform by area.
+                let scale = if *inner_squared == 0.0 {
+                    outer_squared.sqrt()
+                } else if squared > 0.0 {
+                    ((inner_squared + squared * (outer_squared - inner_squared)) / squared).sqrt()
+                } else {
+                    return None;
+                };
+                (*center + *x * (a * scale) + *y * (b * scale), *normal, PI * (outer_squared - inner_squared))
+            }
+            LightForm::Parallelogram { corner, x, y, normal, area } => (*corner + *x * u + *y * v, *normal, *area),
+            LightForm::Triangles { triangles, cumulative, normal, area } => {
+                (point_on_triangles(triangles, cumulative, u, v), *normal, *area)
+            }
+            LightForm::Sphere { center, radius, facing } => {
+                return sample_sphere(*center, *radius, *facing, receiver, u, v);
+            }
+            LightForm::Cone { base, axis, x, y, length, radii, facing } => {
+                let share = height_share(*radii, u);
+                let radius = radii[0] + (radii[1] - radii[0]) * share;
+                let (sin, cos) = (TAU * v).sin_cos();
+                let radial = *x * cos + *y * sin;
+                let slope = (radii[1] - radii[0]) / length;
+                let outward = (radial - *axis * slope).normalize();
+                let normal = if *facing == Facing::Outward { outward } else { -outward };
+                (*base + *axis * (share * length) + radial * radius, normal, self.area())
+            }
+            LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => {
+                return Some(sample_distant(*direction, *x, *y, *half_angle_sin_squared_half, u, v));
+            }
+        };
+        let offset = point - receiver;
+        let squared = offset.length_squared();
+        let distance = squared.sqrt();
+        let direction = offset / distance;
+        let cosine = -direction.dot(normal);
+        (cosine > 0.0).then(|| LightSample { direction, distance, density: squared / (area * cosine), normal })
+    }
+
+    /// The density with which [`LightForm::sample`] would find a place of it, 1/sr.
+    pub(crate) fn density(&self, receiver: DVec3, distance: f64, cosine: f64) -> f64 {
+        match self {
+            LightForm::Sphere { center, radius, facing: Facing::Outward } => {
+                1.0 / cap_solid_angle(sphere_cap(*center, *radius, receiver))
+            }
+            LightForm::Distant { half_angle_sin_squared_half, .. } => {
+                1.0 / cap_solid_angle(*half_angle_sin_squared_half)
+            }
+            _ => distance * distance / (self.area() * cosine),
+        }
+    }
+}
+
+/// `sin²(θ/2)` of the half angle θ under which a sphere is seen, without cancellation; 1/2·(1 − cos θ).
+fn sphere_cap(center: DVec3, radius: f64, receiver: DVec3) -> f64 {
+    let squared = center.distance_squared(receiver);
+    let sin_squared = (radius * radius / squared).min(1.0);
+    let cosine = (1.0 - sin_squared).sqrt();
+    0.5 * sin_squared / (1.0 + cosine)
+}
+
+fn cap_solid_angle(sin_squared_half: f64) -> f64 {
+    4.0 * PI * sin_squared_half
+}
+
+/// A unit direction within the cap about `axis`, uniform by solid angle: cosine and azimuth through the concentric map.
+fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, sin_squared_half: f64, u: f64, v: f64) -> DVec3 {
+    let (a, b) = unit_disk(u, v);
+    // 1 − cos θ' = (a² + b²)·(1 − cos θ), and sin θ' follows without cancellation.
+    let squared = a * a + b * b;
+    let versed = 2.0 * sin_squared_half * squared;
+    let scale = (2.0 * sin_squared_half * (2.0 - versed)).sqrt();
+    axis * (1.0 - versed) + x * (a * scale) + y * (b * scale)
+}
+
+fn sample_distant(direction: DVec3, x: DVec3, y: DVec3, cap: f64, u: f64, v: f64) -> LightSample {
+    let towards = direction_in_cap(direction, x, y, cap, u, v);
+    LightSample { direction: towards, distance: f64::INFINITY, density: 1.0 / cap_solid_angle(cap), normal: -towards }
+}
+
+fn sample_sphere(center: DVec3, radius: f64, facing: Facing, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
+    let axis = center - receiver;
+    let squared = axis.length_squared();
+    if facing == Facing::Inward || squared <= radius * radius {
+        return sample_sphere_by_area(center, radius, facing, receiver, u, v);
+    }
+    let axis = axis / squared.sqrt();
+    let (x, y) = axis.any_orthonormal_pair();
+    let cap = sphere_cap(center, radius, receiver);
+    let direction = direction_in_cap(axis, x, y, cap, u, v);
+    let along = (center - receiver).dot(direction);
+    let miss_squared = (squared - along * along).min(radius * radius);
+    let distance = along - (radius * radius - miss_squared).sqrt();
+    let point = receiver + direction * distance;
+    let normal = (point - center) / radius;
+    Some(LightSample { direction, distance, density: 1.0 / cap_solid_angle(cap), normal })
+}
+
+fn sample_sphere_by_area(
+    center: DVec3,
+    radius: f64,
+    facing: Facing,
+    receiver: DVec3,
+    u: f64,
+    v: f64,
+) -> Option<LightSample> {
+    let z = 1.0 - 2.0 * u;
+    let (sin, cos) = (TAU * v).sin_cos();
+    let rim = (1.0 - z * z).max(0.0).sqrt();
+    let outward = DVec3::new(rim * cos, rim * sin, z);
+    let normal = if facing == Facing::Outward { outward } else { -outward };
+    let point = center + outward * radius;
+    let offset = point - receiver;
+    let squared = offset.length_squared();
+    let distance = squared.sqrt();
+    let direction = offset / distance;
+    let cosine = -direction.dot(normal);
+    let area = 4.0 * PI * radius * radius;
+    (cosine > 0.0).then(|| LightSample { direction, distance, density: squared / (area * cosine), normal })
+}
+
+/// The share of the height of a truncated cone at which a share `u` of its area lies below.
+fn height_share(radii: [f64; 2], u: f64) -> f64 {
+    let [low, high] = radii;
+    let squared = low * low + u * (high * high - low * low);
+    let radius = squared.max(0.0).sqrt();
+    // s = (r − r₀)/(r₁ − r₀) = u·(r₀ + r₁)/(r + r₀), which also serves the cylinder.
+    if radius + low > 0.0 { u * (low + high) / (radius + low) } else { 0.0 }
+}
+
+fn point_on_triangles(triangles: &[[DVec3; 3]], cumulative: &[f64], u: f64, v: f64) -> DVec3 {
+    let index = cumulative.partition_point(|share| *share <= u).min(triangles.len() - 1);
+    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
+    let u = ((u - before) / (cumulative[index] - before)).clamp(0.0, 1.0);
+    let [a, b, c] = triangles[index];
+    let root = u.sqrt();
+    a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v)
+}
+
+fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
+    let normal = geometry::polygon_normal(vertices)?;
+    if let [a, b, c, d] = vertices {
+        let (x, y) = (*b - *a, *d - *a);
+        if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {
+            return Some(LightForm::Parallelogram { corner: *a, x, y, normal, area: x.cross(y).length() });
+        }
+    }
+    let triangles = triangulate(vertices, normal);
+    let mut area = 0.0;
+    let mut cumulative = Vec::with_capacity(triangles.len());
+    for [a, b, c] in &triangles {
+        area += 0.5 * (*b - *a).cross(*c - *a).length();
+        cumulative.push(area);
+    }
+    if area.is_nan() || area <= 0.0 {
+        return None;
+    }
+    cumulative.iter_mut().for_each(|sum| *sum /= area);
+    Some(LightForm::Triangles { triangles, cumulative, normal, area })
+}
+
+fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
+    let (x, y) = normal.any_orthonormal_pair();
+    let flat = vertices.iter().map(|vertex| {
+        let from_first = *vertex - vertices[0];
+        [from_first.dot(x), from_first.dot(y)]
+    });
+    let mut indices: Vec<u32> = Vec::new();
+    Earcut::new().earcut(flat, &[], &mut indices);
+    indices.chunks_exact(3).map(|t| [0, 1, 2].map(|corner| vertices[t[corner] as usize])).collect()
+}
+
+impl Light {
+    /// Whether nothing of it can reach a point: beyond its radius, behind its plane, or outside its cone.
+    #[inline]
+    pub(crate) fn misses(&self, receiver: DVec3) -> bool {
+        let Some(cone) = &self.cone else { return self.shows_its_back(receiver) };
+        if self.radius.is_infinite() {
+            return false;
+        }
+        let offset = receiver - self.center;
+        let distance = offset.length();
+        if distance <= self.radius {
+            return false;
+        }
+        let widest = cone.half_angle + (self.radius / distance).asin();
+        offset.dot(cone.axis) < distance * widest.min(PI).cos()
+    }
+
+    #[inline]
+    fn shows_its_back(&self, receiver: DVec3) -> bool {
+        self.form.plane().is_some_and(|(normal, point)| normal.dot(receiver - point) <= 0.0)
+    }
+
+    /// The ray from a receiver towards the light as the light itself sees it: reflected in all mirrors.
+    pub(crate) fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
+        let (mut origin, mut direction) = (receiver, direction);
+        for mirror in &self.mirrors {
+            origin = mirror.image_of_point(origin);
+            direction = mirror.image_of_direction(direction);
+        }
+        Ray { origin, direction }
+    }
+}
+
+/// The form seen in a mirror.
+pub(crate) fn mirrored(form: &LightForm, mirror: &Mirror) -> LightForm {
+    let point = |p: &DVec3| mirror.image_of_point(*p);
+    let dir = |d: &DVec3| mirror.image_of_direction(*d);
+    match form {
+        LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => LightForm::Disk {
+            center: point(center),
+            normal: dir(normal),
+            x: dir(x),
+            y: dir(y),
+            inner_squared: *inner_squared,
+            outer_squared: *outer_squared,
+        },
+        LightForm::Parallelogram { corner, x, y, normal, area } => {
+            LightForm::Parallelogram { corner: point(corner), x: dir(x), y: dir(y), normal: dir(normal), area: *area }
+        }
+        LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
+            triangles: triangles.iter().map(|triangle| triangle.map(|corner| mirror.image_of_point(corner))).collect(),
+            cumulative: cumulative.clone(),
+            normal: dir(normal),
+            area: *area,
+        },
+        LightForm::Sphere { center, radius, facing } => {
+            LightForm::Sphere { center: point(center), radius: *radius, facing: *facing }
+        }
+        LightForm::Cone { base, axis, x, y, length, radii, facing } => LightForm::Cone {
+            base: point(base),
+            axis: dir(axis),
+            x: dir(x),
+            y: dir(y),
+            length: *length,
+            radii: *radii,
+            facing: *facing,
+        },
+        LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => LightForm::Distant {
+            direction: dir(direction),
+            x: dir(x),
+            y: dir(y),
+            half_angle_sin_squared_half: *half_angle_sin_squared_half,
+        },
+    }
+}

@@ -1,0 +1,239 @@
+//! What a scene needs, decided once before the first ray.
+
+use crate::compile::compile_shaders;
+use crate::geometry::{self, Geometry};
+use crate::light::{Light, LightId};
+use crate::lighting::collect_lights;
+use crate::options::{RenderOptions, Skipping};
+use crate::ray::PrimitiveId;
+use crate::reach::{Reach, Receiver};
+use crate::shader::{Kind, Shader, Step};
+use radsight_diag::Diagnostic;
+use radsight_ir::{Shape, Surface, SurfaceHandle, ValidScene};
+
+/// A scene made ready for rays.
+#[derive(Debug)]
+pub struct RenderPlan {
+    pub(crate) scene: ValidScene,
+    pub(crate) options: RenderOptions,
+    pub(crate) geometry: Geometry,
+    pub(crate) shaders: Vec<Shader>,
+    /// Index into `shaders`, by surface.
+    pub(crate) shader_of: Vec<u32>,
+    pub(crate) lights: Vec<Light>,
+    /// The lights, real and mirrored, of each surface that has any, sorted by surface.
+    pub(crate) lights_of: Vec<(SurfaceHandle, LightId)>,
+    /// Distant sources in the order in which a ray that leaves the scene tries them.
+    pub(crate) sky: Vec<Sky>,
+    /// Which lights reach which primitive, and what stands between.
+    pub(crate) reach: Reach,
+    /// Whether anything lets light through, so that a shadow ray goes on after a hit.
+    pub(crate) see_through: bool,
+    pub(crate) bands: usize,
+    decisions: Vec<Decision>,
+}
+
+/// A distant source.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sky {
+    pub(crate) surface: SurfaceHandle,
+    pub(crate) direction: glam::DVec3,
+    /// `sin²` of a quarter of the full angle: half of one minus the cosine of the half angle.
+    pub(crate) cap: f64,
+}
+
+/// One decision of the plan, for `explain`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// What is done or left out.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+impl RenderPlan {
+    /// Plans the rendering of a scene.
+    ///
+    /// # Errors
+    /// What the scene uses and this renderer cannot do yet, each with its place in the scene text.
+    pub fn new(
+        scene: ValidScene,
+        options: RenderOptions,
+        models: &dyn ModelSource,
+    ) -> Result<RenderPlan, Vec<Diagnostic>> {
+        let (shaders, shader_of) = compile_shaders(&scene, models)?;
+        let shader = |handle: SurfaceHandle| &shaders[shader_of[handle.index()] as usize];
+        let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent));
+        let lights = collect_lights(&scene, &geometry, shader, options.mirror_relays);
+        let mut lights_of: Vec<_> =
+            lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
+        lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
+        let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
+        let see_through = scene.surfaces.iter().any(|(handle, _)| matches!(shader(handle).kind, Kind::Glass { .. }))
+            || options.back_faces == crate::BackFaces::Invisible;
+        let bands = if scene.surfaces.iter().all(|(handle, _)| shader(handle).is_grey()) { 1 } else { 3 };
+        let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
+        let reach = match options.skipping {
+            Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky),
+            Skipping::Forbidden => Reach::everything(),
+        };
+        let mut plan = RenderPlan {
+            scene,
+            options,
+            geometry,
+            shaders,
+            shader_of,
+            lights,
+            lights_of,
+            sky,
+            reach,
+            see_through,
+            bands,
+            decisions: Vec::new(),
+        };
+        plan.decisions = plan.decide();
+        Ok(plan)
+    }
+
+    /// How many bands are traced: one for a grey scene, else red, green and blue.
+    #[must_use]
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// The decisions, in words.
+    #[must_use]
+    pub fn decisions(&self) -> &[Decision] {
+        &self.decisions
+    }
+
+    /// How many sampled lights there are, images in mirrors included.
+    #[must_use]
+    pub fn light_count(&self) -> usize {
+        self.lights.len()
+    }
+
+    /// Whether some surface reflects diffusely and could light another one, but no interreflection is followed.
+    #[must_use]
+    pub fn leaves_out_interreflection(&self) -> bool {
+        self.options.ambient_bounces == 0
+            && self.geometry.surfaces().any(|(primitive, handle)| {
+                matches!(&self.shader(handle).kind, Kind::Glossy(glossy)
+                    if glossy.specularity < 1.0 && !glossy.color.is_black())
+                    && !self.reach.receiver(primitive).is_some_and(|receiver| receiver.sees_only_lights)
+            })
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> &ValidScene {
+        &self.scene
+    }
+
+    pub(crate) fn shader(&self, surface: SurfaceHandle) -> &Shader {
+        &self.shaders[self.shader_of[surface.index()] as usize]
+    }
+
+    pub(crate) fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
+        self.reach.receiver(primitive)
+    }
+
+    fn decide(&self) -> Vec<Decision> {
+        let mut decisions = Vec::new();
+        let mut say = |what: String, why: &str| decisions.push(Decision { what, why: why.to_owned() });
+        if self.bands == 1 {
+            say("one band is traced".into(), "every colour that a surface uses is grey");
+        } else {
+            say("three bands are traced".into(), "some surface uses a colour or a colour pattern");
+        }
+        let primitives = self.geometry.len();
+        let unseen = self.scene.surfaces.len() - primitives - self.scene.sources.len().min(self.scene.surfaces.len());
+        say(format!("{primitives} surfaces are in the hierarchy"), "they have a place and a material");
+        if unseen > 0 {
+            say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
+        }
+        let images = self.lights.iter().filter(|light| !light.mirrors.is_empty()).count();
+        say(format!("{} lights are sampled", self.lights.len() - images), "they are lights, spotlights or near glows");
+        if images > 0 {
+            say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
+        }
+        for (count, what, why) in self.reach.summary() {
+            if count > 0 {
+                say(format!("{count} {what}"), why);
+            }
+        }
+        if self.options.ambient_bounces == 0 {
+            say("diffuse interreflection is not followed".into(), "-ab 0");
+        }
+        if !self.see_through {
+            say("a shadow ray ends at its first hit".into(), "nothing in the scene lets light through");
+        }
+        let functions = self.shaders.iter().flat_map(|shader| &shader.steps).count();
+        let textures =
+            self.shaders.iter().flat_map(|s| &s.steps).filter(|step| matches!(step, Step::Texture(_))).count();
+        say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
+        let retro = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Retro(_))).count();
+        if retro > 0 {
+            say(
+                format!("{retro} materials are sampled as a retroreflecting lobe"),
+                "their texture turns the normal to the viewer under a rough highlight",
+            );
+        }
+        decisions
+    }
+}
+
+/// Where the reflectance models that a scene names come from.
+pub trait ModelSource {
+    /// The model of a `brdfplugin` primitive.
+    ///
+    /// # Errors
+    /// In words, without a place; the caller adds it.
+    fn model(
+        &self,
+        library: &str,
+        model: &str,
+        words: &[String],
+        numbers: &[f64],
+    ) -> Result<std::sync::Arc<dyn radsight_brdf::Brdf>, Diagnostic>;
+}
+
+/// Knows no model.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoModels;
+
+impl ModelSource for NoModels {
+    fn model(
+        &self,
+        library: &str,
+        model: &str,
+        _words: &[String],
+        _numbers: &[f64],
+    ) -> Result<std::sync::Arc<dyn radsight_brdf::Brdf>, Diagnostic> {
+        Err(Diagnostic::error(format!("no plugin \"{library}\" with a model \"{model}\" is at hand")))
+    }
+}
+
+/// Lights before glows: a ray takes the first light that it falls into, else the first glow.
+fn collect_sky(scene: &ValidScene, visible: impl Fn(SurfaceHandle) -> bool, lights: &[Light]) -> Vec<Sky> {
+    let mut sky: Vec<Sky> = scene
+        .surfaces
+        .iter()
+        .filter(|(handle, _)| visible(*handle))
+        .filter_map(|(handle, surface)| match surface.shape {
+            Shape::Source(source) => {
+                let source = scene.sources[source];
+                let sin = (0.25 * source.extent.full_angle).sin();
+                Some(Sky { surface: handle, direction: source.direction, cap: sin * sin })
+            }
+            _ => None,
+        })
+        .collect();
+    sky.sort_by_key(|sky| !lights.iter().any(|light| light.surface == sky.surface));
+    sky
+}
+
+/// Re-exported for the compile step: whether a surface has a finite place.
+pub(crate) fn has_place(scene: &ValidScene, surface: &Surface) -> bool {
+    geometry::bounds(scene, surface.shape).is_some()
+}

@@ -1,0 +1,226 @@
+//! What a surface does to light, compiled from its chain of modifiers once a scene.
+
+use crate::view::{Encounter, View};
+use glam::DVec3;
+use radsight_brdf::Brdf;
+use radsight_cal::{Program, Scratch};
+use radsight_ir::{DataGrid, FunctionCall, Handle, Rgb, Scene, Transform};
+use std::sync::Arc;
+
+/// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
+pub(crate) const SMOOTH_ROUGHNESS: f64 = 1e-3;
+
+/// Patterns, textures and the material of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Shader {
+    /// In the order in which Radiance applies them.
+    pub(crate) steps: Vec<Step>,
+    pub(crate) kind: Kind,
+}
+
+/// The material.
+#[derive(Clone, Debug)]
+pub(crate) enum Kind {
+    /// No material: rays go on.
+    Transparent,
+    /// Emits and does not reflect.
+    Emitter(Emitter),
+    /// `plastic` and `metal`.
+    Glossy(GlossyKind),
+    /// A rough highlight whose texture turns the normal to the viewer: the retroreflector of the paper.
+    Retro(GlossyKind),
+    /// A plane mirror that relays lights.
+    Mirror {
+        /// Reflectance.
+        reflectance: Rgb,
+    },
+    /// A thin pane.
+    Glass {
+        /// For one passage at normal incidence.
+        transmissivity: Rgb,
+        /// Index of refraction.
+        refractive_index: f64,
+    },
+    /// A reflectance model from elsewhere.
+    Plugin(Arc<dyn Brdf>),
+}
+
+/// A plastic or a metal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GlossyKind {
+    pub(crate) color: Rgb,
+    pub(crate) specularity: f64,
+    pub(crate) roughness: f64,
+    /// Highlights take the material's colour.
+    pub(crate) metallic: bool,
+}
+
+impl GlossyKind {
+    /// Whether its highlight is a mirror image.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.roughness <= SMOOTH_ROUGHNESS
+    }
+}
+
+/// A light, glow or spotlight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Emitter {
+    pub(crate) radiance: Rgb,
+    /// Cosine of the half angle of a spotlight's cone, and its unit axis.
+    pub(crate) cone: Option<(f64, DVec3)>,
+}
+
+/// A pattern or a texture.
+#[derive(Clone, Debug)]
+pub(crate) enum Step {
+    /// One value multiplies all bands.
+    Brightness(Function),
+    /// Three values multiply the three bands.
+    Color(Function),
+    /// One value from a grid.
+    BrightnessData(Function, Handle<DataGrid>),
+    /// Three values from three grids.
+    ColorData(Function, [Handle<DataGrid>; 3]),
+    /// Three values added to the normal.
+    Texture(Function),
+}
+
+/// A program and its frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Function {
+    pub(crate) program: Arc<Program>,
+    /// From the scene to the function; `None` is the identity.
+    to_function: Option<Transform>,
+    to_scene: Transform,
+}
+
+impl Function {
+    pub(crate) fn new(call: &FunctionCall) -> Function {
+        let to_function = (call.to_scene != Transform::IDENTITY).then(|| call.to_scene.inverse());
+        Function { program: call.program.clone(), to_function, to_scene: call.to_scene }
+    }
+
+    fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
+        View { encounter, to_function: self.to_function.as_ref() }
+    }
+}
+
+/// What patterns and textures make of an encounter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Appearance<const BANDS: usize> {
+    /// Multiplies the material's colour.
+    pub(crate) color: [f64; BANDS],
+    /// Added to the unit normal.
+    pub(crate) perturbation: DVec3,
+}
+
+impl Shader {
+    /// Runs all patterns and textures.
+    #[inline]
+    pub(crate) fn appearance<const BANDS: usize>(
+        &self,
+        scene: &Scene,
+        encounter: &Encounter,
+        scratch: &mut Scratch,
+    ) -> Appearance<BANDS> {
+        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: DVec3::ZERO };
+        for step in &self.steps {
+            step.apply(scene, encounter, scratch, &mut appearance);
+        }
+        appearance
+    }
+
+    /// Whether every band is the same, whatever the encounter.
+    pub(crate) fn is_grey(&self) -> bool {
+        let color = match &self.kind {
+            Kind::Transparent | Kind::Plugin(_) => Rgb::WHITE,
+            Kind::Emitter(emitter) => emitter.radiance,
+            Kind::Glossy(glossy) | Kind::Retro(glossy) => glossy.color,
+            Kind::Mirror { reflectance } => *reflectance,
+            Kind::Glass { transmissivity, .. } => *transmissivity,
+        };
+        color.is_grey() && !self.steps.iter().any(|step| matches!(step, Step::Color(_) | Step::ColorData(..)))
+    }
+}
+
+/// The largest dimension of a data file that fits the evaluation's stack.
+const MAX_COORDINATES: usize = 16;
+
+impl Step {
+    fn apply<const BANDS: usize>(
+        &self,
+        scene: &Scene,
+        encounter: &Encounter,
+        scratch: &mut Scratch,
+        appearance: &mut Appearance<BANDS>,
+    ) {
+        match self {
+            Step::Brightness(function) => {
+                let mut value = [0.0];
+                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut value).is_ok() {
+                    multiply(&mut appearance.color, &[value[0]; 3]);
+                }
+            }
+            Step::Color(function) => {
+                let mut values = [0.0; 3];
+                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut values).is_ok() {
+                    multiply(&mut appearance.color, &values);
+                }
+            }
+            Step::BrightnessData(function, grid) => {
+                if let Some(value) = from_grid(scene, function, &[*grid], encounter, scratch) {
+                    multiply(&mut appearance.color, &[value[0]; 3]);
+                }
+            }
+            Step::ColorData(function, grids) => {
+                if let Some(values) = from_grid(scene, function, grids, encounter, scratch) {
+                    multiply(&mut appearance.color, &values);
+                }
+            }
+            Step::Texture(function) => {
+                let mut vector = [0.0; 3];
+                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut vector).is_ok() {
+                    appearance.perturbation += function.to_scene.direction(DVec3::from_array(vector));
+                }
+            }
+        }
+    }
+}
+
+/// Values from grids, through the functions that the primitive names: roots are first the functions, then the coordinates.
+fn from_grid(
+    scene: &Scene,
+    function: &Function,
+    grids: &[Handle<DataGrid>],
+    encounter: &Encounter,
+    scratch: &mut Scratch,
+) -> Option<[f64; 3]> {
+    let view = function.view(encounter);
+    let functions = grids.len();
+    let axes = scene.grids[grids[0]].axes.len().min(MAX_COORDINATES);
+    let mut coordinates = [0.0; MAX_COORDINATES];
+    for (axis, coordinate) in coordinates[..axes].iter_mut().enumerate() {
+        *coordinate = function.program.eval(functions + axis, &[], &view, scratch).ok()?;
+    }
+    let mut raw = [0.0; 3];
+    for (value, grid) in raw.iter_mut().zip(grids) {
+        *value = scene.grids[*grid].value(&coordinates[..axes]);
+    }
+    let mut values = [0.0; 3];
+    for (root, value) in values[..functions].iter_mut().enumerate() {
+        *value = function.program.eval(root, &raw[..functions], &view, scratch).ok()?;
+    }
+    Some(values)
+}
+
+fn multiply<const BANDS: usize>(color: &mut [f64; BANDS], by: &[f64; 3]) {
+    for (band, factor) in color.iter_mut().zip(by) {
+        *band *= factor;
+    }
+}
+
+/// The bands of a colour: the first alone where the scene is grey.
+#[inline]
+pub(crate) fn bands<const BANDS: usize>(color: Rgb) -> [f64; BANDS] {
+    std::array::from_fn(|band| color.0[band])
+}
