@@ -193,8 +193,7 @@ pub struct Host {
     /// \[any thread\] Hands a line of text to the user: 0 note, 1 warning, 2 error.
     pub log: Option<unsafe extern "C" fn(host: *const Host, level: u32, text: *const c_char)>,
     /// Since 1.1. \[any thread\]
-    pub extension:
-        Option<unsafe extern "C" fn(host: *const Host, name: *const c_char, revision: u32) -> *const c_void>,
+    pub extension: Option<unsafe extern "C" fn(host: *const Host, name: *const c_char, revision: u32) -> *const c_void>,
 }
 
 /// What `create` is given: `RadsightBrdfCreate`.

@@ -54,10 +54,8 @@ fn the_c_header_equals_the_rust_types() {
     }
     let folder = tempfile::tempdir().unwrap();
     let expectations = expectations();
-    let lines: String = expectations
-        .iter()
-        .map(|(c, _)| format!("    printf(\"%llu\\n\", (unsigned long long)({c}));\n"))
-        .collect();
+    let lines: String =
+        expectations.iter().map(|(c, _)| format!("    printf(\"%llu\\n\", (unsigned long long)({c}));\n")).collect();
     let program =
         format!("#include <stdio.h>\n#include \"radsight_brdf.h\"\nint main(void) {{\n{lines}    return 0;\n}}\n");
     let (source, binary) = (folder.path().join("layout.c"), folder.path().join("layout"));

@@ -119,7 +119,7 @@ fn render_line(out: &mut String, sources: &SourceMap, span: Span, line_number: u
     let marked_bytes = ((span.end as usize).saturating_sub(first)).min(line.len()).saturating_sub(before_bytes);
     let marked = String::from_utf8_lossy(&line.as_bytes()[before_bytes..before_bytes + marked_bytes]).chars().count();
     // A long line is cut to the part around the mark.
-    let cut = if before > WIDEST_LINE / 2 { before - WIDEST_LINE / 2 } else { 0 };
+    let cut = before.saturating_sub(WIDEST_LINE / 2);
     let shown: String =
         line.chars().skip(cut).take(WIDEST_LINE).map(|c| if c == '\t' || c.is_control() { ' ' } else { c }).collect();
     let gutter = line_number.to_string();

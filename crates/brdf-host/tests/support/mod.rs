@@ -1,0 +1,57 @@
+//! Builds the plugins that the tests load.
+#![allow(dead_code, reason = "each test file uses a part")]
+
+use radsight_brdf_host::Band;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Red, green and blue, in metres.
+pub(crate) const RGB: [Band; 3] = [
+    Band { centre_m: 650e-9, low_m: 588e-9, high_m: 780e-9 },
+    Band { centre_m: 534e-9, low_m: 480e-9, high_m: 588e-9 },
+    Band { centre_m: 430e-9, low_m: 380e-9, high_m: 480e-9 },
+];
+
+/// The library of a plugin package of the workspace, built by cargo.
+pub(crate) fn workspace_plugin(package: &str) -> PathBuf {
+    let output = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--message-format=json", "--package", package])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let suffix = std::env::consts::DLL_SUFFIX;
+    text.lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .filter(|message| {
+            message["package_id"].as_str().is_some_and(|id| id.contains(package.trim_start_matches("radsight-plugin-")))
+        })
+        .filter_map(|message| message["filenames"].as_array().cloned())
+        .flatten()
+        .filter_map(|name| name.as_str().map(PathBuf::from))
+        .find(|path| path.to_string_lossy().ends_with(suffix))
+        .expect("the package has a dynamic library")
+}
+
+/// Compiles a C file of `tests/c` to the library `name` in `folder`; `None` without a C compiler.
+pub(crate) fn c_plugin(folder: &Path, source: &str, name: &str, options: &[&str]) -> Option<PathBuf> {
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = folder.join(format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX));
+    let output = Command::new(compiler)
+        .args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-I"])
+        .arg(root.join("../brdf-abi/include"))
+        .args(options)
+        .arg("-o")
+        .arg(&path)
+        .arg(root.join("tests/c").join(source))
+        .arg("-lm")
+        .output();
+    let Ok(output) = output else {
+        eprintln!("skipped: no C compiler found");
+        return None;
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(path)
+}
