@@ -2,6 +2,7 @@
 
 use crate::error::shown;
 use crate::{Image, PictureError, number};
+use std::borrow::Cow;
 
 /// The order of the pixels in a file. Left, right, top and bottom are those of the picture as one looks at it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -127,10 +128,10 @@ impl Resolution {
     /// # Panics
     /// If the image has another size.
     #[must_use]
-    pub fn stored<T: Copy>(&self, image: &Image<T>) -> Vec<T> {
+    pub fn stored<'a, T: Copy>(&self, image: &'a Image<T>) -> Cow<'a, [T]> {
         assert_eq!((self.width, self.height), (image.width(), image.height()), "the resolution is that of the image");
         if self.orientation == Orientation::STANDARD {
-            return image.data().to_vec();
+            return Cow::Borrowed(image.data());
         }
         let mut stored = Vec::with_capacity(image.data().len());
         for scanline in 0..self.scanlines() {
@@ -139,7 +140,7 @@ impl Resolution {
                 stored.extend_from_slice(image.pixel(column, row));
             }
         }
-        stored
+        Cow::Owned(stored)
     }
 }
 
@@ -175,7 +176,7 @@ mod tests {
             let resolution = Resolution { width: 3, height: 2, orientation };
             let line = format!("{resolution}\n");
             assert_eq!(Resolution::read(line.as_bytes(), 0).unwrap(), (resolution, line.len()));
-            assert_eq!(resolution.upright(2, resolution.stored(&image)).unwrap(), image);
+            assert_eq!(resolution.upright(2, resolution.stored(&image).into_owned()).unwrap(), image);
         }
     }
 

@@ -8,6 +8,7 @@
 //! Source: G. Ward, "Real Pixels", Graphics Gems II, 1991, and what Radiance's programs read and write.
 
 use crate::PictureError;
+use crate::rgbe::{decode_rgbe, encode_rgbe};
 
 /// Bytes of an RGBE or XYZE pixel.
 pub(crate) const PIXEL: usize = 4;
@@ -105,12 +106,20 @@ fn truncated(bytes: &[u8]) -> PictureError {
     PictureError::Truncated { offset: bytes.len(), expected: "more pixels".into() }
 }
 
-/// Writes a scanline, in the new form where its length allows, else flat. The bytes are those that Radiance writes.
+/// Writes a scanline, in the new form where its length allows, else flat. The bytes are those that Radiance writes, but
+/// for a flat scanline with pixels that would be taken for something else.
 pub(crate) fn write(row: &[u8], out: &mut Vec<u8>, plane: &mut Vec<u8>) {
     let width = row.len() / PIXEL;
     if !(SHORTEST_ENCODED..=LONGEST_ENCODED).contains(&width) {
-        out.extend_from_slice(row);
-        return;
+        if is_clear_when_flat(row) {
+            out.extend_from_slice(row);
+            return;
+        }
+        if width > LONGEST_ENCODED {
+            let pixels = row.as_chunks::<PIXEL>().0.iter();
+            out.extend(pixels.flat_map(|pixel| encode_rgbe(decode_rgbe(*pixel))));
+            return;
+        }
     }
     out.extend_from_slice(&[2, 2, (width >> 8) as u8, (width & 0xff) as u8]);
     for component in 0..PIXEL {
@@ -118,6 +127,13 @@ pub(crate) fn write(row: &[u8], out: &mut Vec<u8>, plane: &mut Vec<u8>) {
         plane.extend(row.iter().skip(component).step_by(PIXEL));
         write_plane(plane, out);
     }
+}
+
+/// Whether a flat scanline cannot be taken for a new one, nor its pixels for repeats: only pixels without a leading one can.
+fn is_clear_when_flat(row: &[u8]) -> bool {
+    let pixels = row.as_chunks::<PIXEL>().0;
+    let is_mark = |pixel: &[u8; PIXEL]| pixel[..2] == [2, 2] && pixel[2] < 128;
+    !pixels.first().is_some_and(is_mark) && !pixels.iter().any(|pixel| pixel[..3] == [1, 1, 1])
 }
 
 fn write_plane(plane: &[u8], out: &mut Vec<u8>) {
@@ -196,6 +212,21 @@ mod tests {
         assert_eq!(error.to_string(), "byte 0: expected a scanline of 3 pixels, found one of 4");
         assert!(decoded(&[2, 2, 0, 3, 3, 9, 9], 3).is_err());
         assert!(decoded(&[2, 2], 3).is_err());
+    }
+
+    #[test]
+    fn pixels_that_look_like_marks_survive_in_short_scanlines() {
+        for row in
+            [vec![2, 2, 0, 3, 9, 9, 9, 9, 8, 8, 8, 8], vec![200, 0, 0, 9, 1, 1, 1, 7, 1, 1, 1, 7], vec![2, 2, 0, 1]]
+        {
+            let mut out = Vec::new();
+            write(&row, &mut out, &mut Vec::new());
+            assert_eq!(decoded(&out, row.len() / PIXEL).unwrap(), row);
+        }
+        let wide = [1, 1, 1, 140].repeat(LONGEST_ENCODED + 1);
+        let mut out = Vec::new();
+        write(&wide, &mut out, &mut Vec::new());
+        assert_eq!(decoded(&out, LONGEST_ENCODED + 1).unwrap(), [192, 192, 192, 133].repeat(LONGEST_ENCODED + 1));
     }
 
     #[test]
