@@ -98,6 +98,20 @@ impl<'a> Arguments<'a> {
         }
     }
 
+    /// The next words, one for each name.
+    pub(crate) fn take<const COUNT: usize>(&mut self, names: [&str; COUNT]) -> Result<[&'a str; COUNT], Error> {
+        let mut words = [""; COUNT];
+        for (word, name) in words.iter_mut().zip(names) {
+            *word = self.required(name)?;
+        }
+        Ok(words)
+    }
+
+    /// A second walk, from an index of `argv`, for programs whose options come after what they change.
+    pub(crate) fn again_from(&self, next: usize) -> Arguments<'a> {
+        Arguments { argv: self.argv, usage: self.usage, next, warnings: Vec::new() }
+    }
+
     /// Three numbers; `name` stands before `x`, `y` and `z` in errors.
     pub(crate) fn vector(&mut self, name: &str) -> Result<[f64; 3], Error> {
         Ok([self.number(&format!("{name} x"))?, self.number(&format!("{name} y"))?, self.number(&format!("{name} z"))?])

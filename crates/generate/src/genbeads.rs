@@ -6,6 +6,7 @@
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
+use crate::facets::{dot, subtract};
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
@@ -31,6 +32,8 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         })
     };
     let mut text = Text::default();
+    let chord = subtract(ends[1], ends[0]);
+    text.expect_room(dot(chord, chord).sqrt() / spacing, 80.0)?;
     let (mut t, mut bead) = (0.0, 0usize);
     while t <= 1.0 {
         let [x, y, z] = curve(hermite(t));

@@ -23,13 +23,18 @@ mod cat;
 mod echo;
 mod error;
 mod facets;
+mod functions;
 mod genbeads;
 mod genblinds;
 mod genbox;
 mod genclock;
 mod gendaylit;
 mod genprism;
+mod genrev;
 mod gensky;
+mod gensurf;
+mod genworm;
+mod grid_data;
 mod number_text;
 mod perez;
 mod pipeline;
@@ -86,7 +91,10 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("genclock", genclock::run),
     ("gendaylit", gendaylit::run),
     ("genprism", genprism::run),
+    ("genrev", genrev::run),
     ("gensky", gensky::run),
+    ("gensurf", gensurf::run),
+    ("genworm", genworm::run),
     ("replmarks", replmarks::run),
 ];
 

@@ -32,51 +32,12 @@ fn boxes_equal_real_ones() {
             }
         }
         if argv.contains(&"-s".to_owned()) && !argv.contains(&"-o".to_owned()) {
-            expect_same_smoothing(&radiance, &argv, &loader);
+            oracle::expect_same_smoothing(&radiance, &argv, b"", &loader);
         } else {
             identical += usize::from(expect_same(&radiance, &argv, b"", &loader));
         }
     }
     println!("genbox: {identical} of {lines} outputs are the same bytes");
-}
-
-/// Symmetric triangles have two longest axes, and the last bit decides along which one they are seen; so the comparison is of
-/// the normals at the corners, and of all other words.
-fn expect_same_smoothing(radiance: &Radiance, argv: &[String], loader: &TestLoader) {
-    let real = smoothing(&radiance.run(argv, b"", None).standard_output);
-    let mine = smoothing(&String::from_utf8(ours(argv, b"", loader).unwrap().standard_output).unwrap());
-    let likeness = oracle::compare(&mine.0.join(" "), &real.0.join(" "));
-    assert!(!matches!(likeness, oracle::Likeness::Different(_)), "{argv:?}: {likeness:?}");
-    assert_eq!(mine.1.len(), real.1.len());
-    for (a, b) in mine.1.iter().zip(&real.1) {
-        assert!((a - b).abs() < 2e-6 * a.abs().max(1.0), "{argv:?}: {a} {b}");
-    }
-}
-
-/// The words outside of the interpolation arguments, and
-/// the interpolated normals at the corners of the polygon after each.
-fn smoothing(text: &str) -> (Vec<String>, Vec<f64>) {
-    let (mut others, mut normals) = (Vec::new(), Vec::new());
-    let mut functions: Option<(usize, Vec<f64>)> = None;
-    let mut words = text.split_whitespace().peekable();
-    while let Some(word) = words.next() {
-        others.push(word.to_owned());
-        if word == "10" {
-            let axis: usize = words.next().unwrap().parse().unwrap();
-            functions = Some((axis, words.by_ref().take(9).map(|word| word.parse().unwrap()).collect()));
-        } else if word == "9"
-            && let Some((axis, rows)) = functions.take()
-        {
-            let numbers: Vec<&str> = words.by_ref().take(9).collect();
-            for corner in numbers.chunks(3) {
-                let point: Vec<f64> = corner.iter().map(|word| word.parse().unwrap()).collect();
-                let (u, v) = (point[(axis + 1) % 3], point[(axis + 2) % 3]);
-                normals.extend(rows.chunks(3).map(|row| row[0] * u + row[1] * v + row[2]));
-            }
-            others.extend(numbers.iter().map(|word| (*word).to_owned()));
-        }
-    }
-    (others, normals)
 }
 
 #[test]

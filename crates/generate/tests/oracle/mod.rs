@@ -159,6 +159,58 @@ pub fn expect_same(radiance: &Radiance, argv: &[String], standard_input: &[u8], 
     }
 }
 
+/// Compares the words outside of interpolation functions, and what those functions give at the corners of their faces.
+///
+/// A symmetric face has two longest axes, and the last bit decides along which one it is seen; so the functions' numbers
+/// may differ where their values do not.
+pub fn expect_same_smoothing(radiance: &Radiance, argv: &[String], standard_input: &[u8], loader: &TestLoader) {
+    let real = smoothing(&radiance.run(argv, standard_input, None).standard_output);
+    let mine = ours(argv, standard_input, loader).expect("ours runs");
+    let mine = smoothing(&String::from_utf8(mine.standard_output).expect("text"));
+    let likeness = compare(&mine.0.join(" "), &real.0.join(" "));
+    assert!(!matches!(likeness, Likeness::Different(_)), "{argv:?}: {likeness:?}");
+    assert_eq!(mine.1.len(), real.1.len(), "{argv:?}");
+    for (a, b) in mine.1.iter().zip(&real.1) {
+        assert!((a - b).abs() < 2e-6 * a.abs().max(1.0), "{argv:?}: {a} {b}");
+    }
+}
+
+/// The words outside of the arguments of `tmesh.cal` and `surf.cal`, and the interpolated vectors at the corners after each.
+fn smoothing(text: &str) -> (Vec<String>, Vec<f64>) {
+    let (mut others, mut vectors) = (Vec::new(), Vec::new());
+    let mut function: Option<(usize, Vec<f64>)> = None;
+    let mut words = text.split_whitespace();
+    while let Some(word) = words.next() {
+        others.push(word.to_owned());
+        let numbers = |count: usize, words: &mut dyn Iterator<Item = &str>| -> Vec<f64> {
+            words.take(count).map(|word| word.parse().expect("a number")).collect()
+        };
+        match (word, &function) {
+            ("10" | "13", None) => {
+                let axis: usize = words.next().and_then(|word| word.parse().ok()).expect("an axis");
+                function = Some((axis, numbers(word.parse::<usize>().expect("a count") - 1, &mut words)));
+            }
+            ("9" | "12", Some((axis, coefficients))) => {
+                let corners = numbers(word.parse().expect("a count"), &mut words);
+                for corner in corners.chunks(3) {
+                    let (u, v) = (corner[(axis + 1) % 3], corner[(axis + 2) % 3]);
+                    vectors.extend((0..3).map(|i| match coefficients.len() {
+                        9 => coefficients[3 * i] * u + coefficients[3 * i + 1] * v + coefficients[3 * i + 2],
+                        _ => {
+                            let k = |row: usize| coefficients[3 * row + i];
+                            k(0) * u * v + k(1) * u + k(2) * v + k(3)
+                        }
+                    }));
+                }
+                others.extend(corners.iter().map(|number| format!("{number:.9}")));
+                function = None;
+            }
+            _ => {}
+        }
+    }
+    (others, vectors)
+}
+
 /// A small generator of reproducible numbers.
 pub struct Numbers(pub u64);
 
