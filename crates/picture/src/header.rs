@@ -52,7 +52,7 @@ impl Header {
     /// # Errors
     /// [`PictureError::Unexpected`] if the first byte is not printable, [`PictureError::Truncated`] if no empty line follows.
     pub fn read(bytes: &[u8]) -> Result<(Header, usize), PictureError> {
-        if !bytes.first().is_some_and(|byte| (0x20..0x7f).contains(byte)) {
+        if !starts_header(bytes) {
             let found = shown(bytes);
             return Err(PictureError::Unexpected { offset: 0, expected: "a header such as #?RADIANCE".into(), found });
         }
@@ -287,11 +287,12 @@ impl Header {
         copy
     }
 
-    /// The header as bytes, with the empty line at its end. Without any line, `#?RADIANCE` is put first.
+    /// The header as bytes, with the empty line at its end. Where the first line does not begin with a printable character, which a header
+    /// must, `#?RADIANCE` is put first.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(self.lines.iter().map(|line| line.len() + 1).sum::<usize>() + 16);
-        if self.is_empty() {
+        if !self.lines.first().is_some_and(|line| starts_header(line)) {
             out.extend_from_slice(b"#?RADIANCE\n");
         }
         for line in &self.lines {
@@ -308,6 +309,10 @@ impl Header {
         let lines: Vec<Cow<'_, str>> = self.lines().map(String::from_utf8_lossy).collect();
         lines.join("\n")
     }
+}
+
+fn starts_header(bytes: &[u8]) -> bool {
+    bytes.first().is_some_and(|byte| (0x20..0x7f).contains(byte))
 }
 
 fn parse_exposure(line: usize, value: &[u8]) -> Result<f64, PictureError> {
@@ -378,6 +383,12 @@ mod tests {
         header.push_line("a\n\nEXPOSURE=3");
         header.push_line("");
         assert_eq!(header.to_bytes(), b"#?RADIANCE\na  EXPOSURE=3\n\n");
+    }
+
+    #[test]
+    fn a_header_that_would_begin_with_a_tab_gets_a_first_line() {
+        let (header, _) = Header::read(b"FORMAT=ascii\n\trpict\n\n").unwrap();
+        assert_eq!(header.history().to_bytes(), b"#?RADIANCE\n\trpict\n\n");
     }
 
     #[test]

@@ -1,7 +1,32 @@
-//! Radiance pictures, float matrices, headers and views; portable float maps, NumPy arrays and PNG.
+//! Radiance pictures, float matrices, headers and views; and float maps, NumPy arrays, PNG, TIFF and EXR beside them.
 //!
-//! Bytes go in and bytes come out. Guarantees: no input panics or takes memory beyond what its own bytes can justify;
-//! row 0 of every [`Image`] is the top, whatever the file's order. Knows no scenes and does no input or output.
+//! What two stages of radsight exchange is one of these files, or its [`Image`] in memory.
+//!
+//! - A [`Picture`] is RGBE, XYZE or spectral, in any orientation and coding; [`Picture::radiance`] undoes exposures.
+//! - A [`FloatMatrix`] is the lossless form, `pfm`, `npy`, `tif` and `exr` are others; [`read_image`] knows them all.
+//! - A [`Header`] carries the history: a program copies it ([`Header::history`]) and adds its own command line.
+//! - [`ViewOptions`] is a view as typed, a [`View`] gives its rays.
+//!
+//! Guarantees: bytes go in and bytes come out; no input makes a reader panic, and none takes memory beyond what its own bytes can
+//! justify; row 0 of every [`Image`] is the top, whatever the order in the file; written pictures are those that
+//! Radiance would write, byte for byte. Knows no scenes and does no input or output.
+//!
+//! ```
+//! use radsight_picture::{FloatMatrix, Header, Image, MatrixFormat, read_image};
+//! let mut header = Header::new("RADIANCE");
+//! header.push_command(["radsight", "pinhole", "average", "my camera.toml"]);
+//! let exposure = Image::new(2, 1, 1, vec![1.25e-3f32, 0.0]).unwrap();
+//! let bytes = FloatMatrix::write_f32(&header, &exposure, MatrixFormat::Float);
+//!
+//! let read = read_image(&bytes).unwrap();
+//! assert_eq!(read.image, exposure);
+//! let mut history = read.header.unwrap().history();
+//! history.push_command(["radsight", "sensor", "my camera.toml"]);
+//! assert_eq!(
+//!     history.to_text(),
+//!     "#?RADIANCE\nradsight pinhole average \"my camera.toml\"\nradsight sensor \"my camera.toml\""
+//! );
+//! ```
 #![forbid(unsafe_code)]
 
 mod color;
@@ -38,6 +63,7 @@ pub use picture::{Encoding, PartialPicture, Picture};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};
 pub use resolution::{Orientation, Resolution};
 pub use rgbe::{decode_rgbe, encode_rgbe, mantissa_step};
+pub use scanline::write_rgbe_scanline;
 #[cfg(feature = "tiff")]
 pub use tiff::{read_tiff, write_tiff};
 pub use view::{View, ViewError, ViewKind, ViewLocation, ViewOptions, ViewRay};

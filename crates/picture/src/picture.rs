@@ -446,6 +446,17 @@ mod tests {
     }
 
     #[test]
+    fn scanlines_one_by_one_make_the_same_file() {
+        let image = gradient(30, 3, 3);
+        let bytes = Picture::from_rgb(Header::new("RADIANCE"), &image).unwrap().to_bytes();
+        let mut rows = Vec::new();
+        for row in image.rows() {
+            crate::write_rgbe_scanline(row.as_chunks().0, &mut rows);
+        }
+        assert!(bytes.ends_with(&rows) && !rows.is_empty());
+    }
+
+    #[test]
     fn spectra_keep_their_bands_and_splits() {
         let splits = [830.0, 588.0, 480.0, 360.0];
         let picture = Picture::from_spectra(Header::new("RADIANCE"), &gradient(4, 3, 7), splits).unwrap();

@@ -129,6 +129,12 @@ pub(crate) fn write(row: &[u8], out: &mut Vec<u8>, plane: &mut Vec<u8>) {
     }
 }
 
+/// Encodes a scanline of RGB (or XYZ) values and appends it to `out`, for programs that write a picture as it grows.
+pub fn write_rgbe_scanline(values: &[[f32; 3]], out: &mut Vec<u8>) {
+    let row: Vec<u8> = values.iter().flat_map(|value| encode_rgbe(*value)).collect();
+    write(&row, out, &mut Vec::new());
+}
+
 /// Whether a flat scanline cannot be taken for a new one, nor its pixels for repeats: only pixels without a leading one can.
 fn is_clear_when_flat(row: &[u8]) -> bool {
     let pixels = row.as_chunks::<PIXEL>().0;
