@@ -353,7 +353,7 @@ fn components(header: &Header, encoding: Encoding) -> Result<usize, PictureError
 fn checked_size(bytes: &[u8], start: usize, resolution: &Resolution, components: usize) -> Result<usize, PictureError> {
     // A count of two bytes stands for at most 127 of the decoded ones. Only the old form can stand for more, and it
     // was never used for pictures of this size.
-    const LARGEST_FROM_OLD_RUNS: usize = 1 << 28;
+    const LARGEST_FROM_OLD_RUNS: usize = 1 << 26;
     const LARGEST_RATIO: usize = 64;
     let rest = &bytes[start..];
     let (length, scanlines) = (resolution.scanline_length(), resolution.scanlines());
