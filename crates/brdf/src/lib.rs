@@ -16,6 +16,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod check;
 mod lambert;
 mod ward;
 

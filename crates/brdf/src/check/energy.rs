@@ -1,0 +1,143 @@
+//! Directional albedo, and that no more light comes back than fell in.
+
+use super::{CheckOptions, Effort, Finding, Fineness, Hemispheres, Partition, Random, Worst, from_angles};
+use crate::{Brdf, Density};
+use glam::DVec3;
+
+/// How much light comes back, for one outgoing direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Albedo {
+    /// `∫ f |cos θ_i| dω_i` in each band, by quadrature over lobes of finite width.
+    pub continuous: Vec<f64>,
+    /// Mean weight of perfectly specular samples in each band.
+    pub delta: Vec<f64>,
+    /// Standard error of `delta`, the largest of all bands.
+    pub delta_error: f64,
+}
+
+impl Albedo {
+    /// Both parts of one band.
+    #[must_use]
+    pub fn total(&self, band: usize) -> f64 {
+        self.continuous[band] + self.delta[band]
+    }
+}
+
+impl Effort {
+    /// Error of the quadrature that is allowed for, relative.
+    pub(super) fn quadrature_tolerance(self) -> f64 {
+        match self {
+            Effort::Quick => 0.03,
+            Effort::Thorough => 2e-3,
+        }
+    }
+
+    pub(super) fn fineness(self) -> Fineness {
+        match self {
+            Effort::Quick => {
+                Fineness { core: 1e-5, rings_per_decade: 3, narrowest_sector: 0.02, sectors_per_decade: 1, nodes: 4 }
+            }
+            Effort::Thorough => {
+                Fineness { core: 1e-6, rings_per_decade: 6, narrowest_sector: 3e-4, sectors_per_decade: 2, nodes: 6 }
+            }
+        }
+    }
+}
+
+/// The hemispheres that a model can send light to.
+pub(super) fn hemispheres(brdf: &dyn Brdf) -> Hemispheres {
+    if brdf.lobes().transmission { Hemispheres::Both } else { Hemispheres::Upper }
+}
+
+/// Directional albedo for one outgoing direction.
+#[must_use]
+pub fn albedo(brdf: &dyn Brdf, outgoing: DVec3, options: &CheckOptions) -> Albedo {
+    let mut continuous = vec![0.0; options.bands];
+    let (mut values, mut pdfs) = (Vec::new(), Vec::new());
+    let partition = Partition::new(outgoing, options.effort.fineness());
+    partition.visit(hemispheres(brdf), |_, directions, solid_angles| {
+        values.resize(directions.len() * options.bands, 0.0);
+        pdfs.resize(directions.len(), 0.0);
+        brdf.eval_pdf(outgoing, directions, &mut values, &mut pdfs);
+        let points = directions.iter().zip(solid_angles).zip(values.chunks_exact(options.bands));
+        for ((direction, solid_angle), values) in points {
+            for (sum, value) in continuous.iter_mut().zip(values) {
+                *sum += value * direction.z.abs() * solid_angle;
+            }
+        }
+    });
+    let (delta, delta_error) = delta_albedo(brdf, outgoing, options);
+    Albedo { continuous, delta, delta_error }
+}
+
+fn delta_albedo(brdf: &dyn Brdf, outgoing: DVec3, options: &CheckOptions) -> (Vec<f64>, f64) {
+    let mut sums = vec![[0.0, 0.0]; options.bands];
+    if !brdf.lobes().delta {
+        return (vec![0.0; options.bands], 0.0);
+    }
+    let samples = if options.effort == Effort::Quick { 1000 } else { 20_000 };
+    let mut random = Random::new(options.seed, 11);
+    let mut weights = vec![0.0; options.bands];
+    for _ in 0..samples {
+        let found = brdf.sample(outgoing, random.cube(), &mut weights);
+        if found.is_some_and(|sample| sample.density == Density::Delta) {
+            for (sum, weight) in sums.iter_mut().zip(&weights) {
+                sum[0] += weight;
+                sum[1] += weight * weight;
+            }
+        }
+    }
+    let count = f64::from(samples);
+    let error = |[sum, squares]: &[f64; 2]| ((squares / count - (sum / count).powi(2)).max(0.0) / count).sqrt();
+    (sums.iter().map(|[sum, _]| sum / count).collect(), sums.iter().map(error).fold(0.0, f64::max))
+}
+
+/// That the albedo is at most one at 0…89.9°; for a model that is not reciprocal also the other way round, light from one
+/// direction summed over all in which it leaves.
+#[must_use]
+pub fn energy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
+    let mut worst = Worst::default();
+    for &degrees in options.effort.outgoing_angles_deg() {
+        let outgoing = from_angles(degrees.to_radians(), 0.7);
+        let found = albedo(brdf, outgoing, options);
+        let allowed = 1.0 + options.effort.quadrature_tolerance() + 5.0 * found.delta_error;
+        for band in 0..options.bands {
+            let total = found.total(band);
+            if !(0.0..=allowed).contains(&total) {
+                worst.offer("energy", total / allowed, || {
+                    let percent = total * 100.0;
+                    format!("{percent:.2} % of the light comes back at outgoing angle {degrees}° in band {band}, expected at most 100 %")
+                });
+            }
+        }
+        if !options.reciprocal {
+            offer_reflected(brdf, degrees, options, &mut worst);
+        }
+    }
+    worst.into_findings()
+}
+
+fn offer_reflected(brdf: &dyn Brdf, degrees: f64, options: &CheckOptions, worst: &mut Worst) {
+    let incident = [from_angles(degrees.to_radians(), 0.7)];
+    let mut sums = vec![0.0; options.bands];
+    let (mut values, mut pdf) = (vec![0.0; options.bands], [0.0]);
+    // Every direction is a call of its own here.
+    let fineness = Fineness { narrowest_sector: 0.02, nodes: 4, ..options.effort.fineness() };
+    Partition::new(incident[0], fineness).visit(hemispheres(brdf), |_, directions, solid_angles| {
+        for (outgoing, solid_angle) in directions.iter().zip(solid_angles) {
+            brdf.eval_pdf(*outgoing, &incident, &mut values, &mut pdf);
+            for (sum, value) in sums.iter_mut().zip(&values) {
+                *sum += value * outgoing.z.abs() * solid_angle;
+            }
+        }
+    });
+    let allowed = 1.0 + 5.0 * options.effort.quadrature_tolerance();
+    for (band, &total) in sums.iter().enumerate() {
+        if !(0.0..=allowed).contains(&total) {
+            worst.offer("energy", total / allowed, || {
+                let percent = total * 100.0;
+                format!("{percent:.2} % of the light that falls in at incident angle {degrees}° is reflected in band {band}, expected at most 100 %")
+            });
+        }
+    }
+}
