@@ -11,7 +11,7 @@ pub struct FunctionCall {
     pub program: Arc<Program>,
     /// From the function's coordinates to the scene's; the program sees the ray through its inverse.
     pub to_scene: Transform,
-    /// The words as written, for writing back.
+    /// The words as written, without a transform at their end, for writing back.
     pub words: Vec<String>,
     /// The numbers as written, for writing back.
     pub numbers: Vec<f64>,

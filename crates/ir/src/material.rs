@@ -229,10 +229,10 @@ pub enum PrismFace {
 pub struct Mist {
     /// Extinction, 1/scene unit.
     pub extinction: Rgb,
-    /// Scattering albedo, 0…1.
-    pub albedo: Rgb,
-    /// Henyey–Greenstein eccentricity, 0…1.
-    pub eccentricity: f64,
+    /// Scattering albedo, 0…1; `None` for that of the whole scene.
+    pub albedo: Option<Rgb>,
+    /// Henyey–Greenstein eccentricity, 0…1; `None` for that of the whole scene.
+    pub eccentricity: Option<f64>,
     /// Sources that are scattered, by the words as written.
     pub sources: Vec<String>,
 }

@@ -219,8 +219,8 @@ fn collect_numbers(material: &Material, out: &mut Vec<f64>) {
         }
         Material::Mist(mist) => {
             rgb(&mist.extinction);
-            rgb(&mist.albedo);
-            out.push(mist.eccentricity);
+            mist.albedo.iter().for_each(rgb);
+            out.extend(mist.eccentricity);
         }
         Material::Plugin { numbers, .. } => out.extend(numbers),
         _ => {}

@@ -7,6 +7,7 @@ mod arguments;
 mod text;
 
 pub(crate) use arguments::{Copy, Event, MAX_COPIES, visit_copies};
+pub(crate) use text::run as run_xform;
 pub use text::xform;
 
 /// Whether a command's first word means `xform`; a leading directory is ignored.

@@ -1,0 +1,113 @@
+//! The box around a scene, as Radiance computes it.
+
+use glam::DVec3;
+use radsight_ir::{Cone, Mesh, Ring, Scene, Shape, Sphere, Transform};
+
+/// How much larger than the scene the cube of `oconv` is, on each side: Radiance's own margin.
+const CUBE_MARGIN: f64 = 1e-5;
+
+/// A box along the axes, scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The corner with the smallest coordinates.
+    pub low: DVec3,
+    /// The corner with the largest coordinates.
+    pub high: DVec3,
+}
+
+/// A cube along the axes, scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cube {
+    /// The corner with the smallest coordinates.
+    pub origin: DVec3,
+    /// Length of an edge.
+    pub size: f64,
+}
+
+/// The box that real `getbbox` prints; `None` for a scene without local surfaces.
+///
+/// Flat and round surfaces are bounded exactly, meshes and placed scenes by the cubes of their own files.
+#[must_use]
+pub fn bounds(scene: &Scene) -> Option<Bounds> {
+    let mut all = Bounds::EMPTY;
+    for surface in scene.surfaces.items() {
+        match surface.shape {
+            Shape::Polygon { start, count } => {
+                let range = start as usize..start as usize + count as usize;
+                let vertices = scene.vertices.get(range).unwrap_or_default();
+                vertices.iter().for_each(|vertex| all.add(*vertex));
+            }
+            Shape::Sphere(handle) => all.add_sphere(&scene.spheres[handle]),
+            Shape::Cone(handle) => all.add_cone(&scene.cones[handle]),
+            Shape::Ring(handle) => all.add_ring(&scene.rings[handle]),
+            Shape::Source(_) => {}
+            Shape::Mesh(handle) => {
+                let placed = &scene.mesh_instances[handle];
+                all.add_cube(mesh_cube(&scene.meshes[placed.mesh]), &placed.to_scene);
+            }
+            Shape::Instance(handle) => {
+                let placed = &scene.instances[handle];
+                all.add_cube(cube(&scene.octrees[placed.octree].scene), &placed.to_scene);
+            }
+        }
+    }
+    all.low.cmple(all.high).all().then_some(all)
+}
+
+/// The cube that real `oconv` builds its octree in; `None` for a scene without local surfaces.
+#[must_use]
+pub fn cube(scene: &Scene) -> Option<Cube> {
+    bounds(scene).map(|bounds| bounds.cube(CUBE_MARGIN))
+}
+
+/// The cube of a mesh file.
+fn mesh_cube(mesh: &Mesh) -> Option<Cube> {
+    let mut all = Bounds::EMPTY;
+    mesh.vertices.iter().for_each(|vertex| all.add(*vertex));
+    all.low.cmple(all.high).all().then(|| all.cube(CUBE_MARGIN))
+}
+
+impl Bounds {
+    const EMPTY: Bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    fn add(&mut self, point: DVec3) {
+        self.low = self.low.min(point);
+        self.high = self.high.max(point);
+    }
+
+    fn add_sphere(&mut self, sphere: &Sphere) {
+        self.add(sphere.center - sphere.radius);
+        self.add(sphere.center + sphere.radius);
+    }
+
+    fn add_cone(&mut self, cone: &Cone) {
+        let axis = (cone.apex - cone.base).normalize_or_zero();
+        self.add_circle(cone.base, axis, cone.base_radius);
+        self.add_circle(cone.apex, axis, cone.apex_radius);
+    }
+
+    fn add_ring(&mut self, ring: &Ring) {
+        self.add_circle(ring.center, ring.normal, ring.outer_radius);
+    }
+
+    /// A circle reaches `radius·sin(angle between axis and coordinate)` along each coordinate.
+    fn add_circle(&mut self, center: DVec3, axis: DVec3, radius: f64) {
+        let reach = axis.to_array().map(|component| radius * (1.0 - component * component).max(0.0).sqrt());
+        let reach = DVec3::from_array(reach);
+        self.add(center - reach);
+        self.add(center + reach);
+    }
+
+    fn add_cube(&mut self, cube: Option<Cube>, to_scene: &Transform) {
+        let Some(Cube { origin, size }) = cube else { return };
+        for corner in 0..8 {
+            let offset = [1, 2, 4].map(|bit| if corner & bit == 0 { 0.0 } else { size });
+            self.add(to_scene.point(origin + DVec3::from_array(offset)));
+        }
+    }
+
+    fn cube(&self, margin: f64) -> Cube {
+        let size = (self.high - self.low).max_element() + 2.0 * margin;
+        Cube { origin: 0.5 * (self.low + self.high - size), size }
+    }
+}

@@ -1,0 +1,31 @@
+//! From scene text to the scene: names become handles, commands run, transforms are applied, functions compiled.
+
+mod data_file;
+mod functions;
+mod include;
+mod log;
+mod materials;
+mod modifiers;
+mod options;
+mod patterns;
+mod reader;
+mod replacement;
+mod surfaces;
+
+pub use options::{Input, Read, ReadOptions, UnusedModifiers};
+pub use replacement::BrdfReplacement;
+
+use radsight_loader::Loader;
+
+/// Reads scene files, in order, into one scene.
+///
+/// All the mistakes of all the files are in [`Read::diagnostics`]; if there is an error among them, the scene lacks what
+/// the errors are about. The result does not depend on anything but the inputs, the options and what the loader gives.
+#[must_use]
+pub fn read_scene(inputs: &[Input], loader: &dyn Loader, options: &ReadOptions) -> Read {
+    let mut reader = reader::Reader::new(loader, options);
+    for input in inputs {
+        reader.read_input(input);
+    }
+    reader.finish()
+}

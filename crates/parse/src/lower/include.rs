@@ -1,0 +1,373 @@
+//! Commands inside scene text, and the texts that they bring in.
+
+use super::reader::{Context, Here, Reader};
+use crate::commands::{DirectoryLoader, command_line, directory_of};
+use crate::placement::NewModifier;
+use crate::syntax::{Document, Place};
+use crate::xform::{Copy, Event, MAX_COPIES, is_xform, run_xform, visit_copies};
+use radsight_diag::{Diagnostic, SourceId, Span};
+use radsight_generate::shell_words::{Stage, Word, split};
+use radsight_generate::{Error, PipelineError};
+use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::rc::Rc;
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// Texts bring in texts no deeper than this.
+const MAX_DEPTH: usize = 64;
+
+/// Serves the files that commands of the scene wrote, then what the user's loader has.
+pub(super) struct SceneLoader<'a> {
+    loader: &'a dyn Loader,
+    written: RwLock<HashMap<String, Vec<u8>>>,
+}
+
+impl<'a> SceneLoader<'a> {
+    pub(super) fn new(loader: &'a dyn Loader) -> Self {
+        SceneLoader { loader, written: RwLock::default() }
+    }
+
+    fn write(&self, files: Vec<(String, Vec<u8>)>) {
+        self.written.write().unwrap_or_else(PoisonError::into_inner).extend(files);
+    }
+}
+
+impl Loader for SceneLoader<'_> {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        let written = self.written.read().unwrap_or_else(PoisonError::into_inner);
+        match written.get(name) {
+            Some(bytes) => Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() }),
+            None => self.loader.load(name, kind),
+        }
+    }
+
+    fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
+        self.loader.run_command(command, standard_input)
+    }
+}
+
+/// The texts that were brought in, and what is being read.
+#[derive(Default)]
+pub(super) struct Inclusions {
+    texts: HashMap<TextKey, Text>,
+    /// What is being read, outermost first.
+    active: Vec<TextKey>,
+    copies: usize,
+}
+
+/// A file or a command, as asked for in a directory.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct TextKey {
+    directory: String,
+    /// A file's name, or a command after `!`.
+    name: String,
+}
+
+struct Text {
+    bytes: Arc<[u8]>,
+    path: String,
+    /// The source under which it was first read.
+    first: Option<SourceId>,
+    document: Option<Rc<Document>>,
+}
+
+/// A command line and where it stands.
+struct CommandLine {
+    line: String,
+    source: SourceId,
+    /// Of the byte after the `!`.
+    start: u32,
+}
+
+impl CommandLine {
+    fn span(&self, range: Range<usize>) -> Span {
+        let offset = |at: usize| self.start + at.min(self.line.len()) as u32;
+        Span { source: self.source, start: offset(range.start), end: offset(range.end.max(range.start)) }
+    }
+
+    fn whole(&self) -> Span {
+        self.span(0..self.line.len())
+    }
+}
+
+/// A call of `xform` at the end of a command line.
+struct XformCall {
+    words: Vec<Word>,
+    /// The commands before it, whose output it reads.
+    before: Option<String>,
+    /// The file that it reads.
+    input: Option<Word>,
+}
+
+impl XformCall {
+    fn find(line: &str) -> Option<XformCall> {
+        let mut script = split(line).ok()?;
+        let mut pipeline = script.pipelines.pop().filter(|_| script.pipelines.is_empty())?;
+        let Some(Stage::Command(last)) = pipeline.stages.pop() else { return None };
+        let name = last.words.first().filter(|name| is_xform(&name.text))?;
+        let before = (!pipeline.stages.is_empty())
+            .then(|| line[..name.range.start].trim_end().trim_end_matches('|').trim_end().to_owned());
+        Some(XformCall { words: last.words, before, input: last.input })
+    }
+
+    /// Whether the files are likely to be read more than once.
+    fn is_array(&self) -> bool {
+        self.words.iter().any(|word| word.text == "-a" || word.text == "-f")
+    }
+}
+
+impl Reader<'_> {
+    /// A `!` line: what the command prints is read in its place.
+    pub(super) fn command(&mut self, place: Place, here: Here<'_>) {
+        let text = Arc::clone(self.sources.text(here.source));
+        let line = command_line(&text[place.start as usize..place.end as usize]);
+        let command = CommandLine { line, source: here.source, start: place.start + 1 };
+        if let Some(call) = XformCall::find(&command.line) {
+            return self.place_copies(&call, &command, here);
+        }
+        let key = TextKey { directory: here.context.directory.clone(), name: format!("!{}", command.line) };
+        if self.run(&key, &command.line, &command) {
+            let source = self.source_of(&key, &format!("!{}", command.line.trim()), command.whole());
+            self.include(&key, source, here.context, command.whole(), false);
+        }
+    }
+
+    /// `xform`, without going through text.
+    fn place_copies(&mut self, call: &XformCall, command: &CommandLine, here: Here<'_>) {
+        let directory = here.context.directory.clone();
+        let shared = Rc::clone(&self.loader);
+        let loader = DirectoryLoader { directory: directory.clone(), loader: &*shared };
+        let standard_input = match (&call.before, &call.input) {
+            (_, Some(file)) => {
+                let key = TextKey { directory, name: file.text.clone() };
+                self.load(&key, &loader, command.span(file.range.clone())).then_some(key)
+            }
+            (Some(before), None) => {
+                let key = TextKey { directory, name: format!("!{before}") };
+                self.run(&key, before, command).then_some(key)
+            }
+            (None, None) => None,
+        };
+        if standard_input.is_none() && (call.before.is_some() || call.input.is_some()) {
+            return;
+        }
+        let bytes = standard_input.as_ref().map(|key| Arc::clone(&self.inclusions.texts[key].bytes));
+        let argv: Vec<String> = call.words.iter().map(|word| word.text.clone()).collect();
+        let mut readings = HashMap::new();
+        let result = visit_copies(&argv, bytes.as_deref(), &loader, &mut |event| {
+            let Event::Copy(copy) = event else { return Ok(()) };
+            let placed = PlacedCopy { copy, call, command, standard_input: standard_input.as_ref() };
+            self.place_copy(&placed, &loader, here, &mut readings)
+        });
+        if let Err(error) = result
+            && !self.is_stopped
+        {
+            let range = word_range(&call.words, error.argument());
+            self.log.push(command_error(&error, command.span(range)));
+        }
+    }
+
+    /// One copy of all the files. An error ends the array.
+    fn place_copy(
+        &mut self,
+        placed: &PlacedCopy<'_>,
+        loader: &DirectoryLoader<'_>,
+        here: Here<'_>,
+        readings: &mut HashMap<TextKey, SourceId>,
+    ) -> Result<(), Error> {
+        let PlacedCopy { copy, call, command, standard_input } = placed;
+        self.inclusions.copies += 1;
+        if self.inclusions.copies > MAX_COPIES {
+            let message = format!("the scene has more than {MAX_COPIES} copies of files");
+            self.stop(Diagnostic::error(message).at(command.whole()));
+        }
+        let mut placement = copy.placement.clone();
+        if let (Some(NewModifier { span, .. }), Some(origin)) = (&mut placement.modifier, copy.modifier_origin) {
+            *span = Some(command.span(word_range(&call.words, Some(origin))));
+        }
+        let placement = placement.then(&here.context.placement);
+        let is_array = call.is_array();
+        if copy.files.is_empty() {
+            let Some(key) = standard_input else {
+                let missing = "xform reads a file, and none is named";
+                self.log.push(Diagnostic::error(missing).at(command.whole()));
+                return Err(already_told());
+            };
+            let context = Context::new(placement, here.context.directory.clone());
+            self.include_reading(key, &context, command.whole(), is_array, readings);
+            return self.unless_stopped();
+        }
+        for (name, origin) in &copy.files {
+            let span = command.span(word_range(&call.words, Some(*origin)));
+            let key = TextKey { directory: here.context.directory.clone(), name: name.clone() };
+            if !self.load(&key, loader, span) {
+                return Err(already_told());
+            }
+            let path = &self.inclusions.texts[&key].path;
+            let directory = if copy.runs_commands { directory_of(path) } else { here.context.directory.clone() };
+            let context = Context::new(placement.clone(), directory);
+            self.include_reading(&key, &context, span, is_array, readings);
+        }
+        self.unless_stopped()
+    }
+
+    fn unless_stopped(&self) -> Result<(), Error> {
+        if self.is_stopped { Err(already_told()) } else { Ok(()) }
+    }
+
+    /// Includes a text; all copies of one array share a source.
+    fn include_reading(
+        &mut self,
+        key: &TextKey,
+        context: &Context,
+        span: Span,
+        is_array: bool,
+        readings: &mut HashMap<TextKey, SourceId>,
+    ) {
+        let source = match readings.get(key) {
+            Some(source) => *source,
+            None => {
+                let name = self.inclusions.texts[key].path.clone();
+                let source = self.source_of(key, &name, span);
+                readings.insert(key.clone(), source);
+                source
+            }
+        };
+        self.include(key, source, context, span, is_array);
+    }
+
+    /// Reads a text in place of what asked for it.
+    fn include(&mut self, key: &TextKey, source: SourceId, context: &Context, span: Span, is_array: bool) {
+        if self.inclusions.active.contains(key) {
+            let message = format!("\"{}\" includes itself", key.name);
+            return self.log.push(Diagnostic::error(message).at(span));
+        }
+        if self.inclusions.active.len() >= MAX_DEPTH {
+            let message = format!("files and commands include each other more than {MAX_DEPTH} deep");
+            return self.stop(Diagnostic::error(message).at(span));
+        }
+        let Some(text) = self.inclusions.texts.get_mut(key) else { return };
+        let is_again = text.first != Some(source);
+        if text.document.is_none() && (is_array || is_again) {
+            text.document = Some(Rc::new(Document::parse(Arc::clone(&text.bytes))));
+        }
+        let document = text.document.clone();
+        self.inclusions.active.push(key.clone());
+        let here = Here { source, context };
+        match document {
+            Some(document) => self.walk_document(&document, here),
+            None => self.walk(here),
+        }
+        self.inclusions.active.pop();
+    }
+
+    /// A new source for one more reading of a text.
+    fn source_of(&mut self, key: &TextKey, name: &str, span: Span) -> SourceId {
+        let text = self.inclusions.texts.get_mut(key).expect("the text was loaded just before");
+        let source = self.sources.add(name, Arc::clone(&text.bytes), Some(span));
+        match text.first {
+            Some(first) => self.log.same_text(source, first),
+            None => text.first = Some(source),
+        }
+        source
+    }
+
+    /// Loads a file, unless it was loaded before.
+    fn load(&mut self, key: &TextKey, loader: &dyn Loader, span: Span) -> bool {
+        if self.inclusions.texts.contains_key(key) {
+            return true;
+        }
+        match loader.load(&key.name, FileKind::Scene) {
+            Ok(loaded) => {
+                self.keep(key, loaded.bytes, loaded.path);
+                true
+            }
+            Err(error) => {
+                self.log.push(load_error(&error, span));
+                false
+            }
+        }
+    }
+
+    /// Runs a command, unless it was run before.
+    fn run(&mut self, key: &TextKey, line: &str, command: &CommandLine) -> bool {
+        if self.inclusions.texts.contains_key(key) {
+            return true;
+        }
+        let shared = Rc::clone(&self.loader);
+        let loader = DirectoryLoader { directory: key.directory.clone(), loader: &*shared };
+        let result = radsight_generate::pipeline(line, &loader, &|argv, standard_input| {
+            is_xform(&argv[0]).then(|| run_xform(argv, standard_input, &loader, 1))
+        });
+        match result {
+            Ok(output) => {
+                let warn = |warning: String| Diagnostic::warning(warning).at(command.whole());
+                self.log.extend(output.warnings.into_iter().map(warn));
+                self.loader.write(output.files);
+                self.keep(key, output.standard_output, key.name.clone());
+                true
+            }
+            Err(PipelineError { range, error }) => {
+                self.log.push(command_error(&error, command.span(range)));
+                false
+            }
+        }
+    }
+
+    fn keep(&mut self, key: &TextKey, bytes: Vec<u8>, path: String) {
+        let text = Text { bytes: Arc::from(bytes), path, first: None, document: None };
+        self.inclusions.texts.insert(key.clone(), text);
+    }
+}
+
+/// What is needed to place one copy.
+struct PlacedCopy<'a> {
+    copy: &'a Copy,
+    call: &'a XformCall,
+    command: &'a CommandLine,
+    standard_input: Option<&'a TextKey>,
+}
+
+/// Ends an array after its error was reported.
+fn already_told() -> Error {
+    Error::Impossible { program: "xform".to_owned(), mistake: String::new() }
+}
+
+/// The range of a word; that of the last one if it is missing.
+fn word_range(words: &[Word], index: Option<usize>) -> Range<usize> {
+    let index = index.unwrap_or(0);
+    match (words.get(index), words.last()) {
+        (Some(word), _) | (None, Some(word)) => word.range.clone(),
+        (None, None) => 0..0,
+    }
+}
+
+fn command_error(error: &Error, span: Span) -> Diagnostic {
+    match error {
+        Error::Load(error) => load_error(error, span),
+        Error::Syntax(error) if error.needs_shell() => {
+            Diagnostic::error(error.to_string()).at(span).hint(ALLOW_COMMANDS)
+        }
+        _ => {
+            let text = error.to_string();
+            let (message, usage) = text.split_once('\n').map_or((&*text, None), |(first, rest)| (first, Some(rest)));
+            Diagnostic::error(message).at(span).maybe_hint(usage.map(str::to_owned))
+        }
+    }
+}
+
+const ALLOW_COMMANDS: &str = "external commands run only with --allow-commands";
+
+fn load_error(error: &LoadError, span: Span) -> Diagnostic {
+    let diagnostic = Diagnostic::error(error.to_string()).at(span);
+    match error {
+        LoadError::CommandRefused { command } => {
+            let program = command.split_whitespace().next().unwrap_or_default();
+            let nearest =
+                radsight_diag::hint_nearest(program, radsight_generate::names().iter().copied().chain(["xform"]));
+            diagnostic.maybe_hint(nearest).hint(ALLOW_COMMANDS)
+        }
+        _ => diagnostic,
+    }
+}

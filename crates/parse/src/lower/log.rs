@@ -1,0 +1,52 @@
+//! Collects messages: each once, and not without end.
+
+use radsight_diag::{Diagnostic, Severity, SourceId};
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// More messages than this are only counted.
+const MOST_MESSAGES: usize = 1000;
+
+#[derive(Debug, Default)]
+pub(crate) struct Log {
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// How many messages were left out.
+    pub(crate) omitted: usize,
+    seen: HashSet<u64>,
+    /// The same text may be read many times, each time as another source.
+    first_reading: HashMap<SourceId, SourceId>,
+}
+
+impl Log {
+    /// Says that a source has the same text as an earlier one, so that a mistake in it is told once.
+    pub(crate) fn same_text(&mut self, source: SourceId, first: SourceId) {
+        self.first_reading.insert(source, first);
+    }
+
+    pub(crate) fn push(&mut self, diagnostic: Diagnostic) {
+        let mut hasher = DefaultHasher::new();
+        diagnostic.message.hash(&mut hasher);
+        if let Some(span) = diagnostic.span {
+            let source = self.first_reading.get(&span.source).copied().unwrap_or(span.source);
+            (source, span.start, span.end).hash(&mut hasher);
+        }
+        if self.seen.len() < 64 * MOST_MESSAGES && !self.seen.insert(hasher.finish()) {
+            return;
+        }
+        if self.diagnostics.len() < MOST_MESSAGES {
+            self.diagnostics.push(diagnostic);
+        } else if diagnostic.severity == Severity::Error
+            && let Some(warning) = self.diagnostics.iter_mut().rev().find(|other| other.severity < Severity::Error)
+        {
+            // An error is never lost behind warnings.
+            *warning = diagnostic;
+            self.omitted += 1;
+        } else {
+            self.omitted += 1;
+        }
+    }
+
+    pub(crate) fn extend(&mut self, diagnostics: impl IntoIterator<Item = Diagnostic>) {
+        diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
+    }
+}

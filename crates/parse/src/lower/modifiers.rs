@@ -1,0 +1,390 @@
+//! Modifiers as they were written, until all texts are read and it is known which of them are used.
+
+use super::UnusedModifiers;
+use super::reader::{Here, Reader};
+use crate::Kind;
+use crate::signature::{Count, signature};
+use crate::syntax::{Alias, Primitive, Word, words};
+use radsight_diag::{Diagnostic, Severity, Span, hint_nearest};
+use radsight_ir::{Material, Modifier, ModifierHandle, ModifierKind, NameId, Transform};
+use std::collections::{HashMap, HashSet};
+
+/// Names a modifier as written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct RawHandle(u32);
+
+/// A modifier as written, with what its names meant where it stood.
+#[derive(Clone, Debug)]
+pub(super) struct Raw {
+    pub(super) kind: Kind,
+    pub(super) name: NameId,
+    /// The whole primitive.
+    pub(super) span: Span,
+    /// The word that names the type.
+    pub(super) kind_span: Span,
+    pub(super) parent: Option<RawHandle>,
+    pub(super) strings: Vec<RawWord>,
+    /// Placed.
+    pub(super) reals: Vec<f64>,
+    /// Where the three counts stand.
+    pub(super) counts: [Span; 3],
+    /// For types that take a transform: what the texts that include it do.
+    pub(super) transform: Transform,
+    /// The modifiers that string arguments name, in order.
+    pub(super) references: Vec<Reference>,
+}
+
+/// A string argument.
+#[derive(Clone, Debug)]
+pub(super) struct RawWord {
+    pub(super) text: String,
+    pub(super) span: Span,
+}
+
+/// What a string argument that names a modifier means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reference {
+    Void,
+    /// `inherit`: the modifier of the primitive itself.
+    Inherit,
+    To(RawHandle),
+    Undefined,
+}
+
+/// All modifiers, and what each name means now.
+#[derive(Default)]
+pub(super) struct ModifierTable {
+    raws: Vec<Raw>,
+    names: HashMap<Vec<u8>, RawHandle>,
+    /// The name asked for last; neighbours in a file often share a modifier.
+    last: Option<(Vec<u8>, RawHandle)>,
+}
+
+impl ModifierTable {
+    fn find(&mut self, name: &[u8]) -> Option<RawHandle> {
+        if let Some((last, handle)) = &self.last
+            && last == name
+        {
+            return Some(*handle);
+        }
+        let handle = *self.names.get(name)?;
+        self.last = Some((name.to_vec(), handle));
+        Some(handle)
+    }
+
+    fn set(&mut self, name: &[u8], handle: RawHandle) {
+        self.names.insert(name.to_vec(), handle);
+        self.last = None;
+    }
+
+    fn add(&mut self, raw: Raw) -> RawHandle {
+        self.raws.push(raw);
+        RawHandle(self.raws.len() as u32 - 1)
+    }
+
+    fn undefined(&self, name: &[u8], span: Option<Span>) -> Diagnostic {
+        let name = String::from_utf8_lossy(name);
+        let known = self.names.keys().filter_map(|name| std::str::from_utf8(name).ok());
+        let mut known: Vec<&str> = known.take(20_000).chain(["void"]).collect();
+        known.sort_unstable();
+        let diagnostic =
+            Diagnostic::error(format!("undefined modifier \"{name}\"")).maybe_hint(hint_nearest(&name, known));
+        match span {
+            Some(span) => diagnostic.at(span),
+            None => diagnostic,
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// The modifier of a surface, after `-m`.
+    pub(super) fn surface_modifier(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> Option<RawHandle> {
+        match &here.context.placement.modifier {
+            None => self.parent(&primitive.text(primitive.modifier), here.span(primitive.modifier.place())),
+            Some(new) => {
+                let span = new.span.unwrap_or(here.span(primitive.modifier.place()));
+                self.parent(new.name.as_bytes(), span)
+            }
+        }
+    }
+
+    /// What the word before a type means; mistakes are reported and count as `void`.
+    fn parent(&mut self, name: &[u8], span: Span) -> Option<RawHandle> {
+        match name {
+            b"void" => None,
+            b"inherit" => {
+                self.log.push(Diagnostic::error("\"inherit\" stands only before \"alias\"").at(span));
+                None
+            }
+            _ => {
+                let found = self.modifiers.find(name);
+                if found.is_none() {
+                    self.log.push(self.modifiers.undefined(name, Some(span)));
+                }
+                found
+            }
+        }
+    }
+
+    /// A modifier other than an alias.
+    pub(super) fn define(&mut self, primitive: &Primitive<'_>, here: Here<'_>) {
+        let parent = self.parent(&primitive.text(primitive.modifier), here.span(primitive.modifier.place()));
+        let name = primitive.text(primitive.name);
+        if !self.is_good_name(&name, here.span(primitive.name.place())) || self.has_integers(primitive, here) {
+            return;
+        }
+        let placement = &here.context.placement;
+        let mut reals = Vec::with_capacity(primitive.reals.len());
+        placement.reals(primitive.kind, primitive.reals, &mut reals);
+        let strings = primitive.strings.iter().map(|&word| {
+            let text = String::from_utf8_lossy(&primitive.text(word)).into_owned();
+            let text = if primitive.kind == Kind::Mist { placement.mist_source(&text) } else { text };
+            RawWord { text, span: here.span(word.place()) }
+        });
+        let strings: Vec<RawWord> = strings.collect();
+        let references = self.references(primitive.kind, &strings);
+        let raw = Raw {
+            kind: primitive.kind,
+            name: self.scene.names.add(&String::from_utf8_lossy(&name)),
+            span: here.span(primitive.place()),
+            kind_span: here.span(primitive.kind_word.place()),
+            parent,
+            strings,
+            reals,
+            counts: primitive.counts.map(|count| here.span(count.place())),
+            transform: placement.transform,
+            references,
+        };
+        let handle = self.modifiers.add(raw);
+        self.modifiers.set(&name, handle);
+    }
+
+    /// Another name. With the same modifier as its target it is the target; else it is a copy under its own modifier.
+    pub(super) fn define_alias(&mut self, alias: &Alias<'_>, here: Here<'_>) {
+        let name = alias.text(alias.name);
+        let target_name = alias.text(alias.target);
+        let target_span = here.span(alias.target.place());
+        let Some(target) = self.modifiers.find(&target_name) else {
+            let error = self.modifiers.undefined(&target_name, Some(target_span));
+            return self.log.push(error);
+        };
+        if !self.is_good_name(&name, here.span(alias.name.place())) {
+            return;
+        }
+        let modifier = alias.text(alias.modifier);
+        let parent = match &*modifier {
+            b"inherit" => return self.modifiers.set(&name, target),
+            other => self.parent(other, here.span(alias.modifier.place())),
+        };
+        let original = &self.modifiers.raws[target.0 as usize];
+        if original.parent == parent {
+            return self.modifiers.set(&name, target);
+        }
+        let raw = Raw {
+            name: self.scene.names.add(&String::from_utf8_lossy(&name)),
+            span: here.span(alias.modifier.start..alias.target.end),
+            parent,
+            ..original.clone()
+        };
+        let handle = self.modifiers.add(raw);
+        self.modifiers.set(&name, handle);
+    }
+
+    fn is_good_name(&mut self, name: &[u8], span: Span) -> bool {
+        let mistake = match name {
+            b"void" | b"inherit" => {
+                format!("a modifier cannot be called \"{}\"", String::from_utf8_lossy(name))
+            }
+            _ if name.contains(&b'\t') => "a name cannot hold a tab".to_owned(),
+            _ => return true,
+        };
+        self.log.push(Diagnostic::error(mistake).at(span));
+        false
+    }
+
+    /// Integer arguments are an error for every type.
+    pub(super) fn has_integers(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> bool {
+        let [_, count, _] = primitive.counts;
+        if primitive.integers.is_empty() {
+            return false;
+        }
+        let (kind, found) = (primitive.kind, primitive.integers.len());
+        let message = format!("{kind} takes no integer arguments, found {found}");
+        self.log.push(Diagnostic::error(message).at(here.span(count.place())));
+        true
+    }
+
+    fn references(&mut self, kind: Kind, strings: &[RawWord]) -> Vec<Reference> {
+        let naming: &[usize] = match kind {
+            Kind::Illum | Kind::Mirror => &[0],
+            Kind::MixFunc | Kind::MixData | Kind::MixPict | Kind::MixText => &[0, 1],
+            Kind::WgmdFunc => &[0, 4, 8],
+            Kind::Antimatter => return (0..strings.len()).map(|at| self.reference(kind, &strings[at])).collect(),
+            _ => &[],
+        };
+        naming.iter().filter_map(|&at| strings.get(at)).map(|word| self.reference(kind, word)).collect()
+    }
+
+    fn reference(&mut self, kind: Kind, word: &RawWord) -> Reference {
+        match &*word.text {
+            "void" => return Reference::Void,
+            "inherit" if kind == Kind::WgmdFunc => return Reference::Inherit,
+            _ => {}
+        }
+        if let Some(handle) = self.modifiers.find(word.text.as_bytes()) {
+            return Reference::To(handle);
+        }
+        let mut diagnostic = self.modifiers.undefined(word.text.as_bytes(), Some(word.span));
+        // Radiance goes on without it in these types.
+        if matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter) {
+            diagnostic.severity = Severity::Warning;
+        }
+        self.log.push(diagnostic);
+        Reference::Undefined
+    }
+
+    /// Puts the modifiers that are used into the scene, and tells the surfaces their handles.
+    pub(super) fn lower_modifiers(&mut self) {
+        let raws = std::mem::take(&mut self.modifiers.raws);
+        let used = match self.options.unused {
+            UnusedModifiers::Lower => vec![true; raws.len()],
+            UnusedModifiers::Skip => self.used(&raws),
+        };
+        let replaced = self.find_replaced(&raws);
+        let mut handles: Vec<Option<ModifierHandle>> = vec![None; raws.len()];
+        for (index, raw) in raws.iter().enumerate() {
+            let counts_are_right = self.check_counts(raw, used[index]);
+            if !used[index] || !counts_are_right {
+                continue;
+            }
+            let at = |handle: RawHandle| handles[handle.0 as usize];
+            let replacement = replaced.get(&index).map(|&at| self.replacements[at].clone());
+            let kind = match replacement {
+                Some(new) => Some(ModifierKind::Material(Material::Plugin {
+                    library: new.library,
+                    model: new.model,
+                    words: new.words,
+                    numbers: new.numbers,
+                })),
+                None => {
+                    self.check_ranges(raw);
+                    self.lower_kind(raw, &at)
+                }
+            };
+            handles[index] = kind.map(|kind| {
+                let modifier = raw.parent.and_then(at);
+                self.scene.modifiers.add(Modifier { name: raw.name, span: Some(raw.span), modifier, kind })
+            });
+        }
+        for (surface, raw) in self.scene.surfaces.items_mut().iter_mut().zip(&self.surface_modifiers) {
+            surface.modifier = raw.and_then(|raw| handles[raw.0 as usize]);
+        }
+    }
+
+    /// Which modifiers some surface needs, directly or through others. What is needed always stands before.
+    fn used(&self, raws: &[Raw]) -> Vec<bool> {
+        let mut used = vec![false; raws.len()];
+        for handle in self.surface_modifiers.iter().flatten() {
+            used[handle.0 as usize] = true;
+        }
+        for index in (0..raws.len()).rev() {
+            if !used[index] {
+                continue;
+            }
+            let raw = &raws[index];
+            let references = raw.references.iter().filter_map(|reference| match reference {
+                Reference::To(handle) => Some(handle),
+                _ => None,
+            });
+            for handle in raw.parent.iter().chain(references) {
+                used[handle.0 as usize] = true;
+            }
+        }
+        used
+    }
+
+    /// Which modifiers `#@radsight brdf` and `--brdf` replace, by index, and by which replacement.
+    fn find_replaced(&mut self, raws: &[Raw]) -> HashMap<usize, usize> {
+        let mut replaced = HashMap::new();
+        for (at, replacement) in self.replacements.iter().enumerate() {
+            let mut names = HashSet::new();
+            let mut is_found = false;
+            for (index, raw) in raws.iter().enumerate() {
+                let name = self.scene.names.get(raw.name);
+                if name == replacement.material && raw.kind.role() == crate::Role::Material {
+                    replaced.insert(index, at);
+                    is_found = true;
+                } else if raw.kind.role() == crate::Role::Material {
+                    names.insert(name);
+                }
+            }
+            if !is_found {
+                let mut names: Vec<&str> = names.into_iter().collect();
+                names.sort_unstable();
+                let message = format!("no material \"{}\" to replace", replacement.material);
+                let error = Diagnostic::error(message).maybe_hint(hint_nearest(&replacement.material, names));
+                self.log.push(match replacement.span {
+                    Some(span) => error.at(span),
+                    None => error,
+                });
+            }
+        }
+        replaced
+    }
+
+    fn check_counts(&mut self, raw: &Raw, is_used: bool) -> bool {
+        let expected = signature(raw.kind);
+        let name = self.scene.names.get(raw.name);
+        let mut is_right = true;
+        let groups = [
+            ("string", expected.strings, raw.strings.len(), raw.counts[0]),
+            ("real", expected.reals, raw.reals.len(), raw.counts[2]),
+        ];
+        for (group, right, found, span) in groups {
+            let (kind, plural) = (raw.kind, if found == 1 { "" } else { "s" });
+            if !right.allows(found) {
+                let message = format!("{kind} \"{name}\" has {found} {group} argument{plural}, expected {right}");
+                let error = Diagnostic::error(message).at(span);
+                let mut error = error.maybe_hint(expected.hint().filter(|_| group == "real"));
+                if !is_used {
+                    error.severity = Severity::Warning;
+                }
+                self.log.push(error);
+                is_right = false;
+            } else if right == Count::Ignored && found > 0 && !takes_some_strings(raw.kind, found) {
+                let message = format!("{kind} \"{name}\" does nothing with its {found} {group} argument{plural}");
+                self.log.push(Diagnostic::warning(message).at(span));
+            }
+        }
+        is_right
+    }
+
+    fn check_ranges(&mut self, raw: &Raw) {
+        for (index, (argument, value)) in signature(raw.kind).arguments.iter().zip(&raw.reals).enumerate() {
+            if !argument.range.holds(*value) {
+                let (name, kind) = (self.scene.names.get(raw.name), raw.kind);
+                let message = format!(
+                    "the {} of {kind} \"{name}\" is {value}, expected {}",
+                    argument.name,
+                    argument.range.words()
+                );
+                let span = self.real_span(raw, index);
+                self.log.push(Diagnostic::warning(message).at(span));
+            }
+        }
+    }
+
+    /// Where a real argument stands.
+    pub(super) fn real_span(&self, raw: &Raw, index: usize) -> Span {
+        let count = raw.counts[2];
+        let text = self.sources.text(count.source);
+        let rest = text.get(count.end as usize..).unwrap_or_default();
+        let word: Option<Word> = words(rest, count.end).nth(index);
+        word.map_or(count, |word| Span { source: count.source, start: word.start, end: word.end })
+    }
+}
+
+/// Types whose string arguments may be left out but mean something.
+fn takes_some_strings(kind: Kind, found: usize) -> bool {
+    matches!(kind, Kind::Illum | Kind::Mirror) && found == 1
+}

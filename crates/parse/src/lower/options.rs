@@ -1,0 +1,80 @@
+//! What is read, how, and what comes of it.
+
+use super::BrdfReplacement;
+use radsight_diag::{Diagnostic, Severity, SourceMap};
+use radsight_ir::Scene;
+
+/// One of the texts that make up a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A file by its name; with `!` in front, the output of a command.
+    File(String),
+    /// A text given directly.
+    Text {
+        /// For messages.
+        name: String,
+        /// The text.
+        text: Vec<u8>,
+    },
+}
+
+/// How a scene is read.
+#[derive(Clone, Debug)]
+pub struct ReadOptions {
+    /// What becomes of modifiers that no surface uses. Default: they are skipped.
+    pub unused: UnusedModifiers,
+    /// Materials to be replaced by models from shared libraries, as `--brdf` gives them. Default: none.
+    pub brdf: Vec<BrdfReplacement>,
+    /// The most surfaces that a scene may have; more is an error instead of an exhausted machine. Default: 50 million.
+    pub most_surfaces: usize,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        ReadOptions { unused: UnusedModifiers::Skip, brdf: Vec::new(), most_surfaces: 50_000_000 }
+    }
+}
+
+/// What becomes of modifiers that no surface uses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnusedModifiers {
+    /// They are not in the scene, their files are not loaded, and what is wrong with them is a warning.
+    #[default]
+    Skip,
+    /// They are treated as if they were used.
+    Lower,
+}
+
+/// What came of reading.
+#[derive(Debug)]
+pub struct Read {
+    /// The scene; incomplete if there are errors.
+    pub scene: Scene,
+    /// All texts that were read.
+    pub sources: SourceMap,
+    /// What is wrong or suspect, in the order in which it was found.
+    pub diagnostics: Vec<Diagnostic>,
+    /// How many further messages were left out.
+    pub omitted: usize,
+}
+
+impl Read {
+    /// Whether anything is wrong.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// The messages as text for people: errors first, at most `most` messages, then how many more there are.
+    #[must_use]
+    pub fn render(&self, most: usize) -> String {
+        let mut ordered: Vec<&Diagnostic> = self.diagnostics.iter().collect();
+        ordered.sort_by_key(|diagnostic| std::cmp::Reverse(diagnostic.severity));
+        let mut text: String = ordered.iter().take(most).map(|diagnostic| diagnostic.render(&self.sources)).collect();
+        let more = ordered.len().saturating_sub(most) + self.omitted;
+        if more > 0 {
+            text.push_str(&format!("and {more} more\n"));
+        }
+        text
+    }
+}

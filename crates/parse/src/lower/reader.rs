@@ -1,0 +1,201 @@
+//! Walks over the texts of a scene and hands each item to what knows it.
+
+use super::functions::Functions;
+use super::include::{Inclusions, SceneLoader};
+use super::log::Log;
+use super::modifiers::{ModifierTable, RawHandle};
+use super::{BrdfReplacement, Input, Read, ReadOptions};
+use crate::placement::Placement;
+use crate::syntax::{Document, Item, Items, Place, SyntaxError};
+use radsight_diag::{Diagnostic, SourceId, SourceMap, Span, hint_nearest};
+use radsight_ir::{DataGrid, Handle, Scene};
+use radsight_loader::{FileKind, Loader};
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Everything that reading needs and makes.
+pub(super) struct Reader<'a> {
+    pub(super) loader: Rc<SceneLoader<'a>>,
+    pub(super) options: &'a ReadOptions,
+    pub(super) sources: SourceMap,
+    pub(super) scene: Scene,
+    pub(super) log: Log,
+    pub(super) modifiers: ModifierTable,
+    /// The modifier of each surface; they get their handles when all texts were read.
+    pub(super) surface_modifiers: Vec<Option<RawHandle>>,
+    pub(super) inclusions: Inclusions,
+    pub(super) functions: Functions,
+    /// Tables by the name of their file; `None` for those that could not be read.
+    pub(super) grids: HashMap<String, Option<Handle<DataGrid>>>,
+    pub(super) replacements: Vec<BrdfReplacement>,
+    /// A limit was hit: nothing more is read.
+    pub(super) is_stopped: bool,
+    /// Reused for the placed arguments of surfaces.
+    pub(super) placed: Vec<f64>,
+}
+
+/// How the items of a text are to be taken.
+pub(super) struct Context {
+    pub(super) placement: Placement,
+    /// Whether the placement leaves numbers alone.
+    pub(super) is_plain: bool,
+    /// Where commands look for files first.
+    pub(super) directory: String,
+}
+
+impl Context {
+    pub(super) fn new(placement: Placement, directory: String) -> Self {
+        Context { is_plain: placement.keeps_numbers(), placement, directory }
+    }
+}
+
+/// The text that is being read.
+#[derive(Clone, Copy)]
+pub(super) struct Here<'c> {
+    pub(super) source: SourceId,
+    pub(super) context: &'c Context,
+}
+
+impl Here<'_> {
+    pub(super) fn span(&self, place: Place) -> Span {
+        Span { source: self.source, start: place.start, end: place.end }
+    }
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(loader: &'a dyn Loader, options: &'a ReadOptions) -> Self {
+        Reader {
+            loader: Rc::new(SceneLoader::new(loader)),
+            options,
+            sources: SourceMap::default(),
+            scene: Scene::default(),
+            log: Log::default(),
+            modifiers: ModifierTable::default(),
+            surface_modifiers: Vec::new(),
+            inclusions: Inclusions::default(),
+            functions: Functions::default(),
+            grids: HashMap::new(),
+            replacements: options.brdf.clone(),
+            is_stopped: false,
+            placed: Vec::new(),
+        }
+    }
+
+    pub(super) fn read_input(&mut self, input: &Input) {
+        let context = Context::new(Placement::default(), String::new());
+        match input {
+            Input::Text { name, text } => {
+                let source = self.sources.add(&**name, &**text, None);
+                self.walk(Here { source, context: &context });
+            }
+            Input::File(line) if line.starts_with('!') => {
+                let source = self.sources.add("command line", line.as_bytes(), None);
+                self.command(0..line.len() as u32, Here { source, context: &context });
+            }
+            Input::File(name) => match self.loader.load(name, FileKind::Scene) {
+                Ok(loaded) => {
+                    let source = self.sources.add(loaded.path, loaded.bytes, None);
+                    self.walk(Here { source, context: &context });
+                }
+                Err(error) => self.log.push(Diagnostic::error(error.to_string())),
+            },
+        }
+    }
+
+    /// Reads a text from its start to its end.
+    pub(super) fn walk(&mut self, here: Here<'_>) {
+        let text = Arc::clone(self.sources.text(here.source));
+        let mut items = match Items::new(&text) {
+            Ok(items) => items,
+            Err(error) => return self.log.push(error.diagnostic(here.source)),
+        };
+        let mut is_empty = true;
+        while let Some(item) = items.advance() {
+            is_empty &= matches!(item, Ok(Item::Comment(_)));
+            self.item(item, here);
+            if self.is_stopped {
+                return;
+            }
+        }
+        self.warn_if_empty(is_empty, here);
+    }
+
+    /// Reads a text that was parsed before.
+    pub(super) fn walk_document(&mut self, document: &Document, here: Here<'_>) {
+        let mut is_empty = true;
+        for item in document.items() {
+            is_empty &= matches!(item, Ok(Item::Comment(_)));
+            self.item(item, here);
+            if self.is_stopped {
+                return;
+            }
+        }
+        self.warn_if_empty(is_empty, here);
+    }
+
+    fn warn_if_empty(&mut self, is_empty: bool, here: Here<'_>) {
+        if is_empty {
+            let name = self.sources.name(here.source).to_owned();
+            let warning = Diagnostic::warning(format!("\"{name}\" is empty"));
+            self.log.push(match self.sources.included_at(here.source) {
+                Some(span) => warning.at(span),
+                None => warning,
+            });
+        }
+    }
+
+    fn item(&mut self, item: Result<Item<'_>, SyntaxError>, here: Here<'_>) {
+        match item {
+            Ok(Item::Primitive(primitive)) if primitive.kind.is_modifier() => self.define(&primitive, here),
+            Ok(Item::Primitive(primitive)) => self.surface(&primitive, here),
+            Ok(Item::Alias(alias)) => self.define_alias(&alias, here),
+            Ok(Item::Command(place)) => self.command(place, here),
+            Ok(Item::Comment(place)) => self.comment(place, here),
+            Err(error) => self.log.push(error.diagnostic(here.source)),
+        }
+    }
+
+    /// A comment that begins with `#@radsight` is meant for us.
+    fn comment(&mut self, place: Place, here: Here<'_>) {
+        const MARK: &[u8] = b"#@radsight";
+        let text = Arc::clone(self.sources.text(here.source));
+        let Some(rest) = text[place.start as usize..place.end as usize].strip_prefix(MARK) else { return };
+        let line = String::from_utf8_lossy(rest);
+        let mut words = line.split_whitespace();
+        let span = here.span(place);
+        match words.next() {
+            Some("brdf") => match BrdfReplacement::from_words(words) {
+                Ok(replacement) => {
+                    let same = |other: &BrdfReplacement| BrdfReplacement { span: None, ..other.clone() } == replacement;
+                    if !self.replacements.iter().any(same) {
+                        self.replacements.push(BrdfReplacement { span: Some(span), ..replacement });
+                    }
+                }
+                Err(mistake) => {
+                    let form = "the form is: #@radsight brdf material library model numbers…";
+                    self.log.push(Diagnostic::error(mistake).at(span).hint(form));
+                }
+            },
+            other => {
+                let word = other.unwrap_or_default();
+                let warning = Diagnostic::warning(format!("unknown directive \"{word}\" is ignored")).at(span);
+                self.log.push(warning.maybe_hint(hint_nearest(word, ["brdf"])));
+            }
+        }
+    }
+
+    /// Gives up after a limit was hit.
+    pub(super) fn stop(&mut self, diagnostic: Diagnostic) {
+        if !self.is_stopped {
+            self.log.push(diagnostic);
+        }
+        self.is_stopped = true;
+    }
+
+    pub(super) fn finish(mut self) -> Read {
+        self.lower_modifiers();
+        let Log { diagnostics, omitted, .. } = self.log;
+        Read { scene: self.scene, sources: self.sources, diagnostics, omitted }
+    }
+}
