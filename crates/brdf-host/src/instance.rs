@@ -68,8 +68,19 @@ impl PluginBrdf {
         label: Label,
     ) -> Result<PluginBrdf, Error> {
         let model = library.models()[index as usize].clone();
+        Self::create_as(library, model, index, arguments, bands, label)
+    }
+
+    fn create_as(
+        library: Arc<Library>,
+        model: ModelInfo,
+        index: u32,
+        arguments: &Arguments,
+        bands: &[Band],
+        label: Label,
+    ) -> Result<PluginBrdf, Error> {
         let breadcrumb = Breadcrumb::for_model(library.name(), &model.name, &label.material, &label.place);
-        let made = call_create(&library, index, arguments, bands, &breadcrumb)?;
+        let made = call_create(&library, &model, index, arguments, bands, &breadcrumb)?;
         let broken = |what: &str| Error::BrokenRule {
             library: library.name().to_owned(),
             what: format!("create of \"{}\" {what}", model.name),
@@ -101,6 +112,18 @@ impl PluginBrdf {
             faults: Faults::default(),
             library,
         })
+    }
+
+    /// As [`PluginBrdf::create`], for checks that pass what no host would: no index is looked up in the tables.
+    pub(crate) fn create_unchecked(
+        library: Arc<Library>,
+        index: u32,
+        arguments: &Arguments,
+        bands: &[Band],
+        label: Label,
+    ) -> Result<PluginBrdf, Error> {
+        let model = library.models().get(index as usize).cloned().unwrap_or_else(ModelInfo::unknown);
+        Self::create_as(library, model, index, arguments, bands, label)
     }
 
     /// The library that it is from.
@@ -208,6 +231,9 @@ impl PluginBrdf {
             let axes = single.to_array();
             let [x, y, z] = axes.each_ref().map(std::slice::from_ref);
             return self.call_eval(outgoing, [x, y, z], values, pdfs);
+        }
+        if incident.is_empty() {
+            return self.call_eval(outgoing, [&[]; 3], values, pdfs);
         }
         let mut status = status::OK;
         let batches = incident.chunks(LARGEST_BATCH).zip(values.chunks_mut(LARGEST_BATCH * self.bands));
@@ -361,6 +387,7 @@ impl Brdf for Unfiltered<'_> {
 
 fn call_create(
     library: &Library,
+    model: &ModelInfo,
     index: u32,
     arguments: &Arguments,
     bands: &[Band],
@@ -372,7 +399,7 @@ fn call_create(
         abi::Error { struct_size: size_of::<abi::Error>() as u32, parameter: -1, message: [0; abi::MESSAGE_BYTES] };
     let mut made = abi::Instance {
         struct_size: size_of::<abi::Instance>() as u32,
-        flags: library.models()[index as usize].flags & 0xff,
+        flags: model.flags & 0xff,
         scratch_bytes: 0,
         scratch_bytes_per_direction: 0,
         data: std::ptr::null_mut(),
@@ -401,12 +428,11 @@ fn call_create(
         // SAFETY: all pointers lead to structures and arrays of the lengths stated, and live until the call returns.
         unsafe { create(index, &raw const call, &raw mut made) }
     };
-    if status == status::OK { Ok(made) } else { Err(refusal(library, index, status, &error)) }
+    if status == status::OK { Ok(made) } else { Err(refusal(library, model, status, &error)) }
 }
 
 /// Puts what the plugin said about a parameter on that parameter's token.
-fn refusal(library: &Library, index: u32, status: abi::Status, error: &abi::Error) -> Error {
-    let model = &library.models()[index as usize];
+fn refusal(library: &Library, model: &ModelInfo, status: abi::Status, error: &abi::Error) -> Error {
     let bytes: Vec<u8> = error.message.iter().map(|&c| c as u8).take_while(|&byte| byte != 0).collect();
     let said = String::from_utf8_lossy(&bytes);
     let row = usize::try_from(error.parameter).ok().filter(|&row| row < model.parameters.len());

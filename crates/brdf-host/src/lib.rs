@@ -14,6 +14,7 @@
 //! assert_eq!(error.to_string(), "cannot find plugin library \"retrosheet\": no folder is searched");
 //! ```
 
+pub mod check;
 mod crash;
 mod error;
 mod faults;

@@ -134,6 +134,17 @@ pub(crate) struct Arguments {
 }
 
 impl ModelInfo {
+    /// For an index that no model has.
+    pub(crate) fn unknown() -> Self {
+        ModelInfo {
+            name: "?".to_owned(),
+            summary: String::new(),
+            citation: String::new(),
+            flags: 0,
+            parameters: Vec::new(),
+        }
+    }
+
     /// Whether it claims reciprocity.
     #[must_use]
     pub fn claims_reciprocity(&self) -> bool {

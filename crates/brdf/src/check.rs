@@ -86,6 +86,9 @@ pub struct Finding {
     pub severity: f64,
 }
 
+/// A check.
+pub type Check = fn(&dyn Brdf, &CheckOptions) -> Vec<Finding>;
+
 /// All checks, one after the other.
 #[must_use]
 pub fn all(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {

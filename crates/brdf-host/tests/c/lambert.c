@@ -40,19 +40,20 @@ static double value_of(const double out[3], const double in[3], double reflectan
 }
 
 static volatile int sink;
+static int *volatile nowhere = (int *)16;
 #if defined(BROKEN_STATE)
 static volatile uint32_t calls;
 #endif
 
 static void misbehave(void) {
 #if defined(BROKEN_SEGFAULT)
-    *(volatile int *)(size_t)16 = 1;
+    *nowhere = 1;
 #elif defined(BROKEN_ABORT)
     abort();
 #elif defined(BROKEN_HANG)
     for (;;) sink++;
 #endif
-    sink = 0;
+    sink = nowhere != NULL;
 }
 
 static RadsightBrdfStatus eval_pdf(const void *data, const RadsightBrdfEval *call) {
@@ -146,7 +147,7 @@ static const RadsightBrdfModel *describe(uint32_t index) {
 
 static RadsightBrdfStatus create(uint32_t index, const RadsightBrdfCreate *call, RadsightBrdfInstance *instance) {
 #if defined(BROKEN_ARGUMENTS)
-    if (index > 100) *(volatile int *)(size_t)16 = 1;
+    if (index > 100) *nowhere = 1;
 #endif
     if (index != 0 || call->number_count != call->band_count) return RADSIGHT_BRDF_BAD_ARGUMENT;
     if (call->numbers[0] == 0.125) { /* so that a test can see a refusal */

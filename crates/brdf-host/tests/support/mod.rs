@@ -14,23 +14,31 @@ pub(crate) const RGB: [Band; 3] = [
 
 /// The library of a plugin package of the workspace, built by cargo.
 pub(crate) fn workspace_plugin(package: &str) -> PathBuf {
+    build(&["--package", package])
+}
+
+/// An example of the SDK, built by cargo.
+pub(crate) fn sdk_example(name: &str) -> PathBuf {
+    build(&["--package", "radsight-brdf-sdk", "--example", name])
+}
+
+/// The dynamic library that cargo makes last: dependencies come before what was asked for.
+fn build(arguments: &[&str]) -> PathBuf {
     let output = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--message-format=json", "--package", package])
+        .args(["build", "--quiet", "--message-format=json"])
+        .args(arguments)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
-    let suffix = std::env::consts::DLL_SUFFIX;
     text.lines()
         .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter(|message| {
-            message["package_id"].as_str().is_some_and(|id| id.contains(package.trim_start_matches("radsight-plugin-")))
-        })
+        .filter(|message| message["target"]["crate_types"].as_array().is_some_and(|t| t.iter().any(|t| t == "cdylib")))
         .filter_map(|message| message["filenames"].as_array().cloned())
         .flatten()
         .filter_map(|name| name.as_str().map(PathBuf::from))
-        .find(|path| path.to_string_lossy().ends_with(suffix))
+        .rfind(|path| path.to_string_lossy().ends_with(std::env::consts::DLL_SUFFIX))
         .expect("the package has a dynamic library")
 }
 

@@ -1,0 +1,116 @@
+//! `radsight plugin check`: every check in a child process of its own with a time limit, so that a crash or a hang is a
+//! finding like any other.
+//!
+//! The program calls itself: [`run`] starts [`CheckOptions::child`] for each check, writes the request to its standard input and
+//! reads the findings from its standard output; the child calls [`child_main`].
+
+mod child;
+mod example;
+mod job;
+mod probe;
+mod report;
+
+pub use child::child_main;
+pub use example::Example;
+pub use job::Stage;
+pub use report::{Outcome, Report, Verdict};
+
+use crate::Band;
+use job::{Request, Response};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// What to check.
+#[derive(Clone, Debug)]
+pub struct CheckOptions {
+    /// The library's file.
+    pub library: PathBuf,
+    /// Parameters to check the models with. For models that are not named here they are made up from the parameter tables.
+    pub examples: Vec<Example>,
+    /// Check only this model.
+    pub model: Option<String>,
+    /// Of all random numbers.
+    pub seed: u64,
+    /// For each check. Default 60 s.
+    pub time_limit: Duration,
+    /// The program that calls [`child_main`].
+    pub child: ChildCommand,
+}
+
+/// How to start a child.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChildCommand {
+    /// The program: this one, as a rule.
+    pub program: PathBuf,
+    /// Its arguments: the hidden command that leads to [`child_main`].
+    pub arguments: Vec<String>,
+}
+
+impl CheckOptions {
+    /// All models of a library with made-up parameters, seed 1, 60 s a check.
+    #[must_use]
+    pub fn new(library: impl Into<PathBuf>, child: ChildCommand) -> Self {
+        CheckOptions {
+            library: library.into(),
+            examples: Vec::new(),
+            model: None,
+            seed: 1,
+            time_limit: Duration::from_secs(60),
+            child,
+        }
+    }
+}
+
+/// The bands that models are checked in, metres: red, green and blue as Radiance divides the visible spectrum.
+pub const CHECK_BANDS: [Band; 3] = [
+    Band { centre_m: 684e-9, low_m: 588e-9, high_m: 780e-9 },
+    Band { centre_m: 534e-9, low_m: 480e-9, high_m: 588e-9 },
+    Band { centre_m: 430e-9, low_m: 380e-9, high_m: 480e-9 },
+];
+
+/// Checks a library, each check in a child process.
+#[must_use]
+pub fn run(options: &CheckOptions) -> Report {
+    check_with(options, |request| child::run_in_child(options, request))
+}
+
+/// Checks a library in this process: for the tests of a plugin that is trusted not to crash. `examples` as in [`CheckOptions`].
+#[must_use]
+pub fn run_in_process(library: &Path, examples: Vec<Example>, seed: u64) -> Report {
+    let nobody = ChildCommand { program: PathBuf::new(), arguments: Vec::new() };
+    let options = CheckOptions { examples, seed, ..CheckOptions::new(library, nobody) };
+    check_with(&options, |request| (job::perform(request), Duration::ZERO))
+}
+
+fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Response, Duration)) -> Report {
+    let library = options.library.clone();
+    let mut report = Report { library, seed: options.seed, outcomes: Vec::new() };
+    let request = |stage, model: &str| Request {
+        library: options.library.clone(),
+        stage,
+        model: model.to_owned(),
+        examples: options.examples.iter().filter(|example| example.model == model).cloned().collect(),
+        seed: options.seed,
+    };
+    let (loaded, duration) = perform(&request(Stage::Load, ""));
+    let models: Vec<String> = loaded.models.clone();
+    let chosen: Vec<&String> = models.iter().filter(|name| options.model.as_ref().is_none_or(|m| m == *name)).collect();
+    let mut first = Outcome::new(Stage::Load, None, loaded, duration);
+    if let (Some(model), true) = (&options.model, chosen.is_empty() && first.verdict == Verdict::Passed) {
+        first.verdict = Verdict::Failed;
+        first.messages.push(format!("there is no model \"{model}\"; it has {}", models.join(", ")));
+    }
+    report.outcomes.push(first);
+    for model in chosen {
+        for stage in Stage::OF_A_MODEL {
+            let (response, duration) = perform(&request(stage, model));
+            let unusable = response.unusable;
+            report.outcomes.push(Outcome::new(stage, Some(model), response, duration));
+            if unusable {
+                // No instance can be made: every further check would say so again.
+                break;
+            }
+        }
+    }
+    report
+}

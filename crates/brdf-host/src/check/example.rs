@@ -1,0 +1,96 @@
+//! Parameters to check a model with.
+
+use crate::{ModelInfo, ParameterInfo, ParameterKind, Range};
+use radsight_brdf::check::Random;
+use serde::{Deserialize, Serialize};
+
+/// A model with parameters, as a scene writes them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Example {
+    /// The model.
+    pub model: String,
+    /// Words after library and model.
+    pub words: Vec<String>,
+    /// Numbers.
+    pub numbers: Vec<f64>,
+}
+
+impl std::fmt::Display for Example {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let numbers = self.numbers.iter().map(|number| format!("{}", (number * 1e6).round() / 1e6));
+        let tokens: Vec<String> = self.words.iter().cloned().chain(numbers).collect();
+        write!(out, "{}({})", self.model, tokens.join(", "))
+    }
+}
+
+/// Parameters from the table alone: middle, low end, high end, and two at random. Optional ones have their defaults in the
+/// first. None for a model that needs a word which cannot be made up.
+pub(crate) fn made_up(model: &ModelInfo, seed: u64) -> Vec<Example> {
+    let words: Option<Vec<String>> = model.parameters.iter().filter_map(made_up_word).collect();
+    let Some(words) = words else { return Vec::new() };
+    let mut random = Random::new(seed, 7);
+    let place = |place: f64, random: &mut Random| -> Vec<f64> {
+        let rows = model.parameters.iter().filter(|row| row.scene_numbers() > 0);
+        let middle = place == 0.5;
+        rows.flat_map(|row| {
+            // Bands of a spectrum differ, so that a mixed-up order is seen.
+            let count = row.scene_numbers();
+            (0..count)
+                .map(|index| match row.optional && middle {
+                    true => row.default_number,
+                    false if place < 0.0 => at(row, random.uniform()),
+                    false => at(row, (place * (1.0 - 0.1 * index as f64)).max(0.0)),
+                })
+                .collect::<Vec<f64>>()
+        })
+        .collect()
+    };
+    let mut examples: Vec<Example> = [0.5, 0.01, 1.0, -1.0, -1.0]
+        .into_iter()
+        .map(|share| Example { model: model.name.clone(), words: words.clone(), numbers: place(share, &mut random) })
+        .collect();
+    examples.extend(other_choices(model, &examples[0]));
+    examples.dedup();
+    examples
+}
+
+/// The first example with each other word of each choice.
+fn other_choices(model: &ModelInfo, first: &Example) -> Vec<Example> {
+    let mut examples = Vec::new();
+    for (index, row) in model.parameters.iter().filter(|row| row.scene_numbers() == 0).enumerate() {
+        let ParameterKind::Choice(choices) = &row.kind else { continue };
+        for choice in choices.iter().filter(|choice| **choice != first.words[index]) {
+            let mut example = first.clone();
+            example.words[index].clone_from(choice);
+            examples.push(example);
+        }
+    }
+    examples
+}
+
+/// `None` for a number; `Some(None)` for a word that only the user knows.
+fn made_up_word(row: &ParameterInfo) -> Option<Option<String>> {
+    match &row.kind {
+        ParameterKind::Choice(choices) => Some(choices.first().cloned()),
+        ParameterKind::Word | ParameterKind::File => Some(row.optional.then(|| row.default_word.clone())),
+        _ => None,
+    }
+}
+
+/// A number at the share `place` of its range; an open range is taken to be a few units wide.
+fn at(row: &ParameterInfo, place: f64) -> f64 {
+    let Range { minimum, maximum, flags } = row.range;
+    let (low, high) = match (minimum.is_finite(), maximum.is_finite()) {
+        (true, true) => (minimum, maximum),
+        (true, false) => (minimum, minimum + 2.0),
+        (false, true) => (maximum - 2.0, maximum),
+        (false, false) => (-1.0, 1.0),
+    };
+    let margin = |excluded: u32| if flags & excluded == 0 { 0.0 } else { 0.01 };
+    let share = place.clamp(
+        margin(radsight_brdf_abi::parameter_flags::ABOVE_MINIMUM),
+        1.0 - margin(radsight_brdf_abi::parameter_flags::BELOW_MAXIMUM),
+    );
+    let number = low + (high - low) * share;
+    if row.kind == ParameterKind::Integer { number.round().clamp(low.ceil(), high.floor()) } else { number }
+}

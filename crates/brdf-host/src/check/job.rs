@@ -1,0 +1,188 @@
+//! One check, as a child performs it.
+
+use super::example::{Example, made_up};
+use super::{CHECK_BANDS, probe};
+use crate::self_check::check_options;
+use crate::{Band, Label, Library, PluginBrdf, Request as Instantiation};
+use radsight_brdf::check::{self, Check, Effort};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What a check looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// The file is a plugin of the right version, and its tables keep the rules.
+    Load,
+    /// Wrong indices, counts and numbers are refused, not fatal.
+    Arguments,
+    /// 1,000 times create and destroy, and no memory lost.
+    Lifecycle,
+    /// Finite and non-negative numbers.
+    Finite,
+    /// Batch equals single; independent of order and threads.
+    Purity,
+    /// Independent of the frame's azimuth, unless declared.
+    Isotropy,
+    /// `f(o, i) = f(i, o)`, if claimed.
+    Reciprocity,
+    /// Directional albedo at most 1 at 0…89.9°.
+    Energy,
+    /// Directions drawn with the claimed density.
+    Sampling,
+}
+
+impl Stage {
+    /// Those that concern one model, in the order of reporting.
+    pub const OF_A_MODEL: [Stage; 8] = [
+        Stage::Arguments,
+        Stage::Lifecycle,
+        Stage::Finite,
+        Stage::Purity,
+        Stage::Isotropy,
+        Stage::Reciprocity,
+        Stage::Energy,
+        Stage::Sampling,
+    ];
+
+    /// For reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Load => "load",
+            Stage::Arguments => "bad arguments",
+            Stage::Lifecycle => "create and destroy",
+            Stage::Finite => "finite values",
+            Stage::Purity => "batch, order, threads",
+            Stage::Isotropy => "isotropy",
+            Stage::Reciprocity => "reciprocity",
+            Stage::Energy => "energy",
+            Stage::Sampling => "sampling",
+        }
+    }
+}
+
+/// What a child is asked.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Request {
+    pub(super) library: PathBuf,
+    pub(super) stage: Stage,
+    pub(super) model: String,
+    pub(super) examples: Vec<Example>,
+    pub(super) seed: u64,
+}
+
+/// What it answers.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Response {
+    /// What is wrong.
+    pub(super) findings: Vec<String>,
+    /// What is worth knowing.
+    pub(super) notes: Vec<String>,
+    /// Why nothing was checked.
+    pub(super) skipped: Option<String>,
+    /// Names of the library's models.
+    pub(super) models: Vec<String>,
+    /// No instance can be made, so that further checks are futile.
+    pub(super) unusable: bool,
+}
+
+impl Response {
+    pub(super) fn failure(finding: impl Into<String>) -> Self {
+        Response { findings: vec![finding.into()], ..Response::default() }
+    }
+}
+
+/// Performs one check in this process.
+pub(super) fn perform(request: &Request) -> Response {
+    let library = match Library::load(&request.library) {
+        Ok(library) => Arc::new(library),
+        Err(error) => return Response::failure(error.to_string()),
+    };
+    if request.stage == Stage::Load {
+        return describe(&library);
+    }
+    let Ok((index, model)) = library.model(&request.model) else {
+        return Response { unusable: true, ..Response::failure(format!("there is no model \"{}\"", request.model)) };
+    };
+    let given = !request.examples.is_empty();
+    let examples = if given { request.examples.clone() } else { made_up(model, request.seed) };
+    if examples.is_empty() {
+        let usage = model.usage(library.name());
+        let reason = format!("its words cannot be made up: give parameters for \"{usage}\"");
+        return Response { skipped: Some(reason), unusable: true, ..Response::default() };
+    }
+    let mut response = match request.stage {
+        Stage::Arguments => probe::arguments(&library, index, &examples, given),
+        Stage::Lifecycle => probe::lifecycle(&library, &examples),
+        stage => physics(&library, stage, &examples, request.seed),
+    };
+    response.notes.extend(library.take_messages().into_iter().map(|message| format!("it says: {}", message.text)));
+    response
+}
+
+fn describe(library: &Library) -> Response {
+    let models: Vec<String> = library.models().iter().map(|model| model.name.clone()).collect();
+    let (major, minor) = library.abi_version();
+    let note = format!("interface {major}.{minor}; models: {}", models.join(", "));
+    Response { notes: vec![note], models, ..Response::default() }
+}
+
+/// An instance for an example, in some bands.
+pub(super) fn instantiate(
+    library: &Arc<Library>,
+    example: &Example,
+    bands: &[Band],
+) -> Result<PluginBrdf, crate::Error> {
+    let label = Label { material: example.to_string(), place: "plugin check".to_owned() };
+    let (index, model) = library.model(&example.model)?;
+    let asked = Instantiation {
+        library: library.name(),
+        model: &example.model,
+        words: &example.words,
+        numbers: &example.numbers,
+        bands,
+        label: &label,
+        folder: None,
+    };
+    let arguments = model.arguments(asked.words, asked.numbers, asked.bands, asked.folder)?;
+    PluginBrdf::create(Arc::clone(library), index, &arguments, bands, label)
+}
+
+/// The statistical checks, with every example that the plugin accepts.
+fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], seed: u64) -> Response {
+    let check: Check = match stage {
+        Stage::Finite => check::finite,
+        Stage::Purity => check::purity,
+        Stage::Isotropy => check::isotropy,
+        Stage::Reciprocity => check::reciprocity,
+        Stage::Energy => check::energy,
+        _ => check::sampling,
+    };
+    let mut response = Response::default();
+    for example in examples {
+        // One that refuses three bands, or this combination of made-up numbers, is the business of `probe::arguments`.
+        let Ok(brdf) =
+            instantiate(library, example, &CHECK_BANDS).or_else(|_| instantiate(library, example, &CHECK_BANDS[..1]))
+        else {
+            continue;
+        };
+        let options = check_options(&brdf, Effort::Thorough, seed);
+        response.skipped = not_claimed(stage, &options);
+        if response.skipped.is_some() {
+            return response;
+        }
+        let findings = check(&brdf.unfiltered(), &options);
+        response.findings.extend(findings.into_iter().map(|finding| format!("{example}: {}", finding.message)));
+    }
+    response
+}
+
+fn not_claimed(stage: Stage, options: &check::CheckOptions) -> Option<String> {
+    match stage {
+        Stage::Isotropy if !options.isotropic => Some("the model declares that it is anisotropic".to_owned()),
+        Stage::Reciprocity if !options.reciprocal => Some("the model does not claim it".to_owned()),
+        _ => None,
+    }
+}
