@@ -41,7 +41,7 @@ pub struct DataGrid {
     pub values: Vec<f32>,
 }
 
-/// A picture as a pattern: radiance values, row 0 at the top.
+/// A picture as a pattern: values as stored, without exposure; row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureData {
     /// For messages and for writing back.
@@ -50,6 +50,9 @@ pub struct PictureData {
     pub width: usize,
     /// Pixels.
     pub height: usize,
+    /// Coordinates u of the last column and v of the top row; the first column and the bottom row are at 0, and the
+    /// smaller one is 1. Pixels are grid points, as in a [`DataGrid`].
+    pub extent: [f64; 2],
     /// `width·height` of them.
     pub pixels: Vec<[f32; 3]>,
 }

@@ -36,10 +36,10 @@ pub enum Pattern {
         /// Shortest and longest wavelength, nm.
         range_nm: [f64; 2],
     },
-    /// `specdata`: the grid's last axis is the wavelength in nm.
+    /// `specdata`: a function of (value, wavelength), then the coordinates; the grid's last axis is the wavelength in nm.
     SpectrumData(GridCall),
-    /// `specpict`.
-    SpectrumPicture(PictureCall),
+    /// `specpict`: the grid's axes are v, u and the wavelength in nm.
+    SpectrumPicture(GridCall),
 }
 
 /// Values in equal steps of wavelength.

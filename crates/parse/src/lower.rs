@@ -8,6 +8,7 @@ mod materials;
 mod modifiers;
 mod options;
 mod patterns;
+mod pictures;
 mod reader;
 mod replacement;
 mod surfaces;

@@ -106,8 +106,7 @@ impl XformCall {
         let mut pipeline = script.pipelines.pop().filter(|_| script.pipelines.is_empty())?;
         let Some(Stage::Command(last)) = pipeline.stages.pop() else { return None };
         let name = last.words.first().filter(|name| is_xform(&name.text))?;
-        let before = (!pipeline.stages.is_empty())
-            .then(|| line[..name.range.start].trim_end().trim_end_matches('|').trim_end().to_owned());
+        let before = (!pipeline.stages.is_empty()).then(|| before_pipe(&line[..name.range.start]).to_owned());
         Some(XformCall { words: last.words, before, input: last.input })
     }
 
@@ -161,7 +160,7 @@ impl Reader<'_> {
             self.place_copy(&placed, &loader, here, &mut readings)
         });
         if let Err(error) = result
-            && !self.is_stopped
+            && !is_already_told(&error)
         {
             let range = word_range(&call.words, error.argument());
             self.log.push(command_error(&error, command.span(range)));
@@ -329,9 +328,30 @@ struct PlacedCopy<'a> {
     standard_input: Option<&'a TextKey>,
 }
 
+/// A command line up to its last pipe, of which nothing but white space and continuation lines follow.
+fn before_pipe(line: &str) -> &str {
+    let without_blank = |text| {
+        let mut text: &str = text;
+        loop {
+            let shorter = text.trim_end();
+            let is_continued = shorter.ends_with('\\') && text[shorter.len()..].starts_with('\n');
+            text = if is_continued { &shorter[..shorter.len() - 1] } else { shorter };
+            if !is_continued {
+                return text;
+            }
+        }
+    };
+    let text = without_blank(line);
+    without_blank(text.strip_suffix('|').unwrap_or(text))
+}
+
 /// Ends an array after its error was reported.
 fn already_told() -> Error {
     Error::Impossible { program: "xform".to_owned(), mistake: String::new() }
+}
+
+fn is_already_told(error: &Error) -> bool {
+    matches!(error, Error::Impossible { mistake, .. } if mistake.is_empty())
 }
 
 /// The range of a word; that of the last one if it is missing.

@@ -7,7 +7,8 @@ use super::reader::Reader;
 use crate::Kind;
 use radsight_diag::Diagnostic;
 use radsight_ir::{
-    Axis, DataGrid, GridCall, Handle, Mixture, MixtureAmount, MixtureArms, ModifierHandle, Pattern, Spectrum, Texture,
+    Axis, DataGrid, GridCall, Handle, Mixture, MixtureAmount, MixtureArms, ModifierHandle, Pattern, PictureCall,
+    Spectrum, Texture,
 };
 
 impl Reader<'_> {
@@ -31,6 +32,16 @@ impl Reader<'_> {
                 let functions = [0, 1, 2].map(|band| RootWord::Band(band, band));
                 Pattern::ColorData(self.grid_call(raw, &functions, &[3, 4, 5], 0)?)
             }
+            Kind::ColorPict => {
+                let functions = [0, 1, 2].map(|band| RootWord::Band(band, band));
+                Pattern::ColorPicture(self.picture_call(raw, &functions, 3)?)
+            }
+            Kind::SpecPict => {
+                let grid = self.spectral_picture(&raw.strings[1])?;
+                let roots = [RootWord::Function(0, 2), RootWord::Expression(4), RootWord::Expression(3)];
+                let call = self.call(raw, &CallForm { file: 2, roots: &roots })?;
+                Pattern::SpectrumPicture(GridCall { call, grids: vec![grid] })
+            }
             Kind::Spectrum => Pattern::Spectrum(spectrum([raw.reals[0], raw.reals[1]], raw.reals[2..].to_vec())),
             Kind::SpecFile => {
                 let grid = self.grid(&raw.strings[0])?;
@@ -51,6 +62,7 @@ impl Reader<'_> {
                 let form = CallForm { file: 3, roots: &[RootWord::Expression(2)] };
                 MixtureAmount::Function(self.call(raw, &form)?)
             }
+            Kind::MixPict => MixtureAmount::Picture(self.picture_call(raw, &[RootWord::Function(2, 3)], 3)?),
             Kind::MixData => MixtureAmount::Data(self.grid_call(raw, &[RootWord::Function(2, 1)], &[3], 0)?),
             _ => return self.not_yet(raw),
         };
@@ -85,6 +97,15 @@ impl Reader<'_> {
         let roots: Vec<RootWord> = functions.iter().copied().chain(coordinates).collect();
         let call = self.call(raw, &CallForm { file: function_file, roots: &roots })?;
         Some(GridCall { call, grids })
+    }
+
+    /// Functions of a colour, the picture, the function file, and the coordinates u and v.
+    fn picture_call(&mut self, raw: &Raw, functions: &[RootWord], file: usize) -> Option<PictureCall> {
+        let picture = self.picture(&raw.strings[file])?;
+        let coordinates = [RootWord::Expression(file + 2), RootWord::Expression(file + 3)];
+        let roots: Vec<RootWord> = functions.iter().copied().chain(coordinates).collect();
+        let call = self.call(raw, &CallForm { file: file + 1, roots: &roots })?;
+        Some(PictureCall { call, picture })
     }
 
     fn spectrum_file(&mut self, raw: &Raw, grid: Handle<DataGrid>) -> Option<Pattern> {

@@ -8,7 +8,7 @@ use super::{BrdfReplacement, Input, Read, ReadOptions};
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError};
 use radsight_diag::{Diagnostic, SourceId, SourceMap, Span, hint_nearest};
-use radsight_ir::{DataGrid, Handle, Scene};
+use radsight_ir::{DataGrid, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -28,6 +28,8 @@ pub(super) struct Reader<'a> {
     pub(super) functions: Functions,
     /// Tables by the name of their file; `None` for those that could not be read.
     pub(super) grids: HashMap<String, Option<Handle<DataGrid>>>,
+    /// Likewise.
+    pub(super) pictures: HashMap<String, Option<Handle<PictureData>>>,
     pub(super) replacements: Vec<BrdfReplacement>,
     /// A limit was hit: nothing more is read.
     pub(super) is_stopped: bool,
@@ -76,6 +78,7 @@ impl<'a> Reader<'a> {
             inclusions: Inclusions::default(),
             functions: Functions::default(),
             grids: HashMap::new(),
+            pictures: HashMap::new(),
             replacements: options.brdf.clone(),
             is_stopped: false,
             placed: Vec::new(),
