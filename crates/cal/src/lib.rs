@@ -36,16 +36,23 @@ mod bindings;
 mod builtin;
 pub mod channel;
 mod definitions;
+#[cfg(test)]
+mod differential;
+mod emit;
 mod environment;
+mod fast;
 mod fault;
+mod graph;
 mod lexer;
 pub mod library;
 pub mod limits;
 mod link;
+mod lower;
 mod machine;
 mod names;
 mod noise;
 mod program;
+mod schedule;
 mod syntax;
 
 pub use bindings::Bindings;

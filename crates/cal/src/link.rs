@@ -60,11 +60,26 @@ impl<'a> Linker<'a> {
     /// Adds a function as a root; its caller gives the arguments.
     pub(crate) fn function_root(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Option<u32> {
         match self.callable(symbol, arity) {
-            Some(Callable::Function(routine)) => Some(routine),
+            Some(Callable::Function(routine)) => {
+                let needed = self.needed(symbol);
+                if needed > usize::from(arity) {
+                    self.problem(too_few_arguments(self.known.bare_name(symbol), arity, needed), span);
+                }
+                Some(routine)
+            }
             _ => {
                 self.problem(unknown(self.known, self.bindings, symbol, "function"), span);
                 None
             }
+        }
+    }
+
+    fn needed(&self, symbol: SymbolId) -> usize {
+        let known = self.known.symbol(symbol);
+        match (known.and_then(|symbol| symbol.function()), known.and_then(|symbol| symbol.builtin)) {
+            (Some(definition), _) => highest_parameter(&definition.body),
+            (None, Some(builtin)) => builtin.arity(),
+            (None, None) => self.bindings.function(self.known.bare_name(symbol)).map_or(0, |(_, arity)| arity),
         }
     }
 

@@ -121,6 +121,12 @@ impl Image {
             channels: Vec::new(),
         }
     }
+
+    pub(crate) fn sorted_channels(&self) -> Vec<u32> {
+        let mut channels = self.channels.clone();
+        channels.sort_unstable();
+        channels
+    }
 }
 
 /// What to do when code returns.
@@ -263,7 +269,8 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                 }
                 Op::HostCall { function, count } => self.host_call(function, usize::from(count)),
                 Op::JumpUnlessPositive(target) => {
-                    if !(self.pop() > 0.0) {
+                    let positive = self.pop() > 0.0;
+                    if !positive {
                         at = target as usize;
                     }
                 }

@@ -65,17 +65,30 @@ fn mix(t: f64, from: f64, to: f64) -> f64 {
     from + t * (to - from)
 }
 
-/// The dot product of (x,y,z) with one of twelve edge directions.
+/// Perlin's twelve edge directions, four of them twice. Looking them up beats choosing, which no processor can foresee.
+const DIRECTIONS: [[f64; 3]; 16] = [
+    [1.0, 1.0, 0.0],
+    [-1.0, 1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [-1.0, -1.0, 0.0],
+    [1.0, 0.0, 1.0],
+    [-1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [-1.0, 0.0, -1.0],
+    [0.0, 1.0, 1.0],
+    [0.0, -1.0, 1.0],
+    [0.0, 1.0, -1.0],
+    [0.0, -1.0, -1.0],
+    [1.0, 1.0, 0.0],
+    [0.0, -1.0, 1.0],
+    [-1.0, 1.0, 0.0],
+    [0.0, -1.0, -1.0],
+];
+
+/// The dot product of (x,y,z) with one of the edge directions.
 fn gradient(hash: i32, x: f64, y: f64, z: f64) -> f64 {
-    let direction = hash & 15;
-    let first = if direction < 8 { x } else { y };
-    let second = match direction {
-        0..4 => y,
-        12 | 14 => x,
-        _ => z,
-    };
-    let signed = |component: f64, bit: i32| if direction & bit == 0 { component } else { -component };
-    signed(first, 1) + signed(second, 2)
+    let [along_x, along_y, along_z] = DIRECTIONS[(hash & 15) as usize];
+    x * along_x + y * along_y + z * along_z
 }
 
 /// `fnoise3(x,y,z)`: fractal noise, between −1 and 1.
@@ -101,9 +114,9 @@ pub(crate) fn fractal(point: [f64; 3]) -> f64 {
         let centre = origin.map(|start| start.wrapping_add(size));
         let branch = (0..3).filter(|&axis| target[axis] > centre[axis]).fold(0, |mask, axis| mask | 1 << axis);
         subdivide(&mut corners, mean, centre, branch, size);
-        for axis in 0..3 {
+        for (axis, start) in origin.iter_mut().enumerate() {
             if branch >> axis & 1 == 1 {
-                origin[axis] = origin[axis].wrapping_add(size);
+                *start = start.wrapping_add(size);
             }
         }
     }

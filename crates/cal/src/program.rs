@@ -2,10 +2,14 @@
 
 use crate::bindings::{Bindings, Known};
 use crate::definitions::{Definitions, fold, read_expression};
+use crate::emit::emit;
+use crate::fast::{Code, Registers};
 use crate::fault::{Fault, Warning};
+use crate::graph::Value;
 use crate::limits::{MOST_FOLDING_STEPS, MOST_STEPS};
-use crate::link::{Linker, highest_parameter, too_few_arguments};
-use crate::machine::{Entry, Image, Machine, Op, Stacks};
+use crate::link::Linker;
+use crate::lower::Lowering;
+use crate::machine::{Entry, Image, Machine, Stacks};
 use crate::names::{Scope, SymbolId};
 use crate::syntax::{Body, Names, Node};
 use radsight_diag::{Diagnostic, Span};
@@ -66,6 +70,7 @@ pub enum Root<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     stacks: Stacks,
+    registers: Registers,
 }
 
 impl Scratch {
@@ -87,10 +92,17 @@ impl Scratch {
 }
 
 /// Compiled roots, safe to share between threads.
+///
+/// Each root has exact code, and fast code if it has one: without recursion that only the ray ends. Fast code gives up at
+/// anything that could be a fault, and the exact code runs instead.
 #[derive(Clone, Debug)]
 pub struct Program {
     image: Image,
     entries: Vec<Entry>,
+    fast: Vec<Option<Code>>,
+    fast_all: Option<Code>,
+    constants: Vec<Option<f64>>,
+    channels: Vec<u32>,
 }
 
 impl Program {
@@ -115,23 +127,45 @@ impl Program {
         bindings: &Bindings<'_>,
     ) -> Result<Program, Vec<Diagnostic>> {
         let mut linker = Linker::new(known, bindings);
+        let mut lowering = Lowering::new(known, bindings);
         let mut entries = Vec::with_capacity(roots.len());
+        let mut values = Vec::with_capacity(roots.len());
         for root in roots {
             match root {
                 ReadRoot::Expression(body) => {
                     entries.push(Entry::Expression(linker.expression_root(body, body.root)));
+                    values.push(lowering.expression(body).ok());
                 }
                 ReadRoot::Function { symbol, arity, span } => {
-                    if let Some(problem) = lacking(known, *symbol, *arity) {
-                        linker.problems.push(span.iter().fold(problem, |problem, span| problem.at(*span)));
-                    }
                     let routine = linker.function_root(*symbol, *arity, *span);
                     entries.push(Entry::Function(routine.unwrap_or(0)));
+                    values.push(lowering.function(*symbol, *arity, *span).ok());
                 }
             }
         }
-        let (image, problems) = linker.finish();
-        if problems.is_empty() { Ok(Program { image, entries }) } else { Err(problems) }
+        let (image, exact_problems) = linker.finish();
+        // What the graph reaches is what an evaluation can reach; exact code also has what constants rule out.
+        let all: Option<Vec<Value>> = values.iter().copied().collect();
+        let problems = match all {
+            Some(_) => std::mem::take(&mut lowering.problems),
+            None => exact_problems,
+        };
+        if !problems.is_empty() {
+            return Err(problems);
+        }
+        let channels = match &all {
+            Some(all) => lowering.channels(all),
+            None => image.sorted_channels(),
+        };
+        let graph = &lowering.graph;
+        Ok(Program {
+            fast: values.iter().map(|value| value.and_then(|value| emit(graph, &[value]))).collect(),
+            fast_all: all.filter(|all| all.len() > 1).and_then(|all| emit(graph, &all)),
+            constants: values.iter().map(|value| value.and_then(|value| graph.as_constant(value))).collect(),
+            channels,
+            image,
+            entries,
+        })
     }
 
     /// How many roots there are.
@@ -142,10 +176,8 @@ impl Program {
 
     /// The channels that an evaluation may read, in increasing order.
     #[must_use]
-    pub fn channels_used(&self) -> Vec<u32> {
-        let mut channels = self.image.channels.clone();
-        channels.sort_unstable();
-        channels
+    pub fn channels_used(&self) -> &[u32] {
+        &self.channels
     }
 
     /// The value of a root that is the same for every ray.
@@ -154,19 +186,13 @@ impl Program {
     /// If there is no such root.
     #[must_use]
     pub fn constant(&self, root: usize) -> Option<f64> {
-        match self.entries[root] {
-            Entry::Expression(start) => match self.image.code.get(start as usize..start as usize + 2) {
-                Some([Op::Number(value), Op::Stop]) => Some(*value),
-                _ => None,
-            },
-            Entry::Function(_) => None,
-        }
+        self.constants[root]
     }
 
     /// Whether every root is the same for every ray.
     #[must_use]
     pub fn is_constant(&self) -> bool {
-        (0..self.entries.len()).all(|root| self.constant(root).is_some())
+        self.constants.iter().all(Option::is_some)
     }
 
     /// Evaluates one root. `arguments` are those of a [`Root::Function`].
@@ -184,6 +210,11 @@ impl Program {
         host: &H,
         scratch: &mut Scratch,
     ) -> Result<f64, Fault> {
+        if let Some(code) = &self.fast[root]
+            && code.run(&mut scratch.registers, host, arguments).is_ok()
+        {
+            return Ok(scratch.registers.file[usize::from(code.results[0])]);
+        }
         self.eval_exactly(root, arguments, host, scratch)
     }
 
@@ -202,10 +233,20 @@ impl Program {
         scratch: &mut Scratch,
         values: &mut [f64],
     ) -> Result<(), Fault> {
+        let code = if self.entries.len() == 1 { self.fast[0].as_ref() } else { self.fast_all.as_ref() };
+        if let Some(code) = code
+            && code.run(&mut scratch.registers, host, arguments).is_ok()
+        {
+            for (value, result) in values.iter_mut().zip(&code.results) {
+                *value = scratch.registers.file[usize::from(*result)];
+            }
+            return Ok(());
+        }
         self.eval_all_exactly(arguments, host, scratch, values)
     }
 
-    fn eval_all_exactly<H: Host + ?Sized>(
+    #[cold]
+    pub(crate) fn eval_all_exactly<H: Host + ?Sized>(
         &self,
         arguments: &[f64],
         host: &H,
@@ -222,7 +263,13 @@ impl Program {
         machine.fault.map_or(Ok(()), |kind| Err(Fault { kind, value: last }))
     }
 
-    fn eval_exactly<H: Host + ?Sized>(
+    #[cfg(test)]
+    pub(crate) fn goes_fast<H: Host + ?Sized>(&self, root: usize, host: &H, scratch: &mut Scratch) -> bool {
+        self.fast[root].as_ref().is_some_and(|code| code.run(&mut scratch.registers, host, &[]).is_ok())
+    }
+
+    #[cold]
+    pub(crate) fn eval_exactly<H: Host + ?Sized>(
         &self,
         root: usize,
         arguments: &[f64],
@@ -263,17 +310,6 @@ fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Resul
         }
     }
     if mistakes.is_empty() { Ok(read) } else { Err(mistakes) }
-}
-
-/// A function root that uses more arguments than the host gives.
-fn lacking(known: &Known<'_>, symbol: SymbolId, arity: u16) -> Option<Diagnostic> {
-    let found = known.symbol(symbol)?;
-    let needed = match (found.function(), found.builtin) {
-        (Some(definition), _) => highest_parameter(&definition.body),
-        (None, Some(builtin)) => builtin.arity(),
-        (None, None) => 0,
-    };
-    (needed > usize::from(arity)).then(|| too_few_arguments(found.bare(), arity, needed))
 }
 
 /// The meaning of names in a root.

@@ -1,0 +1,552 @@
+//! A graph to fast code, by its schedule.
+
+use crate::builtin::Builtin;
+use crate::fast::{Chain, Code, Op, Register};
+use crate::graph::{Graph, Node, Value};
+use crate::schedule::{Form, OUTERMOST, RegionId, Schedule};
+use crate::syntax::Operator;
+
+/// Registers of shared values and of their code are numbered from here until it is known how many others there are.
+const LASTING: Register = 1 << 15;
+
+/// A place to jump to, until its position is known.
+type Label = u32;
+
+/// Writes code.
+struct Emitter<'g> {
+    graph: &'g Graph,
+    schedule: Schedule,
+    ops: Vec<Op>,
+    /// Code of shared values.
+    bodies: Vec<(Label, Vec<Op>)>,
+    /// Where the labels are: which body (0 is the main code), and which step.
+    labels: Vec<(usize, usize)>,
+    body: usize,
+    /// The register of each value that is computed where the code stands.
+    registers: Vec<Option<Register>>,
+    /// What becomes unknown again when a region ends.
+    computed: Vec<Value>,
+    next: u32,
+    most: u32,
+    next_lasting: u32,
+    /// Number, register and label of each shared value.
+    shared: Vec<Option<Shared>>,
+    count: u32,
+    lists: Vec<Register>,
+    chains: Vec<Chain>,
+    too_large: bool,
+}
+
+#[derive(Clone, Copy)]
+struct Shared {
+    number: u16,
+    register: Register,
+    entry: Label,
+}
+
+/// Writes the code of `roots`; `None` if it needs more registers than there are.
+pub(crate) fn emit(graph: &Graph, roots: &[Value]) -> Option<Code> {
+    let schedule = Schedule::new(graph, roots);
+    let mut emitter = Emitter {
+        graph,
+        schedule,
+        ops: Vec::new(),
+        bodies: Vec::new(),
+        labels: Vec::new(),
+        body: 0,
+        registers: vec![None; graph.len()],
+        computed: Vec::new(),
+        next: 0,
+        most: 0,
+        next_lasting: 0,
+        shared: vec![None; graph.len()],
+        count: 0,
+        lists: Vec::new(),
+        chains: Vec::new(),
+        too_large: false,
+    };
+    let results = emitter.roots(roots);
+    emitter.finish(results)
+}
+
+impl Emitter<'_> {
+    fn roots(&mut self, roots: &[Value]) -> Vec<Register> {
+        self.hoist(OUTERMOST);
+        let mut results = Vec::with_capacity(roots.len());
+        for &root in roots {
+            let register = self.checked(root, OUTERMOST);
+            results.push(register);
+        }
+        self.ops.push(Op::End);
+        self.emit_shared(OUTERMOST);
+        results
+    }
+
+    fn finish(mut self, mut results: Vec<Register>) -> Option<Code> {
+        let registers = self.most + self.next_lasting;
+        if self.too_large || registers > u32::from(LASTING) || self.count > u32::from(u16::MAX) {
+            return None;
+        }
+        let mut starts = vec![0];
+        for (_, body) in &mut self.bodies {
+            starts.push(self.ops.len());
+            self.ops.append(body);
+        }
+        let labels: Vec<u32> = self.labels.iter().map(|(body, step)| (starts[*body] + step) as u32).collect();
+        let most = self.most as Register;
+        for op in &mut self.ops {
+            for register in op.registers().into_iter().flatten() {
+                if *register >= LASTING {
+                    *register = *register - LASTING + most;
+                }
+            }
+            if let Some(target) = op.target() {
+                *target = labels[*target as usize];
+            }
+        }
+        for register in results.iter_mut().chain(&mut self.lists) {
+            if *register >= LASTING {
+                *register = *register - LASTING + most;
+            }
+        }
+        for target in self.chains.iter_mut().flat_map(|chain| &mut chain.targets) {
+            *target = labels[*target as usize];
+        }
+        shorten(&mut self.ops);
+        let tables = self.graph.tables.clone();
+        let (ops, lists, chains, shared) = (self.ops, self.lists, self.chains, self.count as u16);
+        Some(Code { ops, results, tables, lists, chains, shared })
+    }
+
+    fn fresh(&mut self) -> Register {
+        if self.body == 0 {
+            self.next += 1;
+            self.most = self.most.max(self.next);
+            self.too_large |= self.next >= u32::from(LASTING);
+            (self.next - 1).min(u32::from(LASTING) - 1) as Register
+        } else {
+            self.lasting()
+        }
+    }
+
+    fn lasting(&mut self) -> Register {
+        self.next_lasting += 1;
+        self.too_large |= self.next_lasting >= u32::from(LASTING);
+        LASTING + (self.next_lasting - 1).min(u32::from(LASTING) - 1) as Register
+    }
+
+    fn label(&mut self) -> Label {
+        self.labels.push((0, 0));
+        self.labels.len() as Label - 1
+    }
+
+    fn bind(&mut self, label: Label) {
+        self.labels[label as usize] = (self.body, self.ops.len());
+    }
+
+    fn record(&mut self, value: Value, register: Register) {
+        self.registers[value as usize] = Some(register);
+        self.computed.push(value);
+    }
+
+    /// Writes `code` in a region of its own, whose registers are free again afterwards.
+    fn within<T>(&mut self, region: RegionId, code: impl FnOnce(&mut Self) -> T) -> T {
+        let (computed, next) = (self.computed.len(), self.next);
+        self.hoist(region);
+        let result = code(self);
+        self.emit_shared(region);
+        for value in self.computed.drain(computed..) {
+            self.registers[value as usize] = None;
+        }
+        self.next = next;
+        result
+    }
+
+    /// At the start of a region: computes what its branches, and the code that they call, take for granted.
+    fn hoist(&mut self, region: RegionId) {
+        for value in self.schedule.regions[region as usize].hoisted.clone() {
+            self.value(value, region);
+        }
+    }
+
+    /// The code of the shared values that branches of a region call.
+    fn emit_shared(&mut self, region: RegionId) {
+        for value in self.schedule.regions[region as usize].shared.clone() {
+            let Some(shared) = self.shared[value as usize] else { continue };
+            let outer_body = std::mem::replace(&mut self.body, self.bodies.len() + 1);
+            self.bodies.push((shared.entry, Vec::new()));
+            let outer_ops = std::mem::take(&mut self.ops);
+            // What the calling branches computed is not there for all callers.
+            let hidden = self.hide_shared();
+            self.bind(shared.entry);
+            let own = self.schedule.own_region(value);
+            self.within(own, |emitter| {
+                emitter.compute(value, shared.register, own);
+                emitter.ops.push(Op::Return { shared: shared.number });
+            });
+            let ops = std::mem::replace(&mut self.ops, outer_ops);
+            self.bodies[self.body - 1].1 = ops;
+            self.body = outer_body;
+            for (value, register) in hidden {
+                self.registers[value as usize] = Some(register);
+            }
+        }
+    }
+
+    /// Makes shared values unknown, which may not have been computed when shared code runs.
+    fn hide_shared(&mut self) -> Vec<(Value, Register)> {
+        let mut hidden = Vec::new();
+        for &value in &self.computed {
+            if self.schedule.form(value) == Form::Shared
+                && let Some(register) = self.registers[value as usize].take()
+            {
+                hidden.push((value, register));
+            }
+        }
+        hidden
+    }
+
+    /// The register that holds a value, computed if need be.
+    fn value(&mut self, value: Value, region: RegionId) -> Register {
+        if let Some(register) = self.registers[value as usize] {
+            return register;
+        }
+        let register = match (self.graph.node(value), self.schedule.form(value)) {
+            (Node::Constant(bits), _) => {
+                // Not remembered: shared code could not rely on it.
+                let d = self.fresh();
+                self.ops.push(Op::Constant { d, value: f64::from_bits(bits) });
+                return d;
+            }
+            (_, Form::Shared) => self.share(value),
+            (Node::Guarded(inner), _) => self.value(inner, region),
+            _ => {
+                let d = self.fresh();
+                self.compute(value, d, region);
+                d
+            }
+        };
+        self.record(value, register);
+        register
+    }
+
+    fn share(&mut self, value: Value) -> Register {
+        let shared = match self.shared[value as usize] {
+            Some(shared) => shared,
+            None => {
+                let number = self.count.min(u32::from(u16::MAX)) as u16;
+                self.count += 1;
+                let shared = Shared { number, register: self.lasting(), entry: self.label() };
+                self.shared[value as usize] = Some(shared);
+                shared
+            }
+        };
+        self.ops.push(Op::Share { shared: shared.number, target: shared.entry });
+        shared.register
+    }
+
+    /// The register that holds a value, which is finite there.
+    fn checked(&mut self, value: Value, region: RegionId) -> Register {
+        let a = self.value(value, region);
+        if self.graph.is_tainted(value) {
+            self.ops.push(Op::Check { a });
+        }
+        a
+    }
+
+    /// Computes a value into a register.
+    fn compute(&mut self, value: Value, d: Register, region: RegionId) {
+        let op = match self.graph.node(value) {
+            Node::Constant(bits) => Op::Constant { d, value: f64::from_bits(bits) },
+            Node::Channel(channel) => Op::Channel { d, channel },
+            Node::Argument(index) => Op::Argument { d, index },
+            Node::Negate(a) => Op::Negate { d, a: self.value(a, region) },
+            Node::Absolute(a) => Op::Absolute { d, a: self.value(a, region) },
+            Node::Guarded(inner) => return self.compute_or_move(inner, d, region),
+            Node::Binary(operator, a, b) => self.binary(operator, a, b, d, region),
+            Node::Least(a, b) => self.extreme(a, b, d, region, true),
+            Node::Greatest(a, b) => self.extreme(a, b, d, region, false),
+            Node::Function(builtin, a) => {
+                let a = self.checked(a, region);
+                match builtin {
+                    Builtin::Sqrt => Op::SquareRoot { d, a },
+                    Builtin::Floor => Op::Floor { d, a },
+                    _ => Op::Function { d, a, builtin },
+                }
+            }
+            Node::Function2(builtin, a, b) => {
+                let (a, b) = (self.checked(a, region), self.checked(b, region));
+                Op::Function2 { d, a, b, builtin }
+            }
+            Node::Noise(builtin, [a, b, c]) => {
+                let (a, b, c) = (self.checked(a, region), self.checked(b, region), self.checked(c, region));
+                Op::Noise { d, a, b, c, builtin }
+            }
+            Node::Table(a, table) => Op::Table { d, a: self.checked(a, region), table },
+            Node::Host(function, list) => self.host(function, list, d, region),
+            Node::If(test, then, otherwise) => {
+                let chain = self.chain(value);
+                return match chain.tests.len() {
+                    ..SHORTEST_CHAIN => self.branches(value, [test, then, otherwise], d, region),
+                    _ => self.follow(&chain, d, region),
+                };
+            }
+            Node::Fault => Op::GiveUp,
+        };
+        self.ops.push(op);
+    }
+
+    /// Computes a value into a given register, or copies it there.
+    fn compute_or_move(&mut self, value: Value, d: Register, region: RegionId) {
+        let elsewhere = self.registers[value as usize].is_some() || self.schedule.form(value) == Form::Shared;
+        if elsewhere {
+            let a = self.value(value, region);
+            self.ops.push(Op::Move { d, a });
+        } else {
+            self.compute(value, d, region);
+            if self.graph.as_constant(value).is_none() {
+                self.record(value, d);
+            }
+        }
+    }
+
+    fn binary(&mut self, operator: Operator, a: Value, b: Value, d: Register, region: RegionId) -> Op {
+        let (left, right) = (self.graph.as_constant(a), self.graph.as_constant(b));
+        match (operator, left, right) {
+            (Operator::Add, _, Some(b)) => Op::AddConstant { d, a: self.value(a, region), b },
+            (Operator::Add, Some(a), _) => Op::AddConstant { d, a: self.value(b, region), b: a },
+            (Operator::Subtract, _, Some(b)) => Op::AddConstant { d, a: self.value(a, region), b: -b },
+            (Operator::Subtract, Some(from), _) => Op::SubtractFrom { d, a: self.value(b, region), b: from },
+            (Operator::Multiply, _, Some(b)) => Op::MultiplyConstant { d, a: self.value(a, region), b },
+            (Operator::Multiply, Some(factor), _) => Op::MultiplyConstant { d, a: self.value(b, region), b: factor },
+            (Operator::Divide, Some(dividend), _) => Op::DivideInto { d, a: self.checked(b, region), b: dividend },
+            (Operator::Power, _, Some(b)) => Op::PowerConstant { d, a: self.checked(a, region), b },
+            _ => {
+                let left = if operator == Operator::Power { self.checked(a, region) } else { self.value(a, region) };
+                let divisor = matches!(operator, Operator::Divide | Operator::Power);
+                let right = if divisor { self.checked(b, region) } else { self.value(b, region) };
+                let (a, b) = (left, right);
+                match operator {
+                    Operator::Add => Op::Add { d, a, b },
+                    Operator::Subtract => Op::Subtract { d, a, b },
+                    Operator::Multiply => Op::Multiply { d, a, b },
+                    Operator::Divide => Op::Divide { d, a, b },
+                    Operator::Power => Op::Power { d, a, b },
+                }
+            }
+        }
+    }
+
+    fn extreme(&mut self, a: Value, b: Value, d: Register, region: RegionId, least: bool) -> Op {
+        let constant = self.graph.as_constant(b);
+        let a = self.checked(a, region);
+        match (constant, least) {
+            (Some(b), true) => Op::LeastConstant { d, a, b },
+            (Some(b), false) => Op::GreatestConstant { d, a, b },
+            (None, true) => Op::Least { d, a, b: self.checked(b, region) },
+            (None, false) => Op::Greatest { d, a, b: self.checked(b, region) },
+        }
+    }
+
+    fn host(&mut self, function: u16, list: u32, d: Register, region: RegionId) -> Op {
+        let values = self.graph.lists[list as usize].clone();
+        let registers: Vec<Register> = values.iter().map(|&value| self.checked(value, region)).collect();
+        let first = self.lists.len() as u32;
+        self.lists.extend(&registers);
+        Op::Host { d, function, first, count: registers.len() as u16 }
+    }
+
+    fn branches(&mut self, value: Value, parts: [Value; 3], d: Register, region: RegionId) {
+        let [test, then, otherwise] = parts;
+        let [then_region, else_region] = self.schedule.branches(value);
+        let (else_label, end) = (self.label(), self.label());
+        self.jump_unless(test, else_label, region, false);
+        self.within(then_region, |emitter| emitter.compute_or_move(then, d, then_region));
+        self.ops.push(Op::Jump { target: end });
+        self.bind(else_label);
+        self.within(else_region, |emitter| emitter.compute_or_move(otherwise, d, else_region));
+        self.bind(end);
+    }
+
+    /// The tests of one value against numbers that begin with `value` and go on where each fails.
+    fn chain(&self, value: Value) -> Tests {
+        let mut tests = Tests { subject: value, above: true, tests: Vec::new(), otherwise: value };
+        let mut next = value;
+        while let Node::If(test, then, otherwise) = self.graph.node(next)
+            && let Some((subject, above, limit)) = self.against_number(test)
+        {
+            let follows = match tests.tests.last() {
+                None => true,
+                Some((_, before)) => {
+                    let ordered = if above { limit < *before } else { limit > *before };
+                    ordered && (subject, above) == (tests.subject, tests.above) && self.schedule.is_used_once(next)
+                }
+            };
+            if !follows {
+                break;
+            }
+            (tests.subject, tests.above, tests.otherwise) = (subject, above, otherwise);
+            tests.tests.push(((next, then), limit));
+            if !self.schedule.is_plain(self.schedule.branches(next)[1]) {
+                break;
+            }
+            next = otherwise;
+        }
+        tests
+    }
+
+    /// A test that is "this value above (or below) that number".
+    fn against_number(&self, test: Value) -> Option<(Value, bool, f64)> {
+        let Node::Binary(Operator::Subtract, a, b) = self.graph.node(test) else { return None };
+        match (self.graph.as_constant(a), self.graph.as_constant(b)) {
+            (None, Some(limit)) => Some((a, true, limit)),
+            (Some(limit), None) => Some((b, false, limit)),
+            _ => None,
+        }
+    }
+
+    fn follow(&mut self, chain: &Tests, d: Register, region: RegionId) {
+        let a = self.tested(chain.subject, region, false);
+        let number = self.chains.len();
+        self.ops.push(Op::Chain { a, chain: number as u32 });
+        let limits = chain.tests.iter().map(|(_, limit)| *limit).collect();
+        let targets: Box<[Label]> = (0..=chain.tests.len()).map(|_| self.label()).collect();
+        self.chains.push(Chain { above: chain.above, limits, targets: targets.clone() });
+        let end = self.label();
+        for (((choice, then), _), target) in chain.tests.iter().zip(&targets) {
+            let inside = self.schedule.branches(*choice)[0];
+            self.bind(*target);
+            self.within(inside, |emitter| emitter.compute_or_move(*then, d, inside));
+            self.ops.push(Op::Jump { target: end });
+        }
+        let Some((((last, _), _), target)) = chain.tests.last().zip(targets.last()) else { return };
+        let inside = self.schedule.branches(*last)[1];
+        self.bind(*target);
+        self.within(inside, |emitter| emitter.compute_or_move(chain.otherwise, d, inside));
+        self.bind(end);
+    }
+
+    /// Jumps unless the test is positive. `inner`: the test is itself chosen by an `if`, which would replace an infinite
+    /// value by 0 and a fault.
+    fn jump_unless(&mut self, test: Value, target: Label, region: RegionId, inner: bool) {
+        match self.condition(test, region, inner) {
+            Condition::Constant(true) => {}
+            Condition::Constant(false) => self.ops.push(Op::Jump { target }),
+            Condition::Choice(parts) => self.jump_unless_choice(test, parts, target, region),
+            Condition::Positive(a) => self.ops.push(Op::JumpUnlessPositive { a, target }),
+            Condition::Negative(a) => self.ops.push(Op::JumpUnlessNegative { a, target }),
+            Condition::Greater(a, b) => self.ops.push(Op::JumpUnlessGreater { a, b, target }),
+            Condition::Above(a, b) => self.ops.push(Op::JumpUnlessAbove { a, b, target }),
+            Condition::Below(a, b) => self.ops.push(Op::JumpUnlessBelow { a, b, target }),
+        }
+    }
+
+    /// Jumps if the test is positive.
+    fn jump_if(&mut self, test: Value, target: Label, region: RegionId, inner: bool) {
+        match self.condition(test, region, inner) {
+            Condition::Constant(true) => self.ops.push(Op::Jump { target }),
+            Condition::Constant(false) => {}
+            Condition::Choice(parts) => {
+                let end = self.label();
+                self.jump_unless_choice(test, parts, end, region);
+                self.ops.push(Op::Jump { target });
+                self.bind(end);
+            }
+            Condition::Positive(a) => self.ops.push(Op::JumpIfPositive { a, target }),
+            Condition::Negative(a) => self.ops.push(Op::JumpIfNegative { a, target }),
+            Condition::Greater(a, b) => self.ops.push(Op::JumpIfGreater { a, b, target }),
+            Condition::Above(a, b) => self.ops.push(Op::JumpIfAbove { a, b, target }),
+            Condition::Below(a, b) => self.ops.push(Op::JumpIfBelow { a, b, target }),
+        }
+    }
+
+    /// Jumps unless a choice between tests is positive: `and`, `or`, `not` and the like become jumps alone.
+    fn jump_unless_choice(&mut self, test: Value, parts: [Value; 3], target: Label, region: RegionId) {
+        let [first, then, otherwise] = parts;
+        let [then_region, else_region] = self.schedule.branches(test);
+        let is_true = |emitter: &Self, value| emitter.graph.as_constant(value).map(|number| number > 0.0);
+        if otherwise == first || is_true(self, otherwise) == Some(false) {
+            self.jump_unless(first, target, region, false);
+            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, true));
+        } else if then == first || is_true(self, then) == Some(true) {
+            let end = self.label();
+            self.jump_if(first, end, region, false);
+            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, true));
+            self.bind(end);
+        } else {
+            let (else_label, end) = (self.label(), self.label());
+            self.jump_unless(first, else_label, region, false);
+            self.within(then_region, |emitter| emitter.jump_unless(then, target, then_region, true));
+            self.ops.push(Op::Jump { target: end });
+            self.bind(else_label);
+            self.within(else_region, |emitter| emitter.jump_unless(otherwise, target, else_region, true));
+            self.bind(end);
+        }
+    }
+
+    fn tested(&mut self, test: Value, region: RegionId, inner: bool) -> Register {
+        let a = self.value(test, region);
+        if self.graph.is_tainted(test) || (inner && !self.graph.is_finite(test)) {
+            self.ops.push(Op::Check { a });
+        }
+        a
+    }
+
+    /// How a test is decided; what that needs is computed.
+    fn condition(&mut self, test: Value, region: RegionId, inner: bool) -> Condition {
+        match self.graph.node(test) {
+            Node::Constant(bits) => Condition::Constant(f64::from_bits(bits) > 0.0),
+            Node::If(first, then, otherwise) if self.schedule.form(test) == Form::Jump => {
+                Condition::Choice([first, then, otherwise])
+            }
+            Node::Negate(a) => Condition::Negative(self.tested(a, region, inner)),
+            Node::Binary(Operator::Subtract, a, b) => match self.against_number(test) {
+                Some((x, true, limit)) => Condition::Above(self.tested(x, region, inner), limit),
+                Some((x, false, limit)) => Condition::Below(self.tested(x, region, inner), limit),
+                None => {
+                    let a = self.tested(a, region, inner);
+                    Condition::Greater(a, self.tested(b, region, inner))
+                }
+            },
+            _ => Condition::Positive(self.tested(test, region, inner)),
+        }
+    }
+}
+
+/// From so many tests on, a chain is decided in one step.
+const SHORTEST_CHAIN: usize = 4;
+
+/// A chain of tests: the `if` with the value it chooses, and the number tested against.
+struct Tests {
+    subject: Value,
+    above: bool,
+    tests: Vec<((Value, Value), f64)>,
+    otherwise: Value,
+}
+
+/// What a jump depends on.
+enum Condition {
+    Constant(bool),
+    Choice([Value; 3]),
+    Positive(Register),
+    Negative(Register),
+    Greater(Register, Register),
+    /// The register is above the number.
+    Above(Register, f64),
+    Below(Register, f64),
+}
+
+/// Lets jumps to jumps go where those go.
+fn shorten(ops: &mut [Op]) {
+    for at in 0..ops.len() {
+        let mut op = ops[at];
+        let Some(target) = op.target() else { continue };
+        while let Some(Op::Jump { target: further }) = ops.get(*target as usize)
+            && *further > *target
+        {
+            *target = *further;
+        }
+        let ends = matches!(op, Op::Jump { target } if ops.get(target as usize) == Some(&Op::End));
+        ops[at] = if ends { Op::End } else { op };
+    }
+}

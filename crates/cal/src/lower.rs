@@ -1,0 +1,363 @@
+//! Definitions to a graph: functions are written out where they are called, variables once.
+//!
+//! Arguments are looked at only when they are used, as at run time, so a branch that constants rule out costs nothing and is
+//! never wrong. Recursion that constants do not end cannot be written out; such roots are left to the exact machine.
+
+use crate::bindings::{Bindings, Known};
+use crate::builtin::Builtin;
+use crate::graph::{DEEPEST, Graph, Node as GraphNode, Value};
+use crate::link::{highest_parameter, too_few_arguments, unknown};
+use crate::names::SymbolId;
+use crate::syntax::{Body, Callee, Expr, Node, Operator};
+use radsight_diag::{Diagnostic, Span};
+use std::collections::HashMap;
+
+/// The most expressions that are looked at for one program.
+const MOST_STEPS: usize = 400_000;
+/// The largest graph.
+const MOST_NODES: usize = 30_000;
+/// The deepest nesting, of expressions and calls together.
+const DEEPEST_NESTING: usize = 1200;
+/// The deepest nesting of calls.
+const DEEPEST_CALLS: usize = 200;
+/// The most arguments of `select` that become branches rather than a table.
+const MOST_BRANCHES: usize = 256;
+
+/// The root cannot be written as a graph, though it may be right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Beyond;
+
+type Lowered<T> = Result<T, Beyond>;
+
+/// Turns roots into values of a graph.
+pub(crate) struct Lowering<'a> {
+    known: &'a Known<'a>,
+    bindings: &'a Bindings<'a>,
+    pub(crate) graph: Graph,
+    /// `None` while a variable is being looked at.
+    variables: HashMap<SymbolId, Option<Value>>,
+    frames: Vec<Frame<'a>>,
+    steps: usize,
+    depth: usize,
+    /// What an evaluation could meet that is wrong.
+    pub(crate) problems: Vec<Diagnostic>,
+}
+
+struct Frame<'a> {
+    arguments: Vec<Slot<'a>>,
+    caller: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Slot<'a> {
+    Unseen(&'a Body, Node),
+    Seen(Value),
+}
+
+/// A function to call.
+#[derive(Clone, Copy)]
+enum Function {
+    Symbol(SymbolId),
+    Unknown,
+}
+
+impl<'a> Lowering<'a> {
+    pub(crate) fn new(known: &'a Known<'a>, bindings: &'a Bindings<'a>) -> Lowering<'a> {
+        Lowering {
+            known,
+            bindings,
+            graph: Graph::default(),
+            variables: HashMap::new(),
+            frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
+            steps: 0,
+            depth: 0,
+            problems: Vec::new(),
+        }
+    }
+
+    /// A root that is an expression.
+    pub(crate) fn expression(&mut self, body: &'a Body) -> Lowered<Value> {
+        let value = self.lower(body, body.root, 0);
+        self.end_root(value)
+    }
+
+    /// A root that is a function; its arguments come from the host.
+    pub(crate) fn function(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Lowered<Value> {
+        let arguments: Vec<_> = (0..arity).map(|index| Slot::Seen(self.graph.argument(index))).collect();
+        let value = self.call(symbol, arguments, 0, span);
+        self.end_root(value)
+    }
+
+    fn end_root(&mut self, value: Lowered<Value>) -> Lowered<Value> {
+        if value.is_err() {
+            self.frames.truncate(1);
+            self.variables.retain(|_, value| value.is_some());
+            self.depth = 0;
+        }
+        value
+    }
+
+    fn problem(&mut self, diagnostic: Diagnostic, span: Option<Span>) -> Value {
+        let diagnostic = span.into_iter().fold(diagnostic, Diagnostic::at);
+        if !self.problems.contains(&diagnostic) {
+            self.problems.push(diagnostic);
+        }
+        self.graph.fault()
+    }
+
+    fn lower(&mut self, body: &'a Body, node: Node, frame: usize) -> Lowered<Value> {
+        self.steps += 1;
+        self.depth += 1;
+        if self.steps > MOST_STEPS || self.depth > DEEPEST_NESTING || self.graph.len() > MOST_NODES {
+            return Err(Beyond);
+        }
+        let value = match body.expr(node) {
+            Expr::Number(value) => self.graph.constant(value),
+            Expr::Channel(channel) => self.channel(channel, body.span(node)),
+            Expr::Parameter(index) => self.parameter(usize::from(index), frame)?,
+            Expr::Variable(symbol) => self.variable(symbol, body.span(node))?,
+            Expr::Negate(inner) => {
+                let inner = self.lower(body, inner, frame)?;
+                self.graph.negate(inner)
+            }
+            Expr::Binary(operator, left, right) => self.binary(body, operator, left, right, frame)?,
+            Expr::Call { callee, first, count } => {
+                let function = match callee {
+                    Callee::Symbol(symbol) => Function::Symbol(symbol),
+                    Callee::Parameter(index) => self.resolve(usize::from(index), frame),
+                };
+                let arguments = body.arguments(first, count).iter().map(|&node| Slot::Unseen(body, node)).collect();
+                match function {
+                    Function::Symbol(symbol) => self.call(symbol, arguments, frame, body.span(node))?,
+                    Function::Unknown => self.problem(Diagnostic::error("argument is not a function"), body.span(node)),
+                }
+            }
+        };
+        self.depth -= 1;
+        if self.graph.depth(value) > DEEPEST { Err(Beyond) } else { Ok(value) }
+    }
+
+    fn binary(&mut self, body: &'a Body, operator: Operator, left: Node, right: Node, frame: usize) -> Lowered<Value> {
+        let left = self.lower(body, left, frame)?;
+        let right = self.lower(body, right, frame)?;
+        Ok(self.graph.binary(operator, left, right))
+    }
+
+    fn channel(&mut self, channel: u32, span: Option<Span>) -> Value {
+        if let Some(value) = self.bindings.constant_channel(channel) {
+            return self.graph.constant(value);
+        }
+        if self.bindings.highest_channel.is_some_and(|highest| channel > highest) {
+            return self.problem(self.bindings.no_such_channel(channel), span);
+        }
+        self.graph.channel(channel)
+    }
+
+    fn parameter(&mut self, index: usize, frame: usize) -> Lowered<Value> {
+        match self.frames[frame].arguments.get(index).copied() {
+            Some(Slot::Seen(value)) => Ok(value),
+            Some(Slot::Unseen(body, node)) => {
+                let caller = self.frames[frame].caller;
+                let value = self.lower(body, node, caller)?;
+                self.frames[frame].arguments[index] = Slot::Seen(value);
+                Ok(value)
+            }
+            // Missing arguments are found at the call.
+            None => Ok(self.graph.fault()),
+        }
+    }
+
+    fn variable(&mut self, symbol: SymbolId, span: Option<Span>) -> Lowered<Value> {
+        match self.variables.get(&symbol) {
+            Some(Some(value)) => return Ok(*value),
+            // It needs its own value, of an evaluation before.
+            Some(None) => return Err(Beyond),
+            None => {}
+        }
+        let Some(definition) = self.known.symbol(symbol).and_then(|symbol| symbol.variable()) else {
+            return Ok(match self.bindings.variable(self.known.bare_name(symbol)) {
+                Some(channel) => self.channel(channel, span),
+                None => self.problem(unknown(self.known, self.bindings, symbol, "variable"), span),
+            });
+        };
+        self.variables.insert(symbol, None);
+        let value = self.lower(&definition.body, definition.body.root, 0)?;
+        self.variables.insert(symbol, Some(value));
+        Ok(value)
+    }
+
+    /// The function that an argument stands for.
+    fn resolve(&self, mut index: usize, mut frame: usize) -> Function {
+        while let Some(Slot::Unseen(body, node)) = self.frames[frame].arguments.get(index) {
+            match body.expr(*node) {
+                Expr::Variable(symbol) => return Function::Symbol(symbol),
+                Expr::Parameter(outer) => (index, frame) = (usize::from(outer), self.frames[frame].caller),
+                _ => break,
+            }
+        }
+        Function::Unknown
+    }
+
+    fn call(&mut self, symbol: SymbolId, arguments: Vec<Slot<'a>>, frame: usize, span: Option<Span>) -> Lowered<Value> {
+        let known = self.known.symbol(symbol);
+        let count = arguments.len();
+        if self.frames.len() > DEEPEST_CALLS {
+            return Err(Beyond);
+        }
+        if let Some(definition) = known.and_then(|symbol| symbol.function()) {
+            if let Some(fault) = self.lacking(symbol, count, highest_parameter(&definition.body), span) {
+                return Ok(fault);
+            }
+            self.frames.push(Frame { arguments, caller: frame });
+            let value = self.lower(&definition.body, definition.body.root, self.frames.len() - 1)?;
+            self.frames.pop();
+            return Ok(value);
+        }
+        let host = self.bindings.function(self.known.bare_name(symbol));
+        let needed = match (known.and_then(|symbol| symbol.builtin), host) {
+            (Some(builtin), _) => builtin.arity(),
+            (None, Some((_, arity))) => arity,
+            (None, None) => return Ok(self.problem(unknown(self.known, self.bindings, symbol, "function"), span)),
+        };
+        if let Some(fault) = self.lacking(symbol, count, needed, span) {
+            return Ok(fault);
+        }
+        // A frame of its own, so that an argument is looked at once.
+        self.frames.push(Frame { arguments, caller: frame });
+        let own = self.frames.len() - 1;
+        let value = match (known.and_then(|symbol| symbol.builtin), host) {
+            (Some(builtin), _) => self.builtin(builtin, own, span)?,
+            (None, Some((function, arity))) => {
+                let values = (0..arity).map(|index| self.parameter(index, own)).collect::<Lowered<Vec<_>>>()?;
+                self.graph.host(function, values.into_boxed_slice())
+            }
+            (None, None) => self.graph.fault(),
+        };
+        self.frames.pop();
+        Ok(value)
+    }
+
+    fn lacking(&mut self, symbol: SymbolId, given: usize, needed: usize, span: Option<Span>) -> Option<Value> {
+        if given >= needed {
+            return None;
+        }
+        let problem = too_few_arguments(self.known.bare_name(symbol), given as u16, needed);
+        Some(self.problem(problem, span))
+    }
+
+    fn builtin(&mut self, builtin: Builtin, frame: usize, span: Option<Span>) -> Lowered<Value> {
+        match builtin {
+            Builtin::If => {
+                let test = self.parameter(0, frame)?;
+                if let Some(test) = self.graph.as_constant(test) {
+                    let value = self.parameter(if test > 0.0 { 1 } else { 2 }, frame)?;
+                    return Ok(self.graph.guarded(value));
+                }
+                let then = self.parameter(1, frame)?;
+                let otherwise = self.parameter(2, frame)?;
+                Ok(self.graph.choose(test, then, otherwise))
+            }
+            Builtin::Select => self.select(frame),
+            Builtin::Min | Builtin::Max => {
+                let mut value = self.parameter(0, frame)?;
+                for index in (1..self.frames[frame].arguments.len()).rev() {
+                    let next = self.parameter(index, frame)?;
+                    value = self.graph.extreme(builtin, value, next);
+                }
+                Ok(self.graph.guarded(value))
+            }
+            Builtin::Arg => self.real_argument(frame, span),
+            _ => {
+                let arguments: Lowered<Vec<Value>> =
+                    (0..builtin.arity()).map(|index| self.parameter(index, frame)).collect();
+                Ok(self.graph.function(builtin, &arguments?))
+            }
+        }
+    }
+
+    fn real_argument(&mut self, frame: usize, span: Option<Span>) -> Lowered<Value> {
+        let index = self.parameter(0, frame)?;
+        let given = self.bindings.real_arguments;
+        if let Some(number) = self.graph.as_constant(index) {
+            return Ok(match crate::machine::real_argument(given, number) {
+                Some(value) => self.graph.constant(value),
+                None => {
+                    let number = (number + 0.5).floor();
+                    let message = format!("real argument {number} is missing, {} given", given.len());
+                    self.problem(Diagnostic::error(message), span)
+                }
+            });
+        }
+        let entries = std::iter::once(given.len() as f64).chain(given.iter().copied());
+        Ok(self.graph.table(index, entries.collect()))
+    }
+
+    fn select(&mut self, frame: usize) -> Lowered<Value> {
+        let index = self.parameter(0, frame)?;
+        let count = self.frames[frame].arguments.len();
+        if let Some(number) = self.graph.as_constant(index) {
+            let choice = crate::builtin::truncated(number + 0.5);
+            return match usize::try_from(choice) {
+                Ok(0) if number >= -0.5 => Ok(self.graph.constant(count as f64 - 1.0)),
+                Ok(choice) if (1..count).contains(&choice) => {
+                    let value = self.parameter(choice, frame)?;
+                    Ok(self.graph.guarded(value))
+                }
+                _ => Ok(self.graph.fault()),
+            };
+        }
+        let mut values = Vec::with_capacity(count);
+        values.push(self.graph.constant(count as f64 - 1.0));
+        for choice in 1..count {
+            let value = self.parameter(choice, frame)?;
+            values.push(self.graph.guarded(value));
+        }
+        let numbers: Option<Box<[f64]>> = values.iter().map(|&value| self.graph.as_constant(value)).collect();
+        if let Some(numbers) = numbers {
+            return Ok(self.graph.table(index, numbers));
+        }
+        if count > MOST_BRANCHES {
+            return Err(Beyond);
+        }
+        let half = self.graph.constant(0.5);
+        let shifted = self.graph.binary(Operator::Add, index, half);
+        // Outside are faults: below −0.5, and from the number of arguments up.
+        let fault = self.graph.fault();
+        let chosen = self.branch(shifted, &values, 0);
+        let end = self.graph.constant(count as f64);
+        let below_end = self.graph.binary(Operator::Subtract, end, shifted);
+        let bounded = self.graph.choose(below_end, chosen, fault);
+        let below = self.graph.negate(shifted);
+        Ok(self.graph.choose(below, fault, bounded))
+    }
+
+    /// The value whose index, counted from `first`, is the whole part of `shifted`.
+    fn branch(&mut self, shifted: Value, values: &[Value], first: usize) -> Value {
+        if let [only] = values {
+            return *only;
+        }
+        let (low, high) = values.split_at(values.len() / 2);
+        let middle = self.graph.constant((first + low.len()) as f64);
+        let below = self.graph.binary(Operator::Subtract, middle, shifted);
+        let (then, otherwise) = (self.branch(shifted, low, first), self.branch(shifted, high, first + low.len()));
+        if then == otherwise { then } else { self.graph.choose(below, then, otherwise) }
+    }
+
+    /// The channels that the values of some roots depend on.
+    pub(crate) fn channels(&self, roots: &[Value]) -> Vec<u32> {
+        let mut reached = vec![false; self.graph.len()];
+        roots.iter().for_each(|&root| reached[root as usize] = true);
+        let mut channels = Vec::new();
+        for value in (0..self.graph.len()).rev() {
+            if reached[value] {
+                let node = self.graph.node(value as Value);
+                self.graph.operands(node, |operand| reached[operand as usize] = true);
+                if let GraphNode::Channel(channel) = node {
+                    channels.push(channel);
+                }
+            }
+        }
+        channels.sort_unstable();
+        channels
+    }
+}
