@@ -122,7 +122,7 @@ impl DirectSampler {
         expected: f64,
     ) -> [f64; BANDS] {
         let dark = [0.0; BANDS];
-        let Some(sample) = light.form.sample(self.point, u[0], u[1]) else { return dark };
+        let Some(sample) = light.sample(self.point, u[0], u[1]) else { return dark };
         if sample.distance > light.max_distance {
             return dark;
         }

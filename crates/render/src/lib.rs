@@ -10,6 +10,7 @@
 mod compile;
 mod direct;
 mod geometry;
+mod lens;
 mod light;
 mod lighting;
 mod options;

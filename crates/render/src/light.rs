@@ -1,12 +1,13 @@
 //! Light sources with their true extent: places on them, drawn by area or by solid angle.
 
 use crate::geometry;
+use crate::lens::Overlap;
 use crate::ray::{PrimitiveId, Ray};
 use earcut::Earcut;
 use glam::DVec3;
 use radsight_ir::{Facing, Scene, Shape, SurfaceHandle};
 use radsight_sampling::unit_disk;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Index of a light in the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +39,9 @@ pub(crate) struct LightCone {
     pub(crate) axis: DVec3,
     pub(crate) half_angle: f64,
 }
+
+/// A cosine of two axes above this is one axis.
+const PARALLEL: f64 = 1.0 - 1e-12;
 
 /// A plane mirror that relays a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -328,9 +332,68 @@ fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
 }
 
 impl Light {
-    /// Whether nothing of it can reach a point: beyond its radius, behind its plane, or outside its cone.
+    /// A place of the light that is lit towards `receiver`, from a point of the unit square.
+    #[inline]
+    pub(crate) fn sample(&self, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
+        let Some((center, normal, radius)) = self.clipped_disk() else { return self.form.sample(receiver, u, v) };
+        let (overlap, height, away) = self.lit_part(center, normal, radius, receiver);
+        match overlap {
+            Overlap::None => None,
+            Overlap::Whole => self.form.sample(receiver, u, v),
+            Overlap::Part(lens) => {
+                let (along, across) = lens.point(u, v);
+                let point = center + away * along + normal.cross(away) * across;
+                let offset = point - receiver;
+                let squared = offset.length_squared();
+                let distance = squared.sqrt();
+                let density = squared * distance / (lens.area() * height);
+                Some(LightSample { direction: offset / distance, distance, density, normal })
+            }
+        }
+    }
+
+    /// The density with which [`Light::sample`] would find a place of it that is `distance` away and seen under `cosine`, 1/sr.
+    pub(crate) fn density(&self, receiver: DVec3, distance: f64, cosine: f64) -> f64 {
+        if let Some((center, normal, radius)) = self.clipped_disk()
+            && let (Overlap::Part(lens), ..) = self.lit_part(center, normal, radius, receiver)
+        {
+            return distance * distance / (lens.area() * cosine);
+        }
+        self.form.density(receiver, distance, cosine)
+    }
+
+    /// Centre, normal and radius of a disk that shines in a cone about its normal.
+    #[inline]
+    fn clipped_disk(&self) -> Option<(DVec3, DVec3, f64)> {
+        match (&self.cone, &self.form) {
+            (Some(cone), LightForm::Disk { center, normal, inner_squared, outer_squared, .. })
+                if *inner_squared == 0.0 && cone.half_angle < FRAC_PI_2 && cone.axis.dot(*normal) > PARALLEL =>
+            {
+                Some((*center, *normal, outer_squared.sqrt()))
+            }
+            _ => None,
+        }
+    }
+
+    /// The part of such a disk whose cones reach the receiver, the receiver's height over the disk's plane, and the unit direction in
+    /// that plane that leads away from the receiver.
+    fn lit_part(&self, center: DVec3, normal: DVec3, radius: f64, receiver: DVec3) -> (Overlap, f64, DVec3) {
+        let from_center = receiver - center;
+        let height = from_center.dot(normal);
+        let beside = from_center - normal * height;
+        let offset = beside.length();
+        let reach = height * self.cone.map_or(0.0, |cone| cone.half_angle.tan());
+        let away = if offset > 0.0 { -beside / offset } else { normal.any_orthonormal_vector() };
+        let overlap = if height > 0.0 { Overlap::new(radius, reach, offset) } else { Overlap::None };
+        (overlap, height, away)
+    }
+
+    /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.
     #[inline]
     pub(crate) fn misses(&self, receiver: DVec3) -> bool {
+        if self.mirrors.first().is_some_and(|mirror| mirror.normal.dot(receiver - mirror.point) <= 0.0) {
+            return true;
+        }
         let Some(cone) = &self.cone else { return self.shows_its_back(receiver) };
         if self.radius.is_infinite() {
             return false;

@@ -107,6 +107,24 @@ impl RenderPlan {
         &self.decisions
     }
 
+    /// How many surfaces a ray can meet.
+    #[must_use]
+    pub fn surface_count(&self) -> usize {
+        self.geometry.len() + self.sky.len()
+    }
+
+    /// Whether any surface emits.
+    #[must_use]
+    pub fn has_emitters(&self) -> bool {
+        self.scene.surfaces.iter().any(|(handle, _)| matches!(self.shader(handle).kind, Kind::Emitter(_)))
+    }
+
+    /// Centre and radius of a sphere around all surfaces that have a place, scene units.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> (glam::DVec3, f64) {
+        self.geometry.bounding_sphere()
+    }
+
     /// How many sampled lights there are, images in mirrors included.
     #[must_use]
     pub fn light_count(&self) -> usize {

@@ -496,7 +496,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             return focal;
         }
         let cosine = if matches!(light.form, LightForm::Distant { .. }) { 1.0 } else { cosine };
-        let other = light.form.density(link.receiver, length, cosine) * self.selection(link, id);
+        let other = light.density(link.receiver, length, cosine) * self.selection(link, id);
         focal * link.density / (link.density + other)
     }
 

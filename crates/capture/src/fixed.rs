@@ -1,0 +1,53 @@
+//! The same number of rays for every pixel.
+
+use crate::{Exposure, Progress};
+use radsight_pinhole::{BandWeights, CameraRay, PixelAverage, Rays};
+use radsight_render::{Ray, RayWorker, Renderer};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Pixels that a thread takes at a time.
+const CHUNK: usize = 64;
+
+/// Exposes every pixel with the rays of `rays`.
+#[must_use]
+pub fn expose_with_samples(
+    renderer: &Renderer,
+    rays: &Rays,
+    weights: &BandWeights,
+    progress: &dyn Progress,
+) -> Exposure {
+    let camera = rays.camera();
+    let pixels = camera.pixel_count();
+    let mut values = vec![0.0; pixels as usize];
+    let done = AtomicU64::new(0);
+    values.par_chunks_mut(CHUNK).enumerate().for_each_init(
+        || renderer.worker(),
+        |worker, (chunk, values)| {
+            for (pixel, value) in ((chunk * CHUNK) as u64..).zip(values.iter_mut()) {
+                let mut average = PixelAverage::default();
+                for sample in 0..rays.samples() {
+                    let index = pixel * u64::from(rays.samples()) + u64::from(sample);
+                    let ray = rays.of_sample(pixel, sample);
+                    average.add(ray.cos4, radiance(worker, index, &ray, weights));
+                }
+                *value = average.exposure(camera);
+            }
+            let before = done.fetch_add(values.len() as u64, Ordering::Relaxed);
+            progress.report(before + values.len() as u64, pixels);
+        },
+    );
+    Exposure { values, rays: rays.count(), estimated_error: None }
+}
+
+/// The radiance of ray number `index`, bands added up.
+#[inline]
+pub(crate) fn radiance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay, weights: &BandWeights) -> f64 {
+    match Ray::new(ray.origin, ray.direction) {
+        Some(ray) => {
+            let value = worker.trace(index, &ray).value;
+            weights.combine(&value[..weights.as_slice().len().min(3)])
+        }
+        None => 0.0,
+    }
+}

@@ -1,0 +1,44 @@
+//! Exposes the pixels of a camera to a scene: with a fixed number of rays a pixel, or with as many as an asked error needs.
+//!
+//! With fixed samples the result is, bit for bit, what `pinhole rays | rtrace | pinhole average` gives: the same rays with the
+//! same numbers through the same average. Results do not depend on the number of threads. Knows neither files nor sensors.
+#![forbid(unsafe_code)]
+
+mod adaptive;
+mod fixed;
+
+pub use adaptive::{MAX_SAMPLES, expose_to_error};
+pub use fixed::expose_with_samples;
+
+/// The exposed picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exposure {
+    /// E_pixel in J/m², in scanline order from the top left.
+    pub values: Vec<f64>,
+    /// Rays that were traced from the camera.
+    pub rays: u64,
+    /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
+    pub estimated_error: Option<f64>,
+}
+
+impl Exposure {
+    /// Mean exposure, J/m².
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len().max(1) as f64
+    }
+}
+
+/// Hears how far the work is.
+pub trait Progress: Sync {
+    /// `done` of `total` steps; `total` may grow.
+    fn report(&self, done: u64, total: u64);
+}
+
+/// Says nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn report(&self, _done: u64, _total: u64) {}
+}

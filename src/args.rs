@@ -1,0 +1,185 @@
+//! The command line, as typed.
+
+use clap::{Args, Parser, Subcommand};
+
+/// Takes Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
+#[derive(Debug, Parser)]
+#[command(name = "radsight", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+pub(crate) struct Program {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 done, 1 the input was wrong, 2 the command line was wrong, 3 a limit or fault stopped the work.
+Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror relays of a light, 2), -bv+/-bv-.
+Called as `radsight rtrace …`, or through a link named rtrace, it is that Radiance program.";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Captures the grey picture that the camera would give: all stages in one process
+    Capture(Capture),
+    /// Reads and checks scenes: all errors, with carets
+    Check(Check),
+    /// Says what a capture of this scene computes, and what it skips and why
+    Explain(Explain),
+    /// The pinhole alone: rays for any rtrace, and the average of what comes back
+    #[command(subcommand)]
+    Pinhole(Pinhole),
+    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output
+    Sensor(Sensor),
+    /// Prints the light ring of a camera file as Radiance scene text
+    Rig(Rig),
+    /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
+    Calibrate(Calibrate),
+    /// Makes links named after Radiance's programs
+    InstallLinks(InstallLinks),
+}
+
+/// How scenes are read.
+#[derive(Args, Debug, Clone)]
+pub(crate) struct Reading {
+    /// Run `!` commands that are not known in process through a shell
+    #[arg(long)]
+    pub(crate) allow_commands: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Capture {
+    /// Camera file
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+    /// Scene files in Radiance's format, or - for standard input
+    #[arg(value_name = "SCENE.rad", required = true)]
+    pub(crate) scenes: Vec<String>,
+    /// Grey picture
+    #[arg(short, long, value_name = "OUT.png", required_unless_present = "exposure")]
+    pub(crate) output: Option<String>,
+    /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) exposure: Option<String>,
+    /// Stop when the estimated rms error over the pixels is this share of the mean exposure [default: 0.005]
+    #[arg(long, value_name = "E", conflicts_with = "samples")]
+    pub(crate) error: Option<f64>,
+    /// Rays a pixel, instead of an error; a power of two converges fastest
+    #[arg(long, value_name = "N")]
+    pub(crate) samples: Option<u32>,
+    /// Chooses the sample sequence and the sensor's noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Threads [default: one for each processor]
+    #[arg(long)]
+    pub(crate) threads: Option<usize>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Check {
+    /// Scene files, or - for standard input
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scenes: Vec<String>,
+    /// Warnings count as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Explain {
+    /// Camera file
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+    /// Scene files, or - for standard input
+    #[arg(value_name = "SCENE.rad", required = true)]
+    pub(crate) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+}
+
+/// Rays of a camera.
+#[derive(Args, Debug)]
+pub(crate) struct CameraRays {
+    /// Camera file
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+    /// Rays a pixel
+    #[arg(long, value_name = "N")]
+    pub(crate) samples: u32,
+    /// Chooses the sample sequence
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Numbers in the stream: d native doubles, f native floats, a text
+    #[arg(short = 'f', value_name = "a|f|d", default_value = "d")]
+    pub(crate) format: String,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Pinhole {
+    /// Rays over pixel × pinhole for any rtrace: origin and direction, scanline order, the rays of a pixel together
+    Rays(CameraRays),
+    /// The exposure (a float matrix in J/m²) from the radiances that rtrace returned for those rays
+    Average(Average),
+    /// The paper's method: pictures from several pinhole positions, moved by whole pixels and weighted by area
+    Shift(Shift),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Average {
+    #[command(flatten)]
+    pub(crate) rays: CameraRays,
+    /// Values a ray in the stream: 3 as rtrace gives them, or 1
+    #[arg(long, default_value_t = 3)]
+    pub(crate) bands: usize,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Shift {
+    /// Camera file
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+    /// Radiance pictures, one for each position in the order of --views; the exposure goes to standard output
+    #[arg(value_name = "PIC")]
+    pub(crate) pictures: Vec<String>,
+    /// Pixels between neighbouring positions
+    #[arg(long, default_value_t = 1)]
+    pub(crate) step: u32,
+    /// Print the view options and picture size of each position instead
+    #[arg(long, conflicts_with = "pictures")]
+    pub(crate) views: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Sensor {
+    /// Camera file with a [sensor]
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+    /// Chooses the sensor's noise
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Rig {
+    /// Camera file with a [rig]
+    #[arg(value_name = "CAMERA.toml")]
+    pub(crate) camera: String,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Calibrate {
+    /// Two columns: exposure, grey value
+    #[arg(value_name = "DATA.csv")]
+    pub(crate) data: String,
+    /// Unit of the exposures
+    #[arg(long, default_value = "uJ/cm2")]
+    pub(crate) unit: String,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct InstallLinks {
+    /// Folder for the links
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: String,
+}

@@ -1,0 +1,38 @@
+//! `radsight calibrate`: sensor parameters from measured pairs.
+
+use crate::args::Calibrate;
+use crate::failure::{Failure, Outcome};
+use crate::input::read_file;
+use crate::output::write_standard_output;
+use radsight_camera::read_measurements;
+use radsight_diag::SourceMap;
+use radsight_sensor::ExposureUnit;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Calibrate) -> Outcome {
+    let unit = ExposureUnit::from_name(&arguments.unit).ok_or_else(|| {
+        Failure::usage(format!("option \"--unit\" is \"{}\", expected uJ/cm2, J/m2, …", arguments.unit))
+    })?;
+    let bytes = read_file(&arguments.data, "table")?;
+    let mut sources = SourceMap::default();
+    let source = sources.add(&arguments.data, bytes, None);
+    let pairs = read_measurements(source, &sources).map_err(|errors| Failure::diagnostics(&errors, &sources))?;
+    let fit = radsight_sensor::calibrate::calibrate(&pairs, unit)
+        .map_err(|error| Failure::input(format!("\"{}\": {error}", arguments.data)))?;
+    let mut text = format!(
+        "[sensor]\nresponse = \"power-law\"\nk = {}\ngamma = {}\ngrey_background = {}\n",
+        fit.k, fit.gamma, fit.grey_background
+    );
+    match fit.grey_max {
+        Some(grey_max) => text.push_str(&format!("grey_max = {grey_max}\n")),
+        None => text.push_str("# grey_max: the data do not reach saturation\n"),
+    }
+    text.push_str(&format!(
+        "exposure_unit = \"{}\"\n# {} pairs, {} of them saturated; rms residual {:.3} grey levels\n",
+        unit.name(),
+        pairs.len(),
+        fit.saturated,
+        fit.rms_residual
+    ));
+    write_standard_output(text.as_bytes())
+}

@@ -1,0 +1,142 @@
+//! `radsight capture`: camera and scene in, grey picture out.
+
+use crate::args::Capture;
+use crate::disk::Commands;
+use crate::failure::{Failure, Outcome};
+use crate::input::{history, plan, read_camera, use_threads};
+use crate::output::{check_writable, write_file};
+use crate::progress::Bar;
+use radsight_camera::CameraFile;
+use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
+use radsight_picture::{FileFormat, Header, Image, write_image, write_png_grey8, write_png_grey16};
+use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
+use radsight_render::{RenderOptions, RenderPlan, Renderer};
+use radsight_sensor::Sensor;
+
+/// Error that is asked for when nothing is said.
+const DEFAULT_ERROR: f64 = 0.005;
+
+/// Diffraction is mentioned when the pinhole's Fresnel number is below this.
+const DIFFRACTION_MATTERS: f64 = 3.0;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
+    check_effort(arguments)?;
+    use_threads(arguments.threads)?;
+    let camera = read_camera(&arguments.camera)?;
+    let sensor = sensor_for(arguments, &camera)?;
+    for path in [&arguments.output, &arguments.exposure].into_iter().flatten() {
+        check_writable(path)?;
+    }
+    let commands = if arguments.reading.allow_commands { Commands::Allowed } else { Commands::Refused };
+    let options = RenderOptions { seed: arguments.seed, ..render };
+    let plan = plan(&arguments.scenes, Some(&camera), commands, options)?;
+    check_scene(&plan)?;
+    say_what_matters(&plan, &camera.camera);
+    let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
+    let renderer = Renderer::new(plan);
+    let bar = Bar::new("capturing");
+    let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
+    let exposure = match arguments.samples {
+        Some(_) => expose_with_samples(&renderer, &rays, &weights, &bar),
+        None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
+    };
+    bar.finish();
+    say_result(&exposure, arguments);
+    write(arguments, &camera.camera, sensor, &exposure)
+}
+
+fn check_effort(arguments: &Capture) -> Outcome {
+    if arguments.samples == Some(0) {
+        return Err(Failure::usage("option \"--samples\" is 0, expected at least 1"));
+    }
+    match arguments.error {
+        Some(error) if !(error.is_finite() && error > 0.0) => {
+            Err(Failure::usage(format!("option \"--error\" is {error}, expected a share above 0, such as 0.005")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The sensor, if a grey picture is wanted.
+fn sensor_for<'c>(arguments: &Capture, camera: &'c CameraFile) -> Result<Option<&'c Sensor>, Failure> {
+    match (&arguments.output, &camera.sensor) {
+        (None, _) => Ok(None),
+        (Some(_), Some(sensor)) => Ok(Some(sensor)),
+        (Some(_), None) => Err(Failure::input(format!(
+            "\"{}\" has no [sensor], expected one for a grey picture (or only --exposure)",
+            arguments.camera
+        ))),
+    }
+}
+
+fn check_scene(plan: &RenderPlan) -> Outcome {
+    if plan.surface_count() == 0 {
+        return Err(Failure::input("the scene is empty: nothing that a ray could hit"));
+    }
+    if !plan.has_emitters() {
+        return Err(Failure::input("the scene has no light: nothing in it emits, and the camera file has no [rig]"));
+    }
+    Ok(())
+}
+
+fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
+    if plan.leaves_out_interreflection() {
+        eprintln!("radsight: note: light between diffuse surfaces is left out (-ab 0); -ab 8 follows it");
+    }
+    let (center, _) = plan.bounding_sphere();
+    let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
+    if camera.pinhole_model() == PinholeModel::Finite
+        && let Some(number) = fresnel_number(camera, distance)
+        && number < DIFFRACTION_MATTERS
+    {
+        eprintln!(
+            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction widens the image more than geometry says"
+        );
+    }
+}
+
+fn say_result(exposure: &Exposure, arguments: &Capture) {
+    let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
+    if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
+        eprintln!(
+            "radsight: note: the estimated error is {:.3} %, more than asked; no pixel takes more rays",
+            100.0 * error
+        );
+    }
+}
+
+fn write(arguments: &Capture, camera: &PinholeCamera, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
+    let header = history();
+    let image = exposure_image(camera, &exposure.values)?;
+    if let Some(path) = &arguments.exposure {
+        let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
+        let bytes = write_image(format, &header, &image).map_err(|error| Failure::fault(error.to_string()))?;
+        write_file(path, &bytes)?;
+    }
+    match (&arguments.output, sensor) {
+        (Some(path), Some(sensor)) => write_file(path, &grey_png(sensor, &image, arguments.seed, &header)?),
+        _ => Ok(()),
+    }
+}
+
+/// The exposure as it is stored: in single precision.
+pub(crate) fn exposure_image(camera: &PinholeCamera, values: &[f64]) -> Result<Image<f32>, Failure> {
+    let data = values.iter().map(|value| *value as f32).collect();
+    Image::new(camera.columns() as usize, camera.rows() as usize, 1, data)
+        .map_err(|error| Failure::fault(error.to_string()))
+}
+
+/// The grey picture of a stored exposure.
+pub(crate) fn grey_png(sensor: &Sensor, exposure: &Image<f32>, seed: u64, header: &Header) -> Result<Vec<u8>, Failure> {
+    let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
+    let greys = sensor.greys(&exposures, seed);
+    let (width, height) = (exposure.width(), exposure.height());
+    let written = if sensor.bits().bits() <= 8 {
+        let greys = greys.into_iter().map(|grey| grey.min(255) as u8).collect();
+        Image::new(width, height, 1, greys).and_then(|image| write_png_grey8(&image, Some(header)))
+    } else {
+        Image::new(width, height, 1, greys).and_then(|image| write_png_grey16(&image, Some(header)))
+    };
+    written.map_err(|error| Failure::fault(error.to_string()))
+}

@@ -1,0 +1,32 @@
+//! `radsight check`: every mistake of a scene.
+
+use crate::args::Check;
+use crate::disk::Commands;
+use crate::failure::{Failure, Outcome, render};
+use crate::input::{read, scene_inputs};
+use radsight_diag::{Diagnostic, Severity};
+use radsight_parse::{Read, ReadOptions, UnusedModifiers};
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Check) -> Outcome {
+    let commands = if arguments.reading.allow_commands { Commands::Allowed } else { Commands::Refused };
+    let options = ReadOptions { unused: UnusedModifiers::Lower, ..ReadOptions::default() };
+    let Read { scene, sources, mut diagnostics, .. } = read(scene_inputs(&arguments.scenes, None)?, commands, &options);
+    let surfaces = scene.surfaces.len();
+    let modifiers = scene.modifiers.len();
+    match scene.validate() {
+        Ok(valid) => diagnostics.extend(valid.warnings),
+        Err(errors) => diagnostics.extend(errors),
+    }
+    let fails = |found: &Diagnostic| match found.severity {
+        Severity::Error => true,
+        Severity::Warning => arguments.strict,
+        Severity::Note => false,
+    };
+    if diagnostics.iter().any(fails) {
+        return Err(Failure::diagnostics(&diagnostics, &sources));
+    }
+    eprint!("{}", render(&diagnostics, &sources));
+    println!("{surfaces} surfaces, {modifiers} modifiers: no error");
+    Ok(())
+}

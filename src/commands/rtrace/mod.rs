@@ -1,0 +1,87 @@
+//! `rtrace`: rays on standard input, what they meet on standard output.
+
+mod options;
+mod rays;
+mod record;
+
+use crate::disk::Commands;
+use crate::failure::{Failure, Outcome};
+use crate::input::{history, plan, use_threads};
+use options::Options;
+use radsight_ir::ValidScene;
+use radsight_render::{Ray, Renderer, Traced};
+use rayon::prelude::*;
+use rays::{InputRay, RayReader};
+use record::Writer;
+use std::io::{self, BufWriter, Write};
+
+/// Rays that are traced at a time: enough for all threads, small enough to stream.
+const RAYS_AT_A_TIME: usize = 1 << 15;
+
+/// Rays that one thread takes at a time.
+const CHUNK: usize = 512;
+
+/// Runs the program.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let options = Options::parse(words)?;
+    use_threads(options.threads)?;
+    let commands = if options.allow_commands { Commands::Allowed } else { Commands::Refused };
+    let renderer = Renderer::new(plan(&options.scenes, None, commands, options.render.clone())?);
+    let failed = |error: io::Error| Failure::write("standard output", &error);
+    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    let writer = Writer::new(&options.output, options.output_format);
+    if options.header {
+        out.write_all(&header(&writer)).map_err(failed)?;
+    }
+    let mut reader = RayReader::new(io::stdin().lock(), options.input_format);
+    let mut rays = Vec::new();
+    let mut first_index = 0;
+    let mut bytes = Vec::new();
+    loop {
+        // A wrong ray ends the stream; the rays before it are answered first.
+        let ended = reader.read(if options.unbuffered { 1 } else { RAYS_AT_A_TIME }, &mut rays);
+        let traced = trace(&renderer, first_index, &rays);
+        first_index += rays.len() as u64;
+        bytes.clear();
+        for (ray, traced) in rays.iter().zip(traced) {
+            writer.write(renderer.plan().scene(), ray, traced.as_ref(), &mut bytes);
+        }
+        out.write_all(&bytes).map_err(failed)?;
+        if options.unbuffered || rays.iter().any(|ray| ray.ray.is_none()) {
+            out.flush().map_err(failed)?;
+        }
+        ended?;
+        if rays.is_empty() {
+            return out.flush().map_err(failed);
+        }
+    }
+}
+
+fn trace(renderer: &Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Option<Traced>> {
+    rays.par_chunks(CHUNK)
+        .enumerate()
+        .map_init(
+            || renderer.worker(),
+            |worker, (chunk, rays)| {
+                let first = first_index + (chunk * CHUNK) as u64;
+                let trace = |(ray, index): (&InputRay, u64)| ray.ray.map(|ray: Ray| worker.trace(index, &ray));
+                rays.iter().zip(first..).map(trace).collect::<Vec<_>>()
+            },
+        )
+        .flatten_iter()
+        .collect()
+}
+
+fn header(writer: &Writer<'_>) -> Vec<u8> {
+    let mut header = history();
+    header.push_variable("SOFTWARE", concat!("radsight ", env!("CARGO_PKG_VERSION")));
+    header.push_variable("NCOMP", &writer.numbers().to_string());
+    if cfg!(target_endian = "big") && !writer.is_text() {
+        header.push_variable("BigEndian", "1");
+    }
+    header.push_variable("FORMAT", writer.format_name());
+    header.to_bytes()
+}
+
+/// The scene that names are looked up in.
+type Scene = ValidScene;

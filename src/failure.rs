@@ -1,0 +1,113 @@
+//! How the program ends when it cannot do what was asked.
+
+use radsight_diag::{Diagnostic, Severity, SourceMap};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// What a command gives.
+pub(crate) type Outcome = Result<(), Failure>;
+
+/// Why the work stopped, with the exit code that says so.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    kind: FailureKind,
+    message: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FailureKind {
+    /// Nothing is wrong: help was asked for, or the reader of our output went away.
+    Success,
+    /// Exit code 1.
+    Input,
+    /// Exit code 2.
+    Usage,
+    /// Exit code 3.
+    Fault,
+}
+
+/// Messages that are printed of one kind; the rest are counted.
+const MOST_MESSAGES: usize = 20;
+
+impl Failure {
+    /// The input is wrong.
+    pub(crate) fn input(message: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Input, message: with_prefix(&message.into()) }
+    }
+
+    /// The command line is wrong.
+    pub(crate) fn usage(message: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Usage, message: with_prefix(&message.into()) }
+    }
+
+    /// A limit or a fault stopped the work.
+    pub(crate) fn fault(message: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Fault, message: with_prefix(&message.into()) }
+    }
+
+    /// What the argument parser says; help and version are no failure.
+    pub(crate) fn from_clap(error: clap::Error) -> Failure {
+        if error.use_stderr() {
+            return Failure { kind: FailureKind::Usage, message: error.to_string() };
+        }
+        let _ = error.print();
+        Failure { kind: FailureKind::Success, message: String::new() }
+    }
+
+    /// Diagnostics about input, all of them.
+    pub(crate) fn diagnostics(diagnostics: &[Diagnostic], sources: &SourceMap) -> Failure {
+        Failure { kind: FailureKind::Input, message: render(diagnostics, sources) }
+    }
+
+    /// A write that failed. A reader that went away is success.
+    pub(crate) fn write(what: &str, error: &io::Error) -> Failure {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Failure { kind: FailureKind::Success, message: String::new() };
+        }
+        Failure::fault(format!("cannot write {what}: {}", reason(error)))
+    }
+
+    /// Prints the message and gives the exit code.
+    pub(crate) fn report(self) -> ExitCode {
+        if !self.message.is_empty() {
+            let _ = io::stderr().write_all(self.message.as_bytes());
+        }
+        ExitCode::from(match self.kind {
+            FailureKind::Success => 0,
+            FailureKind::Input => 1,
+            FailureKind::Usage => 2,
+            FailureKind::Fault => 3,
+        })
+    }
+}
+
+fn with_prefix(message: &str) -> String {
+    format!("radsight: {}\n", message.trim_end())
+}
+
+/// The system's words for an error, without its number.
+pub(crate) fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+/// Diagnostics as text, the most serious ones kept when there are too many.
+pub(crate) fn render(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+    let mut text = String::new();
+    for severity in [Severity::Error, Severity::Warning, Severity::Note] {
+        let of_kind: Vec<&Diagnostic> = diagnostics.iter().filter(|found| found.severity == severity).collect();
+        for diagnostic in of_kind.iter().take(MOST_MESSAGES) {
+            text.push_str(&diagnostic.render(sources));
+        }
+        if of_kind.len() > MOST_MESSAGES {
+            let more = of_kind.len() - MOST_MESSAGES;
+            let word = match severity {
+                Severity::Error => "errors",
+                Severity::Warning => "warnings",
+                Severity::Note => "notes",
+            };
+            text.push_str(&format!("and {more} more {word}\n"));
+        }
+    }
+    text
+}
