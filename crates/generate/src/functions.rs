@@ -84,10 +84,15 @@ impl Functions {
 
     /// The value of an expression with the definitions so far.
     pub(crate) fn number(&mut self, text: &str, name: &str, argument: usize) -> Result<f64, Error> {
+        let handle = self.expression(text, name, argument)?;
+        self.value(handle, &[], &NoHost)
+    }
+
+    /// An expression to be evaluated later, with the definitions of then.
+    pub(crate) fn expression(&mut self, text: &str, name: &str, argument: usize) -> Result<Handle, Error> {
         let source = self.sources.add(name, text.as_bytes(), None);
         let handle = self.environment.expression(source, text.as_bytes());
-        let handle = handle.map_err(|problem| self.error(&[problem], Some(argument)))?;
-        self.value(handle, &[], &NoHost)
+        handle.map_err(|problem| self.error(&[problem], Some(argument)))
     }
 
     /// The value of something defined.

@@ -20,8 +20,10 @@
 
 mod arguments;
 mod cat;
+mod cnt;
 mod echo;
 mod error;
+mod ev;
 mod facets;
 mod functions;
 mod genbeads;
@@ -35,14 +37,21 @@ mod gensky;
 mod gensurf;
 mod genworm;
 mod grid_data;
+mod matching;
 mod number_text;
 mod perez;
 mod pipeline;
+mod rcalc;
+mod record_format;
+mod record_output;
+mod records;
 mod replmarks;
 mod scene_words;
 pub mod shell_words;
 mod sun;
 mod text;
+mod total;
+mod zcat;
 
 pub use error::Error;
 pub use pipeline::{PipelineError, pipeline};
@@ -84,7 +93,9 @@ type Program = fn(&Invocation<'_>) -> Result<Output, Error>;
 /// Sorted by name.
 const PROGRAMS: &[(&str, Program)] = &[
     ("cat", cat::run),
+    ("cnt", cnt::run),
     ("echo", echo::run),
+    ("ev", ev::run),
     ("genbeads", genbeads::run),
     ("genblinds", genblinds::run),
     ("genbox", genbox::run),
@@ -95,7 +106,10 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("gensky", gensky::run),
     ("gensurf", gensurf::run),
     ("genworm", genworm::run),
+    ("rcalc", rcalc::run),
     ("replmarks", replmarks::run),
+    ("total", total::run),
+    ("zcat", zcat::run),
 ];
 
 /// The names of all programs that [`run`] has, sorted.

@@ -16,6 +16,11 @@ impl Text {
         self.bytes
     }
 
+    /// Bytes so far.
+    pub(crate) fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// Appends bytes that need not be UTF-8.
     pub(crate) fn push_bytes(&mut self, bytes: &[u8]) -> fmt::Result {
         if bytes.len() > MAX_OUTPUT_BYTES - self.bytes.len() {

@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use std::collections::HashMap;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -54,15 +54,31 @@ impl Radiance {
         let mut pipe = child.stdin.take().expect("a pipe");
         let bytes = standard_input.to_vec();
         let writer = std::thread::spawn(move || drop(pipe.write_all(&bytes)));
-        let output = child.wait_with_output().expect("the real program ends");
+        let mut errors = child.stderr.take().expect("a pipe");
+        let listener = std::thread::spawn(move || {
+            let mut text = Vec::new();
+            errors.read_to_end(&mut text).map(|_| text).unwrap_or_default()
+        });
+        // Some inputs keep the real program writing for ever.
+        let mut output = Vec::new();
+        let limited = child.stdout.take().expect("a pipe").take(LONGEST_OUTPUT).read_to_end(&mut output);
+        limited.expect("the real program's output");
+        let is_endless = output.len() as u64 == LONGEST_OUTPUT;
+        if is_endless {
+            child.kill().expect("the real program can be stopped");
+        }
+        let status = child.wait().expect("the real program ends");
         writer.join().expect("the writer ends");
         RealOutput {
-            standard_output: String::from_utf8_lossy(&output.stdout).into_owned(),
-            standard_error: String::from_utf8_lossy(&output.stderr).into_owned(),
-            succeeded: output.status.success(),
+            standard_output: String::from_utf8_lossy(&output).into_owned(),
+            standard_error: String::from_utf8_lossy(&listener.join().expect("the listener ends")).into_owned(),
+            succeeded: status.success() && !is_endless,
         }
     }
 }
+
+/// Real output is cut here.
+const LONGEST_OUTPUT: u64 = 1 << 24;
 
 /// Files in memory, and real folders after them.
 #[derive(Default)]

@@ -1,0 +1,252 @@
+//! Finding records of a format in text, for `rcalc -i`.
+
+use std::collections::HashMap;
+
+use crate::Error;
+use crate::rcalc::Passing;
+use crate::record_format::Field;
+use crate::records::{is_blank, number_at_start};
+use crate::text::Text;
+
+/// A field of the input has no more bytes than this.
+const LONGEST_FIELD: usize = 1023;
+
+/// The string variables.
+#[derive(Default)]
+pub(crate) struct Strings {
+    presets: HashMap<String, String>,
+    matched: HashMap<String, String>,
+}
+
+impl Strings {
+    /// Takes `name=value` of the option `-s`; anything without an equals sign is ignored.
+    pub(crate) fn preset(&mut self, equation: &str) {
+        if let Some((name, value)) = equation.split_once('=') {
+            self.presets.insert(name.to_owned(), value.to_owned());
+        }
+    }
+
+    pub(crate) fn value(&self, name: &str) -> Option<&str> {
+        self.presets.get(name).or_else(|| self.matched.get(name)).map(String::as_str)
+    }
+}
+
+/// Walks over an input in search of records.
+pub(crate) struct Matcher<'a> {
+    fields: Vec<&'a Field>,
+    /// The first literal without its leading blanks, which no record begins with.
+    first_literal: Option<Vec<u8>>,
+    input: &'a [u8],
+    /// Where the present record begins, and how far it is matched.
+    home: usize,
+    position: usize,
+    blanks_join: bool,
+    across_lines: bool,
+    passing: Passing,
+    numbers: Vec<(&'a str, f64)>,
+}
+
+impl<'a> Matcher<'a> {
+    pub(crate) fn new(
+        fields: &'a [Field],
+        input: &'a [u8],
+        blanks_join: bool,
+        across_lines: bool,
+        passing: Passing,
+    ) -> Self {
+        let mut fields: Vec<&Field> = fields.iter().collect();
+        let mut matcher_literal = None;
+        if blanks_join && let Some(Field::Literal(bytes)) = fields.first() {
+            let blanks = bytes.iter().take_while(|byte| blank(**byte, across_lines)).count();
+            if blanks == bytes.len() {
+                fields.remove(0);
+            } else {
+                matcher_literal = Some(bytes[blanks..].to_vec());
+            }
+        }
+        Matcher {
+            fields,
+            first_literal: matcher_literal,
+            input,
+            home: 0,
+            position: 0,
+            blanks_join,
+            across_lines,
+            passing,
+            numbers: Vec::new(),
+        }
+    }
+
+    /// The numbers of the record that was found.
+    pub(crate) fn numbers(&self) -> &[(&'a str, f64)] {
+        &self.numbers
+    }
+
+    /// Whether the record that was found has no bytes, so that it would be found again.
+    pub(crate) fn is_empty_match(&self) -> bool {
+        self.home == self.position
+    }
+
+    /// Finds the next record; false at the end of the input.
+    pub(crate) fn next_record(&mut self, strings: &mut Strings, text: &mut Text) -> Result<bool, Error> {
+        while self.peek().is_some() {
+            if self.blanks_join {
+                while self.peek().is_some_and(|byte| blank(byte, self.across_lines)) {
+                    self.skip(text)?;
+                }
+            }
+            let Some(first) = self.peek() else { return Ok(false) };
+            let eats_line = !self.across_lines && first != b'\n';
+            strings.matched.clear();
+            self.numbers.clear();
+            if (0..self.fields.len()).all(|index| self.field(index, strings)) {
+                return Ok(true);
+            }
+            self.skip(text)?;
+            if eats_line {
+                while self.peek() != Some(b'\n') {
+                    if self.peek().is_none() {
+                        return Ok(false);
+                    }
+                    self.skip(text)?;
+                }
+                self.skip(text)?;
+            }
+        }
+        Ok(false)
+    }
+
+    /// Goes on behind the record that was found.
+    pub(crate) fn advance(&mut self, accepted: bool, text: &mut Text) -> Result<(), Error> {
+        if !accepted && self.passing == Passing::UnmatchedAndRefused {
+            text.push_bytes(&self.input[self.home..self.position])?;
+        }
+        self.home = self.position;
+        Ok(())
+    }
+
+    fn peek(&self) -> Option<u8> {
+        self.input.get(self.position).copied()
+    }
+
+    /// Gives up the byte with which the record was to begin, and starts again behind it.
+    fn skip(&mut self, text: &mut Text) -> Result<(), Error> {
+        if self.passing != Passing::Nothing {
+            text.push_bytes(&self.input[self.home..=self.home])?;
+        }
+        self.home += 1;
+        self.position = self.home;
+        Ok(())
+    }
+
+    fn field(&mut self, index: usize, strings: &mut Strings) -> bool {
+        match self.fields[index] {
+            Field::Literal(bytes) => match (index, self.first_literal.take()) {
+                (0, Some(stripped)) => {
+                    let matches = self.literal(&stripped);
+                    self.first_literal = Some(stripped);
+                    matches
+                }
+                (_, kept) => {
+                    self.first_literal = kept;
+                    self.literal(bytes)
+                }
+            },
+            Field::Text { name, width } => self.string(index, name, *width, strings),
+            Field::Number { name, width } => self.number(index, name, *width),
+        }
+    }
+
+    fn literal(&mut self, bytes: &[u8]) -> bool {
+        let is_blank = |byte: u8| blank(byte, self.across_lines);
+        let mut rest = bytes;
+        while let Some(first) = rest.first() {
+            if self.blanks_join && is_blank(*first) {
+                if !self.peek().is_some_and(is_blank) {
+                    return false;
+                }
+                rest = &rest[rest.iter().take_while(|byte| is_blank(**byte)).count()..];
+                while self.peek().is_some_and(is_blank) {
+                    self.position += 1;
+                }
+            } else if self.peek() == Some(*first) {
+                rest = &rest[1..];
+                self.position += 1;
+            } else {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The first byte of the literal behind a field.
+    fn delimiter(&self, index: usize) -> Option<u8> {
+        match self.fields.get(index + 1) {
+            Some(Field::Literal(bytes)) => bytes.first().copied(),
+            _ => None,
+        }
+    }
+
+    /// Whether a byte belongs to the field: up to the delimiter if there is one, else up to the field's width.
+    fn belongs(&self, byte: u8, delimiter: Option<u8>, length: usize, width: usize) -> bool {
+        match delimiter {
+            Some(delimiter) if self.blanks_join => match blank(delimiter, self.across_lines) {
+                true => !blank(byte, self.across_lines),
+                false => byte != delimiter,
+            },
+            _ => length < width,
+        }
+    }
+
+    fn string(&mut self, index: usize, name: &str, width: usize, strings: &mut Strings) -> bool {
+        let (delimiter, start) = (self.delimiter(index), self.position);
+        while let Some(byte) = self.peek() {
+            let length = self.position - start;
+            if byte == b'\n' || length == LONGEST_FIELD || !self.belongs(byte, delimiter, length, width) {
+                break;
+            }
+            self.position += 1;
+        }
+        let value = String::from_utf8_lossy(&self.input[start..self.position]);
+        match strings.value(name) {
+            Some(known) => known == value,
+            None => {
+                strings.matched.insert(name.to_owned(), value.into_owned());
+                true
+            }
+        }
+    }
+
+    fn number(&mut self, index: usize, name: &'a str, width: usize) -> bool {
+        let (delimiter, start) = (self.delimiter(index), self.position);
+        let mut number_start = None;
+        while let Some(byte) = self.peek() {
+            let length = self.position - start;
+            let leading = number_start.is_none() && blank(byte, self.across_lines);
+            let numeric = byte.is_ascii_digit() || b"-.+eE".contains(&byte);
+            if !(leading || numeric) || length == LONGEST_FIELD || !self.belongs(byte, delimiter, length, width) {
+                break;
+            }
+            if !leading {
+                number_start.get_or_insert(self.position);
+            }
+            self.position += 1;
+        }
+        let value = number_start.map_or(0.0, |start| number_at_start(&self.input[start..self.position]));
+        match self.numbers.iter().find(|(known, _)| *known == name) {
+            Some((_, before)) => {
+                let difference = (before - value) / if value == 0.0 { 1.0 } else { value };
+                difference.abs() <= 0.001
+            }
+            None => {
+                self.numbers.push((name, value));
+                true
+            }
+        }
+    }
+}
+
+/// Blanks of a format: line ends are among them if records go across lines.
+fn blank(byte: u8, across_lines: bool) -> bool {
+    if across_lines { is_blank(byte) } else { byte == b' ' || byte == b'\t' }
+}

@@ -1,0 +1,363 @@
+//! `rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt] [-o outfmt] [file …]`: computes
+//! records from records.
+//!
+//! Columns of the input are `$1`, `$2`, …, those of the output are what the definitions give to `$1`, `$2`, …; `cond` above zero
+//! lets a record pass; `recno` and `outno` count. `-i` and `-o` give formats instead of columns, `-id3` `-if` `-od` `-of` (and
+//! `D`, `F` with swapped bytes) binary numbers, `-in` and `-on` the most records. `-b` takes blanks literally, `-l` line ends as
+//! blanks, `-t` sets the separator, `-s` a string variable; `-p` passes on what the input format does not match, `-P` also
+//! what `cond` refuses. `-n` reads nothing and writes one record. `-u` and `-w` change nothing here.
+
+use std::cell::Cell;
+
+use radsight_cal::{Environment, Handle, Host};
+use radsight_loader::FileKind;
+
+use crate::arguments::Arguments;
+use crate::functions::Functions;
+use crate::matching::{Matcher, Strings};
+use crate::record_format::{self, Field};
+use crate::record_output::{self, OutputField};
+use crate::records::{Encoding, InputForm, Record, encode};
+use crate::text::{Text, general};
+use crate::{Error, Invocation, Output};
+
+const USAGE: &str = "rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt] [-o outfmt] [file ..]";
+
+/// What happens to input that makes no record.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Passing {
+    Nothing,
+    /// `-p`
+    Unmatched,
+    /// `-P`
+    UnmatchedAndRefused,
+}
+
+struct Options {
+    input: InputForm,
+    input_format: Option<Vec<Field>>,
+    output: Encoding,
+    output_format: Option<Vec<OutputField>>,
+    across_lines: bool,
+    passing: Passing,
+    no_input: bool,
+    most_input: usize,
+    most_output: usize,
+}
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut environment = Environment::new();
+    environment.set_constant("PI", std::f64::consts::PI);
+    environment.offer_function("in", 1);
+    let mut calculator = Calculator {
+        functions: Functions::over(environment, &arguments),
+        strings: Strings::default(),
+        text: Text::default(),
+        outputs: Vec::new(),
+        condition: None,
+        program: arguments.program().to_owned(),
+    };
+    let options = calculator.read_options(&mut arguments, invocation)?;
+    calculator.check(&options, &arguments)?;
+    calculator.outputs = calculator.functions.environment.outputs();
+    if options.no_input {
+        calculator.put_record(&options, &Channels::none())?;
+    } else if arguments.rest().is_empty() {
+        calculator.execute(&options, invocation.standard_input())?;
+    }
+    for name in arguments.rest() {
+        match name.as_str() {
+            "-" => calculator.execute(&options, invocation.standard_input())?,
+            name => calculator.execute(&options, &invocation.loader.load(name, FileKind::Other)?.bytes)?,
+        }
+    }
+    let bytes = calculator.text.into_bytes();
+    Ok(Output { standard_output: bytes, warnings: calculator.functions.all_warnings(arguments), files: Vec::new() })
+}
+
+struct Calculator {
+    functions: Functions,
+    strings: Strings,
+    text: Text,
+    outputs: Vec<(u32, Handle)>,
+    condition: Option<Handle>,
+    program: String,
+}
+
+impl Calculator {
+    fn read_options(&mut self, arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> Result<Options, Error> {
+        let ascii = InputForm { encoding: Encoding::Ascii, columns: 0, separator: b'\t', blanks_join: true };
+        let mut options = Options {
+            input: ascii,
+            input_format: None,
+            output: Encoding::Ascii,
+            output_format: None,
+            across_lines: false,
+            passing: Passing::Nothing,
+            no_input: false,
+            most_input: 0,
+            most_output: 0,
+        };
+        while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
+            arguments.word();
+            match option.as_bytes() {
+                [b'-', b'b', ..] => options.input.blanks_join = !options.input.blanks_join,
+                [b'-', b'l', ..] => options.across_lines = !options.across_lines,
+                [b'-', b'p', ..] => options.passing = Passing::Unmatched,
+                [b'-', b'P', ..] => options.passing = Passing::UnmatchedAndRefused,
+                [b'-', b't', separator] => options.input.separator = *separator,
+                [b'-', b's', ..] => self.strings.preset(arguments.required("svar=sval (-s)")?),
+                [b'-', b'f', ..] => self.functions.take_file(arguments, invocation.loader)?,
+                [b'-', b'e', ..] => self.functions.take_definitions(arguments)?,
+                [b'-', b'n', ..] => options.no_input = true,
+                [b'-', b'w' | b'u', ..] => {}
+                [b'-', b'i'] => {
+                    options.input = InputForm { encoding: Encoding::Ascii, columns: 0, ..options.input };
+                    options.input_format = Some(read_format(arguments, invocation, options.across_lines)?);
+                }
+                [b'-', b'o'] => {
+                    options.output = Encoding::Ascii;
+                    let position = arguments.position();
+                    let fields = read_format(arguments, invocation, options.across_lines)?;
+                    options.output_format = Some(self.output_fields(fields, position)?);
+                }
+                [b'-', b'i', b'n', ..] => options.most_input = arguments.integer("most records (-in)")?.max(0) as usize,
+                [b'-', b'o', b'n', ..] => {
+                    options.most_output = arguments.integer("most records (-on)")?.max(0) as usize
+                }
+                [b'-', b'i', ..] => options.input.take_encoding(option, arguments)?,
+                [b'-', b'o', letter, ..] => {
+                    options.output = Encoding::of_letter(*letter).ok_or_else(|| arguments.unknown())?;
+                }
+                _ => return Err(arguments.unknown()),
+            }
+        }
+        Ok(options)
+    }
+
+    fn output_fields(&mut self, fields: Vec<Field>, argument: usize) -> Result<Vec<OutputField>, Error> {
+        let mut converted = Vec::with_capacity(fields.len());
+        for field in fields {
+            converted.push(match field {
+                Field::Literal(bytes) => OutputField::Literal(bytes),
+                Field::Text { name, width } => OutputField::Text { name, width },
+                Field::Number { name, width } => {
+                    let handle = self.functions.expression(&name, "output format", argument)?;
+                    OutputField::Number { handle, width }
+                }
+            });
+        }
+        Ok(converted)
+    }
+
+    /// What the options must fulfil together.
+    fn check(&mut self, options: &Options, arguments: &Arguments<'_>) -> Result<(), Error> {
+        if options.no_input && !arguments.rest().is_empty() {
+            return Err(arguments.mistake(arguments.position(), "a file cannot be read with -n"));
+        }
+        let both_formats = options.input_format.is_some() && options.output_format.is_some();
+        if options.passing != Passing::Nothing && !options.no_input && !both_formats {
+            return Err(arguments.impossible("options -p and -P require -i and -o formats"));
+        }
+        let environment = &mut self.functions.environment;
+        if environment.is_constant("cond") && !options.no_input {
+            return Err(arguments.impossible("cond is defined as a constant"));
+        }
+        if environment.is_variable("cond") {
+            self.condition = Some(environment.variable("cond"));
+        }
+        Ok(())
+    }
+
+    /// Reads all records of one input.
+    fn execute(&mut self, options: &Options, input: &[u8]) -> Result<(), Error> {
+        let counts = ["recno", "outno"].map(|name| self.functions.environment.is_mentioned(name));
+        let mut source = match &options.input_format {
+            Some(fields) => {
+                let (blanks_join, across_lines) = (options.input.blanks_join, options.across_lines);
+                Source::Matched(Matcher::new(fields, input, blanks_join, across_lines, options.passing))
+            }
+            None => Source::Columns(input),
+        };
+        let (mut records, mut written) = (0usize, 0usize);
+        loop {
+            let record = match &mut source {
+                Source::Columns(rest) => options.input.next_record(rest),
+                Source::Matched(matcher) => {
+                    if !matcher.next_record(&mut self.strings, &mut self.text)? {
+                        break;
+                    }
+                    if matcher.is_empty_match() {
+                        let mistake = "the input format matches nothing, for ever".to_owned();
+                        return Err(Error::Impossible { program: self.program.clone(), mistake });
+                    }
+                    for (name, value) in matcher.numbers() {
+                        self.functions.environment.set_variable(name, *value);
+                    }
+                    None
+                }
+            };
+            let channels = match (&source, record) {
+                (Source::Columns(_), None) => break,
+                (_, Some(record)) => Channels::of(record),
+                (Source::Matched(_), None) => Channels::none(),
+            };
+            records += 1;
+            for (name, value) in [("recno", records), ("outno", written + 1)] {
+                if counts[usize::from(name == "outno")] {
+                    self.functions.environment.set_variable(name, value as f64);
+                }
+            }
+            let passes = match self.condition {
+                Some(condition) => self.value(condition, &channels)? > 0.0,
+                None => true,
+            };
+            if let Source::Matched(matcher) = &mut source {
+                matcher.advance(passes, &mut self.text)?;
+            }
+            if passes {
+                self.put_record(options, &channels)?;
+                written += 1;
+            }
+            if records == options.most_input || written > 0 && written == options.most_output {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn value(&mut self, handle: Handle, channels: &Channels<'_>) -> Result<f64, Error> {
+        let value = self.functions.value(handle, &[], channels)?;
+        match channels.illegal.get() {
+            Some(mistake) => Err(Error::Impossible { program: self.program.clone(), mistake: mistake.to_owned() }),
+            None => Ok(value),
+        }
+    }
+
+    fn put_record(&mut self, options: &Options, channels: &Channels<'_>) -> Result<(), Error> {
+        if let Some(fields) = &options.output_format {
+            return self.put_fields(fields, options.input.blanks_join, channels);
+        }
+        // The column that is being written, from 1.
+        let mut column = 1;
+        let mut wrote = false;
+        for index in 0..self.outputs.len() {
+            let (channel, handle) = self.outputs[index];
+            let value = self.value(handle, channels)?;
+            match options.output {
+                Encoding::Ascii => {
+                    while column < channel {
+                        self.text.push_bytes(&[options.input.separator])?;
+                        column += 1;
+                    }
+                    self.text.push_bytes(general(value, 9).to_string().as_bytes())?;
+                }
+                Encoding::Binary { double, swapped } => {
+                    while column < channel {
+                        encode(&mut self.text, 0.0, double, swapped)?;
+                        column += 1;
+                    }
+                    encode(&mut self.text, value, double, swapped)?;
+                    column += 1;
+                }
+            }
+            wrote = true;
+        }
+        if wrote && options.output == Encoding::Ascii {
+            self.text.push_bytes(b"\n")?;
+        }
+        Ok(())
+    }
+
+    fn put_fields(&mut self, fields: &[OutputField], blanks_join: bool, channels: &Channels<'_>) -> Result<(), Error> {
+        let mut writer = record_output::Writer::new(fields, blanks_join);
+        for (index, field) in fields.iter().enumerate() {
+            match field {
+                OutputField::Literal(bytes) => writer.literal(&mut self.text, bytes)?,
+                OutputField::Text { name, width } => match self.strings.value(name) {
+                    Some(value) => writer.string(&mut self.text, index, value, *width)?,
+                    None => {
+                        let mistake = format!("string \"{name}\" is undefined");
+                        return Err(Error::Impossible { program: self.program.clone(), mistake });
+                    }
+                },
+                OutputField::Number { handle, width } => {
+                    let value = self.value(*handle, channels)?;
+                    writer.number(&mut self.text, index, value, *width)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where records come from.
+enum Source<'a> {
+    /// What is not read yet.
+    Columns(&'a [u8]),
+    Matched(Matcher<'a>),
+}
+
+fn read_format(
+    arguments: &mut Arguments<'_>,
+    invocation: &Invocation<'_>,
+    across_lines: bool,
+) -> Result<Vec<Field>, Error> {
+    let position = arguments.position();
+    let specification = arguments.required("record format")?;
+    let from_file = match specification.contains('$') {
+        true => None,
+        false => Some(invocation.loader.load(specification, FileKind::Other)?.bytes),
+    };
+    let bytes = from_file.as_deref().unwrap_or(specification.as_bytes());
+    record_format::read(bytes, across_lines)
+        .map_err(|mistake| arguments.mistake(position, format!("record format: {mistake}")))
+}
+
+/// The columns of a record.
+struct Channels<'a> {
+    record: Option<Record<'a>>,
+    /// Set when a value is asked for that there cannot be.
+    illegal: Cell<Option<&'static str>>,
+    /// Columns that were read before.
+    known: [Cell<Option<f64>>; 32],
+}
+
+impl<'a> Channels<'a> {
+    fn of(record: Record<'a>) -> Self {
+        Channels { record: Some(record), illegal: Cell::new(None), known: std::array::from_fn(|_| Cell::new(None)) }
+    }
+
+    fn none() -> Channels<'static> {
+        Channels { record: None, illegal: Cell::new(None), known: std::array::from_fn(|_| Cell::new(None)) }
+    }
+}
+
+impl Host for Channels<'_> {
+    fn channel(&self, channel: u32) -> f64 {
+        let column = channel as usize;
+        let Some(record) = &self.record else {
+            self.illegal.set(Some("no column input: $N has no value with -n or with an input format"));
+            return 0.0;
+        };
+        if column == 0 {
+            self.illegal.set(Some("illegal channel number 0"));
+            return 0.0;
+        }
+        let Some(cell) = self.known.get(column - 1) else { return record.column(column) };
+        let value = cell.get().unwrap_or_else(|| record.column(column));
+        cell.set(Some(value));
+        value
+    }
+
+    /// `in(n)` is column n, and the number of columns for n = 0.
+    fn call(&self, _function: u32, arguments: &[f64]) -> f64 {
+        let column = (arguments.first().copied().unwrap_or(0.0) + 0.5) as i64;
+        match (column, &self.record) {
+            (0, Some(record)) => record.columns() as f64,
+            (0, None) => 0.0,
+            (column, _) => self.channel(u32::try_from(column).unwrap_or(0)),
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Records of numbers as `rcalc` and `total` read and write them: lines of columns, or binary numbers in a row.
+
+use crate::Error;
+use crate::arguments::Arguments;
+use crate::number_text::leading_number;
+use crate::text::{Text, is_space};
+
+/// A binary record takes no more bytes.
+const LARGEST_BINARY_RECORD: usize = 16_384;
+
+/// How numbers are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    /// As text.
+    Ascii,
+    /// IEEE numbers of 4 bytes, of 8 if `double`, with the lowest byte first unless `swapped`.
+    Binary { double: bool, swapped: bool },
+}
+
+impl Encoding {
+    /// The encoding of the letter after `-i` or `-o`.
+    pub(crate) fn of_letter(letter: u8) -> Option<Encoding> {
+        match letter {
+            b'a' => Some(Encoding::Ascii),
+            b'd' => Some(Encoding::Binary { double: true, swapped: false }),
+            b'D' => Some(Encoding::Binary { double: true, swapped: true }),
+            b'f' => Some(Encoding::Binary { double: false, swapped: false }),
+            b'F' => Some(Encoding::Binary { double: false, swapped: true }),
+            _ => None,
+        }
+    }
+
+    /// Bytes of a binary number.
+    fn size(self) -> usize {
+        match self {
+            Encoding::Binary { double: true, .. } => 8,
+            _ => 4,
+        }
+    }
+}
+
+/// How the numbers of a record are told apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InputForm {
+    pub(crate) encoding: Encoding,
+    /// Numbers in a binary record.
+    pub(crate) columns: usize,
+    /// Between the columns of a line.
+    pub(crate) separator: u8,
+    /// Whether runs of white space separate, if the separator is white space.
+    pub(crate) blanks_join: bool,
+}
+
+impl InputForm {
+    /// Reads the rest of an option such as `-id3`.
+    pub(crate) fn take_encoding(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
+        let bytes = option.as_bytes();
+        self.encoding =
+            bytes.get(2).and_then(|letter| Encoding::of_letter(*letter)).ok_or_else(|| arguments.unknown())?;
+        let digits = option.get(3..).unwrap_or_default();
+        self.columns = crate::number_text::leading_integer(digits).map_or(1, |(count, _)| count.max(0) as usize);
+        if self.columns.saturating_mul(self.encoding.size()) > LARGEST_BINARY_RECORD {
+            let position = arguments.position() - 1;
+            return Err(arguments.mistake(position, format!("{} columns are more than a record holds", self.columns)));
+        }
+        Ok(())
+    }
+
+    /// The next record, or `None` at the end; `rest` goes on behind it.
+    pub(crate) fn next_record<'a>(&self, rest: &mut &'a [u8]) -> Option<Record<'a>> {
+        let length = match self.encoding {
+            Encoding::Ascii if rest.is_empty() => return None,
+            Encoding::Ascii => rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |index| index + 1),
+            Encoding::Binary { .. } => self.columns * self.encoding.size(),
+        };
+        if length == 0 || length > rest.len() {
+            return None;
+        }
+        let (bytes, behind) = rest.split_at(length);
+        *rest = behind;
+        Some(Record { bytes, form: *self })
+    }
+}
+
+/// One line, or one row of binary numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Record<'a> {
+    pub(crate) bytes: &'a [u8],
+    form: InputForm,
+}
+
+impl Record<'_> {
+    /// The value of a column, counted from 1; zero where there is none.
+    pub(crate) fn column(&self, column: usize) -> f64 {
+        match self.form.encoding {
+            Encoding::Ascii => number_at_start(self.field(column)),
+            Encoding::Binary { .. } if column > self.form.columns => 0.0,
+            Encoding::Binary { double, swapped } => {
+                let size = self.form.encoding.size();
+                let field = &self.bytes[(column - 1) * size..column * size];
+                decode(field, double, swapped)
+            }
+        }
+    }
+
+    /// How many columns there are.
+    pub(crate) fn columns(&self) -> usize {
+        if self.form.encoding != Encoding::Ascii {
+            return self.form.columns;
+        }
+        let mut rest = self.bytes;
+        let mut count = 0;
+        while !rest.is_empty() {
+            if self.joins() {
+                rest = skip(rest, is_blank);
+                count += usize::from(!rest.is_empty());
+                rest = skip(rest, |byte| !is_blank(byte));
+            } else {
+                count += usize::from(rest[0] != b'\n');
+                rest = self.behind_separator(rest);
+            }
+        }
+        count
+    }
+
+    fn joins(&self) -> bool {
+        self.form.blanks_join && is_blank(self.form.separator)
+    }
+
+    fn field(&self, column: usize) -> &[u8] {
+        let mut rest = self.bytes;
+        for _ in 1..column {
+            if rest.is_empty() {
+                break;
+            }
+            rest = if self.joins() {
+                skip(skip(rest, is_blank), |byte| !is_blank(byte))
+            } else {
+                self.behind_separator(rest)
+            };
+        }
+        rest
+    }
+
+    fn behind_separator<'a>(&self, rest: &'a [u8]) -> &'a [u8] {
+        let rest = skip(rest, |byte| byte != self.form.separator);
+        rest.get(1..).unwrap_or_default()
+    }
+}
+
+fn skip(bytes: &[u8], wanted: impl Fn(u8) -> bool) -> &[u8] {
+    let count = bytes.iter().take_while(|byte| wanted(**byte)).count();
+    &bytes[count..]
+}
+
+pub(crate) fn is_blank(byte: u8) -> bool {
+    is_space(byte as char)
+}
+
+/// C's `atof` of the bytes.
+pub(crate) fn number_at_start(bytes: &[u8]) -> f64 {
+    let word = skip(bytes, is_blank);
+    let length = word.iter().take_while(|byte| byte.is_ascii_graphic()).count();
+    let text = std::str::from_utf8(&word[..length]).unwrap_or_default();
+    leading_number(text).map_or(0.0, |(value, _)| value)
+}
+
+/// A binary number.
+fn decode(field: &[u8], double: bool, swapped: bool) -> f64 {
+    let mut bytes = [0u8; 8];
+    bytes[..field.len()].copy_from_slice(field);
+    if swapped {
+        bytes[..field.len()].reverse();
+    }
+    match double {
+        true => f64::from_le_bytes(bytes),
+        false => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+    }
+}
+
+/// Appends a binary number.
+pub(crate) fn encode(text: &mut Text, value: f64, double: bool, swapped: bool) -> Result<(), Error> {
+    let (mut bytes, size) = match double {
+        true => (value.to_le_bytes(), 8),
+        false => {
+            let [a, b, c, d] = (value as f32).to_le_bytes();
+            ([a, b, c, d, 0, 0, 0, 0], 4)
+        }
+    };
+    if swapped {
+        bytes[..size].reverse();
+    }
+    Ok(text.push_bytes(&bytes[..size])?)
+}
