@@ -9,7 +9,7 @@ use radsight_diag::{Diagnostic, SourceId, Span};
 use radsight_generate::shell_words::{Stage, Word, split};
 use radsight_generate::{Error, PipelineError};
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::{Arc, PoisonError, RwLock};
@@ -47,13 +47,19 @@ impl Loader for SceneLoader<'_> {
     }
 }
 
+/// All the texts of a scene that commands bring in may together have so many bytes.
+const MOST_BYTES: usize = 4 << 30;
+
 /// The texts that were brought in, and what is being read.
 #[derive(Default)]
 pub(super) struct Inclusions {
     texts: HashMap<TextKey, Text>,
     /// What is being read, outermost first.
     active: Vec<TextKey>,
-    copies: usize,
+    /// What was found to include itself; it is not read again, or the ways around the cycle would have no end.
+    cyclic: HashSet<TextKey>,
+    readings: usize,
+    bytes: usize,
 }
 
 /// A file or a command, as asked for in a directory.
@@ -176,11 +182,6 @@ impl Reader<'_> {
         readings: &mut HashMap<TextKey, SourceId>,
     ) -> Result<(), Error> {
         let PlacedCopy { copy, call, command, standard_input } = placed;
-        self.inclusions.copies += 1;
-        if self.inclusions.copies > MAX_COPIES {
-            let message = format!("the scene has more than {MAX_COPIES} copies of files");
-            self.stop(Diagnostic::error(message).at(command.whole()));
-        }
         let mut placement = copy.placement.clone();
         if let (Some(NewModifier { span, .. }), Some(origin)) = (&mut placement.modifier, copy.modifier_origin) {
             *span = Some(command.span(word_range(&call.words, Some(origin))));
@@ -240,7 +241,16 @@ impl Reader<'_> {
     fn include(&mut self, key: &TextKey, source: SourceId, context: &Context, span: Span, is_array: bool) {
         if self.inclusions.active.contains(key) {
             let message = format!("\"{}\" includes itself", key.name);
+            self.inclusions.cyclic.extend(self.inclusions.active.iter().skip_while(|other| *other != key).cloned());
             return self.log.push(Diagnostic::error(message).at(span));
+        }
+        if self.inclusions.cyclic.contains(key) {
+            return;
+        }
+        self.inclusions.readings += 1;
+        if self.inclusions.readings > MAX_COPIES {
+            let message = format!("the scene brings in files and commands more than {MAX_COPIES} times");
+            return self.stop(Diagnostic::error(message).at(span));
         }
         if self.inclusions.active.len() >= MAX_DEPTH {
             let message = format!("files and commands include each other more than {MAX_DEPTH} deep");
@@ -278,10 +288,7 @@ impl Reader<'_> {
             return true;
         }
         match loader.load(&key.name, FileKind::Scene) {
-            Ok(loaded) => {
-                self.keep(key, loaded.bytes, loaded.path);
-                true
-            }
+            Ok(loaded) => self.keep(key, loaded.bytes, loaded.path, span),
             Err(error) => {
                 self.log.push(load_error(&error, span));
                 false
@@ -304,8 +311,7 @@ impl Reader<'_> {
                 let warn = |warning: String| Diagnostic::warning(warning).at(command.whole());
                 self.log.extend(output.warnings.into_iter().map(warn));
                 self.loader.write(output.files);
-                self.keep(key, output.standard_output, key.name.clone());
-                true
+                self.keep(key, output.standard_output, key.name.clone(), command.whole())
             }
             Err(PipelineError { range, error }) => {
                 self.log.push(command_error(&error, command.span(range)));
@@ -314,9 +320,16 @@ impl Reader<'_> {
         }
     }
 
-    fn keep(&mut self, key: &TextKey, bytes: Vec<u8>, path: String) {
+    fn keep(&mut self, key: &TextKey, bytes: Vec<u8>, path: String, span: Span) -> bool {
+        self.inclusions.bytes = self.inclusions.bytes.saturating_add(bytes.len());
+        if self.inclusions.bytes > MOST_BYTES {
+            let message = format!("the files and commands of the scene give more than {MOST_BYTES} bytes");
+            self.stop(Diagnostic::error(message).at(span));
+            return false;
+        }
         let text = Text { bytes: Arc::from(bytes), path, first: None, document: None };
         self.inclusions.texts.insert(key.clone(), text);
+        true
     }
 }
 

@@ -56,6 +56,8 @@ pub(super) enum Reference {
 pub(super) struct ModifierTable {
     raws: Vec<Raw>,
     names: HashMap<Vec<u8>, RawHandle>,
+    /// Names that meant nothing where they stood.
+    undefined: Vec<(String, Span)>,
     /// The name asked for last; neighbours in a file often share a modifier.
     last: Option<(Vec<u8>, RawHandle)>,
 }
@@ -82,17 +84,23 @@ impl ModifierTable {
         RawHandle(self.raws.len() as u32 - 1)
     }
 
-    fn undefined(&self, name: &[u8], span: Option<Span>) -> Diagnostic {
+    fn undefined(&mut self, name: &[u8], span: Span) -> Diagnostic {
+        const MOST_NAMES: usize = 20_000;
+        // To look for the nearest name takes long, and nobody reads so many hints.
+        const MOST_HINTS: usize = 100;
         let name = String::from_utf8_lossy(name);
-        let known = self.names.keys().filter_map(|name| std::str::from_utf8(name).ok());
-        let mut known: Vec<&str> = known.take(20_000).chain(["void"]).collect();
-        known.sort_unstable();
-        let diagnostic =
-            Diagnostic::error(format!("undefined modifier \"{name}\"")).maybe_hint(hint_nearest(&name, known));
-        match span {
-            Some(span) => diagnostic.at(span),
-            None => diagnostic,
+        if self.undefined.len() < MOST_NAMES {
+            self.undefined.push((name.clone().into_owned(), span));
         }
+        let error = Diagnostic::error(format!("undefined modifier \"{name}\"")).at(span);
+        if self.undefined.len() > MOST_HINTS {
+            return error;
+        }
+        let known = self.names.keys().filter_map(|name| std::str::from_utf8(name).ok());
+        let mut known: Vec<&str> = known.take(MOST_NAMES).collect();
+        known.push("void");
+        known.sort_unstable();
+        error.maybe_hint(hint_nearest(&name, known))
     }
 }
 
@@ -119,7 +127,8 @@ impl Reader<'_> {
             _ => {
                 let found = self.modifiers.find(name);
                 if found.is_none() {
-                    self.log.push(self.modifiers.undefined(name, Some(span)));
+                    let error = self.modifiers.undefined(name, span);
+                    self.log.push(error);
                 }
                 found
             }
@@ -165,7 +174,7 @@ impl Reader<'_> {
         let target_name = alias.text(alias.target);
         let target_span = here.span(alias.target.place());
         let Some(target) = self.modifiers.find(&target_name) else {
-            let error = self.modifiers.undefined(&target_name, Some(target_span));
+            let error = self.modifiers.undefined(&target_name, target_span);
             return self.log.push(error);
         };
         if !self.is_good_name(&name, here.span(alias.name.place())) {
@@ -234,7 +243,7 @@ impl Reader<'_> {
         if let Some(handle) = self.modifiers.find(word.text.as_bytes()) {
             return Reference::To(handle);
         }
-        let mut diagnostic = self.modifiers.undefined(word.text.as_bytes(), Some(word.span));
+        let mut diagnostic = self.modifiers.undefined(word.text.as_bytes(), word.span);
         // Radiance goes on without it in these types.
         if matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter) {
             diagnostic.severity = Severity::Warning;
@@ -243,8 +252,21 @@ impl Reader<'_> {
         Reference::Undefined
     }
 
+    /// Says where a name was defined later than it was used.
+    fn explain_forward_references(&mut self) {
+        let undefined: HashMap<Span, &String> =
+            self.modifiers.undefined.iter().map(|(name, span)| (*span, name)).collect();
+        for diagnostic in &mut self.log.diagnostics {
+            let name = diagnostic.span.and_then(|span| undefined.get(&span));
+            if let Some(name) = name.filter(|name| self.modifiers.names.contains_key(name.as_bytes())) {
+                diagnostic.hints = vec![format!("\"{name}\" is defined further on, but must stand before its use")];
+            }
+        }
+    }
+
     /// Puts the modifiers that are used into the scene, and tells the surfaces their handles.
     pub(super) fn lower_modifiers(&mut self) {
+        self.explain_forward_references();
         let raws = std::mem::take(&mut self.modifiers.raws);
         let used = match self.options.unused {
             UnusedModifiers::Lower => vec![true; raws.len()],

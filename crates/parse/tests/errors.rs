@@ -1,0 +1,44 @@
+//! The messages of `tests/errors/*.rad`, whole, beside each file. `RADSIGHT_BLESS=1` writes them anew.
+
+use radsight_loader::MemoryLoader;
+use radsight_parse::{Input, ReadOptions, read_scene};
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors")
+}
+
+#[test]
+fn every_mistake_is_told_as_before() {
+    let mut loader = MemoryLoader::default();
+    let mut scenes = Vec::new();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    for file in files {
+        let name = file.file_name().unwrap().to_str().unwrap().to_owned();
+        loader = loader.with(&name, std::fs::read(&file).unwrap());
+        scenes.extend(file.extension().is_some_and(|extension| extension == "rad").then_some(name));
+    }
+    let mut changed = Vec::new();
+    for name in scenes {
+        let read = read_scene(&[Input::File(name.clone())], &loader, &ReadOptions::default());
+        let text = read.render(100);
+        let path = folder().join(&name).with_extension("expected");
+        if std::env::var_os("RADSIGHT_BLESS").is_some() {
+            std::fs::write(&path, &text).unwrap();
+        } else if std::fs::read_to_string(&path).unwrap_or_default() != text {
+            changed.push(format!("== {name}\n{text}"));
+        }
+    }
+    assert!(changed.is_empty(), "messages changed:\n{}", changed.join("\n"));
+}
+
+#[test]
+fn only_so_many_messages_are_printed() {
+    let text = "nosuch sphere s 0 0 4 0 0 0 1\n".repeat(5000);
+    let input = Input::Text { name: "many.rad".to_owned(), text: text.into_bytes() };
+    let read = read_scene(&[input], &MemoryLoader::default(), &ReadOptions::default());
+    let printed = read.render(20);
+    assert_eq!(printed.matches("error: ").count(), 20);
+    assert!(printed.ends_with("and 4980 more\n"), "{}", printed.lines().last().unwrap());
+}
