@@ -2,7 +2,7 @@
 
 use crate::builtin::Builtin;
 use crate::fast::{Chain, Code, Op, Register};
-use crate::graph::{Graph, Node, Value};
+use crate::graph::{Graph, Node, Test, Value};
 use crate::schedule::{Form, OUTERMOST, RegionId, Schedule};
 use crate::syntax::Operator;
 
@@ -338,13 +338,15 @@ impl Emitter<'_> {
     }
 
     fn extreme(&mut self, a: Value, b: Value, d: Register, region: RegionId, least: bool) -> Op {
-        let constant = self.graph.as_constant(b);
-        let a = self.checked(a, region);
-        match (constant, least) {
-            (Some(b), true) => Op::LeastConstant { d, a, b },
-            (Some(b), false) => Op::GreatestConstant { d, a, b },
-            (None, true) => Op::Least { d, a, b: self.checked(b, region) },
-            (None, false) => Op::Greatest { d, a, b: self.checked(b, region) },
+        match (self.graph.as_constant(a), self.graph.as_constant(b), least) {
+            (_, Some(b), true) => Op::LeastConstant { d, a: self.checked(a, region), b },
+            (_, Some(b), false) => Op::GreatestConstant { d, a: self.checked(a, region), b },
+            (Some(first), _, true) => Op::ConstantOrLess { d, a: self.checked(b, region), b: first },
+            (Some(first), _, false) => Op::ConstantOrGreater { d, a: self.checked(b, region), b: first },
+            (None, None, _) => {
+                let (a, b) = (self.checked(a, region), self.checked(b, region));
+                if least { Op::Least { d, a, b } } else { Op::Greatest { d, a, b } }
+            }
         }
     }
 
@@ -397,10 +399,9 @@ impl Emitter<'_> {
 
     /// A test that is "this value above (or below) that number".
     fn against_number(&self, test: Value) -> Option<(Value, bool, f64)> {
-        let Node::Binary(Operator::Subtract, a, b) = self.graph.node(test) else { return None };
-        match (self.graph.as_constant(a), self.graph.as_constant(b)) {
-            (None, Some(limit)) => Some((a, true, limit)),
-            (Some(limit), None) => Some((b, false, limit)),
+        match self.graph.test(test) {
+            Test::Above(x, limit) => Some((x, true, limit)),
+            Test::Below(x, limit) => Some((x, false, limit)),
             _ => None,
         }
     }
@@ -494,21 +495,21 @@ impl Emitter<'_> {
 
     /// How a test is decided; what that needs is computed.
     fn condition(&mut self, test: Value, region: RegionId, inner: bool) -> Condition {
-        match self.graph.node(test) {
-            Node::Constant(bits) => Condition::Constant(f64::from_bits(bits) > 0.0),
-            Node::If(first, then, otherwise) if self.schedule.form(test) == Form::Jump => {
-                Condition::Choice([first, then, otherwise])
-            }
-            Node::Negate(a) => Condition::Negative(self.tested(a, region, inner)),
-            Node::Binary(Operator::Subtract, a, b) => match self.against_number(test) {
-                Some((x, true, limit)) => Condition::Above(self.tested(x, region, inner), limit),
-                Some((x, false, limit)) => Condition::Below(self.tested(x, region, inner), limit),
-                None => {
-                    let a = self.tested(a, region, inner);
-                    Condition::Greater(a, self.tested(b, region, inner))
+        match self.graph.test(test) {
+            Test::Positive(_) => match self.graph.node(test) {
+                Node::Constant(bits) => Condition::Constant(f64::from_bits(bits) > 0.0),
+                Node::If(first, then, otherwise) if self.schedule.form(test) == Form::Jump => {
+                    Condition::Choice([first, then, otherwise])
                 }
+                _ => Condition::Positive(self.tested(test, region, inner)),
             },
-            _ => Condition::Positive(self.tested(test, region, inner)),
+            Test::Negative(a) => Condition::Negative(self.tested(a, region, inner)),
+            Test::Above(x, limit) => Condition::Above(self.tested(x, region, inner), limit),
+            Test::Below(x, limit) => Condition::Below(self.tested(x, region, inner), limit),
+            Test::Greater(a, b) => {
+                let a = self.tested(a, region, inner);
+                Condition::Greater(a, self.tested(b, region, inner))
+            }
         }
     }
 }

@@ -17,6 +17,13 @@ const FIRST_SLOT: u32 = 0x4000_0000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Handle(usize);
 
+/// A program, and its own memory if variables of it are defined by means of themselves.
+#[derive(Clone, Debug)]
+struct Compiled {
+    program: Program,
+    memory: Option<Scratch>,
+}
+
 #[derive(Clone, Debug)]
 enum Request {
     Expression(Arc<Body>),
@@ -28,7 +35,8 @@ enum Request {
 ///
 /// All names are global. A change of a definition takes effect at the next evaluation, which then compiles anew what it
 /// needs; setting a variable to another number compiles nothing. Mathematical faults are no errors here, as they are none in
-/// `rcalc`: the value goes on as Radiance's would, and [`Environment::warnings`] tells what happened.
+/// `rcalc`: the value goes on as Radiance's would, and [`Environment::warnings`] tells what happened. A variable that is
+/// defined by means of itself uses its value of the evaluation before, 0 at first, so that `sum=sum+$1` adds up.
 ///
 /// ```
 /// use radsight_cal::{Environment, NoHost};
@@ -49,18 +57,18 @@ enum Request {
 /// for record in [[1.0], [2.0]] {
 ///     let channels = &record[..]; // $1
 ///     assert!(environment.eval(condition, &[], channels).unwrap() > 0.0);
-///     for (channel, output) in environment.outputs() {
-///         let value = environment.eval(output, &[], channels).unwrap();
-///         assert_eq!((channel, value), (2, 2.0 * std::f64::consts::PI * record[0] * record[0] + 1.0));
-///     }
+///     let x = 2.0 * std::f64::consts::PI * record[0] * record[0];
+///     assert_eq!(environment.eval_outputs(channels), Ok(&[(2, x + 1.0)][..]));
 /// }
 /// ```
 #[derive(Debug)]
 pub struct Environment {
     definitions: Definitions,
     requests: Vec<Request>,
-    programs: Vec<Option<Program>>,
+    programs: Vec<Option<Compiled>>,
     outputs: BTreeMap<u32, Handle>,
+    output_program: Option<Compiled>,
+    output_values: Vec<(u32, f64)>,
     host_functions: Vec<(String, usize)>,
     /// The numbers of the variables that are set to numbers, and which variables they are.
     slots: Vec<(SymbolId, f64)>,
@@ -88,6 +96,8 @@ impl Environment {
             requests: Vec::new(),
             programs: Vec::new(),
             outputs: BTreeMap::new(),
+            output_program: None,
+            output_values: Vec::new(),
             host_functions: Vec::new(),
             slots: Vec::new(),
             scratch: Scratch::new(),
@@ -207,10 +217,42 @@ impl Environment {
         self.request(Request::Function(symbol, arity))
     }
 
-    /// The output channels, in increasing order.
+    /// The output channels that are defined, in increasing order.
     #[must_use]
     pub fn outputs(&self) -> Vec<(u32, Handle)> {
         self.outputs.iter().map(|(channel, handle)| (*channel, *handle)).collect()
+    }
+
+    /// Evaluates all output channels for one record: (channel, value), in increasing order. What they share is computed
+    /// once.
+    ///
+    /// # Errors
+    /// Names without a definition, missing arguments, and computations without end.
+    pub fn eval_outputs<H: Host + ?Sized>(&mut self, host: &H) -> Result<&[(u32, f64)], Vec<Diagnostic>> {
+        let mut compiled = match self.output_program.take() {
+            Some(compiled) => compiled,
+            None => self.build(self.outputs.values().map(|handle| self.root(*handle)).collect())?,
+        };
+        self.scratch.forget_warnings();
+        let mut values = vec![0.0; self.outputs.len()];
+        let host = WithSlots { host, slots: &self.slots };
+        let result = match &mut compiled.memory {
+            None => compiled.program.eval_all(&[], &host, &mut self.scratch, &mut values),
+            Some(memory) => {
+                let result = compiled.program.eval_all(&[], &host, memory, &mut values);
+                self.scratch.copy_warnings(memory);
+                result
+            }
+        };
+        self.output_program = Some(compiled);
+        if let Err(fault) = result
+            && fault.kind.is_fatal()
+        {
+            return Err(vec![Diagnostic::error(fault.to_string())]);
+        }
+        self.output_values.clear();
+        self.output_values.extend(self.outputs.keys().copied().zip(values));
+        Ok(&self.output_values)
     }
 
     /// Evaluates. `arguments` are those of a function.
@@ -224,13 +266,20 @@ impl Environment {
         host: &H,
     ) -> Result<f64, Vec<Diagnostic>> {
         if self.programs[handle.0].is_none() {
-            let program = self.compile(handle)?;
-            self.programs[handle.0] = Some(program);
+            self.programs[handle.0] = Some(self.build(vec![self.root(handle)])?);
         }
-        let Some(program) = &self.programs[handle.0] else { return Err(Vec::new()) };
+        let Some(compiled) = &mut self.programs[handle.0] else { return Err(Vec::new()) };
         self.scratch.forget_warnings();
         let host = WithSlots { host, slots: &self.slots };
-        match program.eval(0, arguments, &host, &mut self.scratch) {
+        let result = match &mut compiled.memory {
+            None => compiled.program.eval(0, arguments, &host, &mut self.scratch),
+            Some(memory) => {
+                let result = compiled.program.eval(0, arguments, &host, memory);
+                self.scratch.copy_warnings(memory);
+                result
+            }
+        };
+        match result {
             Ok(value) => Ok(value),
             Err(fault) if fault.kind.is_fatal() => Err(vec![Diagnostic::error(fault.to_string())]),
             Err(fault) => Ok(fault.value),
@@ -243,15 +292,19 @@ impl Environment {
         self.scratch.warnings()
     }
 
-    fn compile(&self, handle: Handle) -> Result<Program, Vec<Diagnostic>> {
-        let known = Known::new(&self.definitions);
-        let root = match &self.requests[handle.0] {
+    fn root(&self, handle: Handle) -> ReadRoot {
+        match &self.requests[handle.0] {
             Request::Expression(body) => ReadRoot::Expression(Arc::clone(body)),
             Request::Variable(symbol) => ReadRoot::Expression(Arc::new(Body::variable(*symbol))),
             Request::Function(symbol, arity) => ReadRoot::Function { symbol: *symbol, arity: *arity, span: None },
-        };
+        }
+    }
+
+    fn build(&self, roots: Vec<ReadRoot>) -> Result<Compiled, Vec<Diagnostic>> {
         let functions: Vec<(&str, usize)> = self.host_functions.iter().map(|(name, n)| (name.as_str(), *n)).collect();
-        Program::build(&known, &[root], &Bindings { functions: &functions, ..Bindings::default() })
+        let bindings = Bindings { functions: &functions, ..Bindings::default() };
+        let (program, circles) = Program::build(&Known::new(&self.definitions), &roots, &bindings)?;
+        Ok(Compiled { program, memory: circles.map(|_| Scratch::new()) })
     }
 
     fn request(&mut self, request: Request) -> Handle {
@@ -262,6 +315,7 @@ impl Environment {
 
     fn forget_programs(&mut self) {
         self.programs.fill(None);
+        self.output_program = None;
     }
 
     fn slot_channel(slot: usize) -> u32 {
@@ -360,8 +414,17 @@ mod tests {
 
     #[test]
     fn output_channels_come_in_order_and_the_last_definition_holds() {
-        let environment = environment("$3=1; $1=2; $3=5");
+        let mut environment = environment("$3=1; $1=2; $3=5");
         assert_eq!(environment.outputs().iter().map(|(channel, _)| *channel).collect::<Vec<_>>(), [1, 3]);
+        assert_eq!(environment.eval_outputs(&NoHost), Ok(&[(1, 2.0), (3, 5.0)][..]));
+    }
+
+    #[test]
+    fn a_variable_defined_by_itself_adds_up() {
+        let mut environment = environment("sum = sum + $1; $1 = sum; $2 = sum");
+        for (record, expected) in [(1.0, 1.0), (4.0, 5.0), (2.0, 7.0)] {
+            assert_eq!(environment.eval_outputs(&[record][..]), Ok(&[(1, expected), (2, expected)][..]));
+        }
     }
 
     #[test]

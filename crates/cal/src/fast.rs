@@ -102,6 +102,16 @@ pub(crate) enum Op {
         a: Register,
         b: f64,
     },
+    ConstantOrLess {
+        d: Register,
+        a: Register,
+        b: f64,
+    },
+    ConstantOrGreater {
+        d: Register,
+        a: Register,
+        b: f64,
+    },
     Power {
         d: Register,
         a: Register,
@@ -231,6 +241,7 @@ impl Op {
             Op::AddConstant { d, a, .. } | Op::MultiplyConstant { d, a, .. } => [Some(d), Some(a), None, None],
             Op::SubtractFrom { d, a, .. } | Op::DivideInto { d, a, .. } => [Some(d), Some(a), None, None],
             Op::LeastConstant { d, a, .. } | Op::GreatestConstant { d, a, .. } => [Some(d), Some(a), None, None],
+            Op::ConstantOrLess { d, a, .. } | Op::ConstantOrGreater { d, a, .. } => [Some(d), Some(a), None, None],
             Op::PowerConstant { d, a, .. } | Op::Function { d, a, .. } | Op::Table { d, a, .. } => {
                 [Some(d), Some(a), None, None]
             }
@@ -405,8 +416,8 @@ impl Code {
                 },
                 Op::Move { d, a } => r!(d) = r!(a),
                 Op::Negate { d, a } => r!(d) = -r!(a),
-                Op::Absolute { d, a } => r!(d) = r!(a).abs(),
-                Op::Add { d, a, b } => r!(d) = r!(a) + r!(b),
+                Op::Absolute { d, a } => r!(d) = if r!(a) > 0.0 { r!(a) } else { -r!(a) },
+                Op::Add { d, a, b } => r!(d) = 0.0 + r!(a) + r!(b),
                 Op::Subtract { d, a, b } => r!(d) = r!(a) - r!(b),
                 Op::Multiply { d, a, b } => r!(d) = r!(a) * r!(b),
                 Op::Divide { d, a, b } => {
@@ -430,6 +441,8 @@ impl Code {
                 Op::Greatest { d, a, b } => r!(d) = greatest(r!(a), r!(b)),
                 Op::LeastConstant { d, a, b } => r!(d) = least(r!(a), b),
                 Op::GreatestConstant { d, a, b } => r!(d) = greatest(r!(a), b),
+                Op::ConstantOrLess { d, a, b } => r!(d) = least(b, r!(a)),
+                Op::ConstantOrGreater { d, a, b } => r!(d) = greatest(b, r!(a)),
                 Op::Power { d, a, b } => r!(d) = checked!(r!(a).powf(r!(b))),
                 Op::PowerConstant { d, a, b } => r!(d) = checked!(r!(a).powf(b)),
                 Op::SquareRoot { d, a } => r!(d) = checked!(r!(a).sqrt()),

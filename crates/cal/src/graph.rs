@@ -48,6 +48,18 @@ pub(crate) enum Node {
     Fault,
 }
 
+/// A test, as a comparison.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Test {
+    Positive(Value),
+    Negative(Value),
+    /// The first is greater than the second.
+    Greater(Value, Value),
+    /// The value is above the number.
+    Above(Value, f64),
+    Below(Value, f64),
+}
+
 /// Values that depend on values.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
@@ -148,8 +160,11 @@ impl Graph {
             (Operator::Divide, _, Some(0.0)) => self.fault(),
             (Operator::Power, _, _) => self.power(left, right),
             (_, Some(a), Some(b)) => self.constant(operator.apply(a, b)),
-            (Operator::Add, None, Some(0.0)) | (Operator::Subtract, None, Some(0.0)) => left,
-            (Operator::Add, Some(0.0), None) => right,
+            // No sum is a negative zero.
+            (Operator::Add, Some(zero), None) | (Operator::Add, None, Some(zero)) if zero == 0.0 => {
+                let (value, zero) = (if self.as_constant(left).is_some() { right } else { left }, self.constant(0.0));
+                self.insert(Node::Binary(Operator::Add, value, zero))
+            }
             (Operator::Multiply | Operator::Divide, None, Some(1.0)) => left,
             (Operator::Multiply, Some(1.0), None) => right,
             (Operator::Divide, None, Some(b)) if (1.0 / b).is_normal() => {
@@ -169,7 +184,11 @@ impl Graph {
                 let square = self.insert(Node::Binary(Operator::Multiply, base, base));
                 self.guarded(square)
             }
-            (None, Some(0.5)) => self.insert(Node::Function(Builtin::Sqrt, base)),
+            (None, Some(0.5)) => {
+                // The power of a negative zero is a positive one.
+                let (root, zero) = (self.insert(Node::Function(Builtin::Sqrt, base)), self.constant(0.0));
+                self.insert(Node::Binary(Operator::Add, root, zero))
+            }
             _ => self.insert(Node::Binary(Operator::Power, base, exponent)),
         }
     }
@@ -225,9 +244,14 @@ impl Graph {
             return Some(self.insert(Node::Absolute(test)));
         }
         if test == then && self.as_constant(otherwise) == Some(0.0) {
-            return Some(self.insert(Node::Greatest(test, otherwise)));
+            return Some(self.insert(Node::Greatest(otherwise, test)));
         }
-        let Node::Binary(Operator::Subtract, greater, lesser) = self.node(test) else { return None };
+        let (greater, lesser) = match self.test(test) {
+            Test::Greater(a, b) => (a, b),
+            Test::Above(a, limit) => (a, self.constant(limit)),
+            Test::Below(b, limit) => (self.constant(limit), b),
+            Test::Negative(_) | Test::Positive(_) => return None,
+        };
         if (then, otherwise) == (lesser, greater) {
             return Some(self.insert(Node::Least(greater, lesser)));
         }
@@ -242,6 +266,24 @@ impl Graph {
             }
             Node::Guarded(inner) => self.branchless(test, then, inner),
             _ => None,
+        }
+    }
+
+    /// How to decide a test without computing more than is needed.
+    pub(crate) fn test(&self, test: Value) -> Test {
+        match self.node(test) {
+            Node::Negate(a) => Test::Negative(a),
+            Node::Binary(operator @ (Operator::Add | Operator::Subtract), a, b) => {
+                match (operator, self.as_constant(a), self.as_constant(b)) {
+                    (Operator::Subtract, None, Some(b)) => Test::Above(a, b),
+                    (Operator::Add, None, Some(b)) => Test::Above(a, -b),
+                    (Operator::Add, Some(a), None) => Test::Above(b, -a),
+                    (Operator::Subtract, Some(a), None) => Test::Below(b, a),
+                    (Operator::Subtract, None, None) => Test::Greater(a, b),
+                    _ => Test::Positive(test),
+                }
+            }
+            _ => Test::Positive(test),
         }
     }
 

@@ -39,6 +39,8 @@ pub(crate) struct Lowering<'a> {
     frames: Vec<Frame<'a>>,
     steps: usize,
     depth: usize,
+    /// A variable that is defined by means of itself, and where.
+    circular: Option<(SymbolId, Option<Span>)>,
     /// What an evaluation could meet that is wrong.
     pub(crate) problems: Vec<Diagnostic>,
 }
@@ -71,6 +73,7 @@ impl<'a> Lowering<'a> {
             frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
             steps: 0,
             depth: 0,
+            circular: None,
             problems: Vec::new(),
         }
     }
@@ -86,6 +89,13 @@ impl<'a> Lowering<'a> {
         let arguments: Vec<_> = (0..arity).map(|index| Slot::Seen(self.graph.argument(index))).collect();
         let value = self.call(symbol, arguments, 0, span);
         self.end_root(value)
+    }
+
+    /// The mistake of a variable that is defined by means of itself.
+    pub(crate) fn circular(&self) -> Option<Diagnostic> {
+        let (symbol, span) = self.circular?;
+        let message = format!("variable \"{}\" is defined by means of itself", self.known.bare_name(symbol));
+        Some(span.into_iter().fold(Diagnostic::error(message), Diagnostic::at))
     }
 
     fn end_root(&mut self, value: Lowered<Value>) -> Lowered<Value> {
@@ -171,7 +181,10 @@ impl<'a> Lowering<'a> {
         match self.variables.get(&symbol) {
             Some(Some(value)) => return Ok(*value),
             // It needs its own value, of an evaluation before.
-            Some(None) => return Err(Beyond),
+            Some(None) => {
+                self.circular.get_or_insert((symbol, span));
+                return Err(Beyond);
+            }
             None => {}
         }
         let Some(definition) = self.known.symbol(symbol).and_then(|symbol| symbol.variable()) else {

@@ -169,6 +169,8 @@ pub(crate) struct Stacks {
     activations: Vec<Activation>,
     kept: Vec<Option<f64>>,
     variables: Vec<Option<f64>>,
+    /// The last value of each variable, for those that are defined by means of themselves.
+    last: Vec<f64>,
     /// The mathematical faults of the last evaluation.
     pub(crate) warnings: Vec<Warning>,
 }
@@ -197,6 +199,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
     pub(crate) fn new(image: &'m Image, stacks: &'m mut Stacks, host: &'m H, steps: u64) -> Self {
         stacks.variables.clear();
         stacks.variables.resize(image.variables.len(), None);
+        stacks.last.resize(image.variables.len(), 0.0);
         stacks.warnings.clear();
         Machine { image, stacks, host, steps, fault: None }
     }
@@ -243,7 +246,8 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                     let value = self.pop();
                     self.push(-value);
                 }
-                Op::Add => self.binary(|a, b| a + b),
+                // Radiance adds to zero, so that no sum is a negative zero.
+                Op::Add => self.binary(|a, b| 0.0 + a + b),
                 Op::Subtract => self.binary(|a, b| a - b),
                 Op::Multiply => self.binary(|a, b| a * b),
                 Op::Divide => self.binary(|divisor, dividend| dividend / divisor),
@@ -280,8 +284,8 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                 Op::Variable(variable) => match self.stacks.variables[variable as usize] {
                     Some(value) => self.push(value),
                     None => {
-                        // A variable that needs itself finds the value of an evaluation before; there is none here.
-                        self.stacks.variables[variable as usize] = Some(0.0);
+                        // A variable that needs itself finds the value of the evaluation before.
+                        self.stacks.variables[variable as usize] = Some(self.stacks.last[variable as usize]);
                         self.enter(at, current, After::KeepVariable(variable))?;
                         at = image.variables[variable as usize] as usize;
                     }
@@ -301,7 +305,10 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                             let kept = self.stacks.activations[activation as usize].kept as usize;
                             self.stacks.kept[kept + usize::from(index)] = Some(value);
                         }
-                        After::KeepVariable(variable) => self.stacks.variables[variable as usize] = Some(value),
+                        After::KeepVariable(variable) => {
+                            self.stacks.variables[variable as usize] = Some(value);
+                            self.stacks.last[variable as usize] = value;
+                        }
                         After::EndCall => {
                             if let Some(ended) = self.stacks.activations.pop() {
                                 self.stacks.kept.truncate(ended.kept as usize);

@@ -84,6 +84,10 @@ impl Scratch {
         self.stacks.warnings.clear();
     }
 
+    pub(crate) fn copy_warnings(&mut self, other: &Scratch) {
+        self.stacks.warnings.clone_from(&other.stacks.warnings);
+    }
+
     /// The mathematical faults of the last evaluation that had any, in order; the first hundred of them.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
@@ -118,14 +122,18 @@ impl Program {
     ) -> Result<Program, Vec<Diagnostic>> {
         let mut known = Known::new(definitions);
         let roots = read_roots(&mut known, scope, roots)?;
-        Program::build(&known, &roots, bindings)
+        match Program::build(&known, &roots, bindings)? {
+            (program, None) => Ok(program),
+            (_, Some(circle)) => Err(vec![circle]),
+        }
     }
 
+    /// A program, and what is wrong with a variable of it that is defined by means of itself.
     pub(crate) fn build(
         known: &Known<'_>,
         roots: &[ReadRoot],
         bindings: &Bindings<'_>,
-    ) -> Result<Program, Vec<Diagnostic>> {
+    ) -> Result<(Program, Option<Diagnostic>), Vec<Diagnostic>> {
         let mut linker = Linker::new(known, bindings);
         let mut lowering = Lowering::new(known, bindings);
         let mut entries = Vec::with_capacity(roots.len());
@@ -158,14 +166,15 @@ impl Program {
             None => image.sorted_channels(),
         };
         let graph = &lowering.graph;
-        Ok(Program {
+        let program = Program {
             fast: values.iter().map(|value| value.and_then(|value| emit(graph, &[value]))).collect(),
             fast_all: all.filter(|all| all.len() > 1).and_then(|all| emit(graph, &all)),
             constants: values.iter().map(|value| value.and_then(|value| graph.as_constant(value))).collect(),
             channels,
             image,
             entries,
-        })
+        };
+        Ok((program, lowering.circular()))
     }
 
     /// How many roots there are.

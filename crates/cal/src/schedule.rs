@@ -5,7 +5,7 @@
 //! cheap; otherwise it gets code of its own, which the branches call, and which runs once an evaluation.
 
 use crate::builtin::Builtin;
-use crate::graph::{Graph, Node, Value};
+use crate::graph::{Graph, Node, Test, Value};
 use crate::syntax::Operator;
 
 /// A part of the code that runs as a whole, but for the branches in it.
@@ -135,13 +135,15 @@ impl Schedule {
     /// Notes the use of a value as a test, of which only the sign matters: a difference or a change of sign is not computed
     /// for that, its operands are compared.
     fn tested(&mut self, graph: &Graph, test: Value, region: RegionId) {
-        match graph.node(test) {
-            Node::Binary(Operator::Subtract, ..) | Node::Negate(_) => {
-                graph.operands(graph.node(test), |operand| self.used(operand, region));
-            }
-            _ => {
+        match graph.test(test) {
+            Test::Positive(_) => {
                 self.used(test, region);
                 self.places[test as usize].tests += 1;
+            }
+            Test::Negative(a) | Test::Above(a, _) | Test::Below(a, _) => self.used(a, region),
+            Test::Greater(a, b) => {
+                self.used(a, region);
+                self.used(b, region);
             }
         }
     }

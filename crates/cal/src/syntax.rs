@@ -39,7 +39,8 @@ impl Operator {
     #[inline]
     pub(crate) fn apply(self, left: f64, right: f64) -> f64 {
         match self {
-            Operator::Add => left + right,
+            // Radiance adds to zero, so that no sum is a negative zero.
+            Operator::Add => 0.0 + left + right,
             Operator::Subtract => left - right,
             Operator::Multiply => left * right,
             Operator::Divide => left / right,
@@ -318,8 +319,9 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
                 return Err(self.fault("illegal power of constants", start));
             }
             (_, Some(a), Some(b)) => Some(operator.apply(a, b)),
-            (Operator::Multiply, _, Some(0.0)) => Some(0.0),
-            (Operator::Multiply | Operator::Divide | Operator::Power, Some(0.0), _) => Some(0.0),
+            // The zero stays as it is, with its sign.
+            (Operator::Multiply, _, Some(zero)) if zero == 0.0 => Some(zero),
+            (Operator::Multiply | Operator::Divide | Operator::Power, Some(zero), _) if zero == 0.0 => Some(zero),
             (Operator::Power, _, Some(0.0)) | (Operator::Power, Some(1.0), _) => Some(1.0),
             (Operator::Power, None, Some(1.0)) => return Ok(left),
             _ => None,
@@ -329,6 +331,8 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
         }
         let (operator, right) = match (operator, b) {
             (Operator::Divide, Some(b)) => (Operator::Multiply, self.node(Expr::Number(1.0 / b), start)),
+            // Radiance adds the opposite, which differs from subtracting in the sign of a zero.
+            (Operator::Subtract, Some(b)) => (Operator::Add, self.node(Expr::Number(-b), start)),
             _ => (operator, right),
         };
         Ok(self.node(Expr::Binary(operator, left, right), start))

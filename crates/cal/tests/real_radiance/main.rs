@@ -1,0 +1,15 @@
+//! Differential tests against real Radiance, which are skipped where it is not to be had: `RADSIGHT_RADIANCE` names a folder
+//! with `bin` and `lib`, else `PATH` and `RAYPATH` are searched.
+
+mod expressions;
+mod library;
+mod oracle;
+mod rays;
+#[path = "../../src/differential/writer.rs"]
+#[allow(dead_code)]
+mod writer;
+
+/// Whether two values agree to 1e-6 relative.
+fn close(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= 1e-6 * a.abs().max(b.abs()).max(1e-9)
+}

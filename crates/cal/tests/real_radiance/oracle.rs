@@ -1,0 +1,66 @@
+//! Real Radiance's programs.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Where real Radiance is.
+pub(crate) struct Radiance {
+    bin: Option<PathBuf>,
+    pub(crate) lib: Option<PathBuf>,
+    /// Whether it notices that a function's value is not a number. Builds with fast mathematics do not.
+    pub(crate) sees_faults: bool,
+}
+
+impl Radiance {
+    /// Finds it, or says that the test is skipped.
+    pub(crate) fn find() -> Option<Radiance> {
+        let root = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
+        let raypath = std::env::var("RAYPATH").unwrap_or_default();
+        let on_raypath = raypath.split(':').map(PathBuf::from).find(|folder| folder.join("rayinit.cal").exists());
+        let mut found = Radiance {
+            bin: root.as_ref().map(|root| root.join("bin")),
+            lib: root.map(|root| root.join("lib")).filter(|lib| lib.exists()).or(on_raypath),
+            sees_faults: false,
+        };
+        let tried = found.run("rcalc", &["-n", "-e", "$1=1+acos(2)"], b"");
+        match tried {
+            Some((output, _)) => {
+                found.sees_faults = String::from_utf8_lossy(&output).trim() == "1";
+                Some(found)
+            }
+            None => {
+                println!("skipped: real Radiance not found");
+                None
+            }
+        }
+    }
+
+    /// What a program writes, and its messages; `None` if it fails.
+    pub(crate) fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<(Vec<u8>, String)> {
+        let path = self.bin.as_ref().map_or_else(|| PathBuf::from(program), |bin| bin.join(program));
+        let mut command = Command::new(path);
+        if let Some(lib) = &self.lib {
+            command.env("RAYPATH", format!(".:{}", lib.display()));
+        }
+        let pipes = command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = pipes.spawn().ok()?;
+        let mut stdin = child.stdin.take()?;
+        let input = input.to_vec();
+        let feeding = std::thread::spawn(move || stdin.write_all(&input));
+        let output = child.wait_with_output().ok()?;
+        let _ = feeding.join();
+        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+        output.status.success().then_some((output.stdout, messages))
+    }
+}
+
+/// Numbers as bytes.
+pub(crate) fn to_bytes(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|number| number.to_ne_bytes()).collect()
+}
+
+/// Bytes as numbers.
+pub(crate) fn to_numbers(bytes: &[u8]) -> Vec<f64> {
+    bytes.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap())).collect()
+}

@@ -1,0 +1,1 @@
+//! The function files of real Radiance, ours against theirs.
