@@ -129,6 +129,11 @@ pub enum Material {
         /// The materials that it cuts; the first shades the cut.
         cuts: Vec<Option<ModifierHandle>>,
     },
+    /// A modifier that is wrong; rendering stops when a ray meets it. Stands for any kind of modifier.
+    Unusable {
+        /// What is wrong with it, as it was told when it was read.
+        reason: String,
+    },
     /// `brdfplugin`: a reflectance model from a shared library.
     Plugin {
         /// File name of the library, without directory and suffix.

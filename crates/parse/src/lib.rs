@@ -14,5 +14,5 @@ mod xform;
 
 pub use bounds::{Bounds, Cube, bounds, cube};
 pub use kind::{Kind, Role};
-pub use lower::{BrdfReplacement, Input, Read, ReadOptions, UnusedModifiers, read_scene};
+pub use lower::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, UnusedModifiers, read_scene};
 pub use xform::xform;

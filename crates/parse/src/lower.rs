@@ -13,7 +13,7 @@ mod reader;
 mod replacement;
 mod surfaces;
 
-pub use options::{Input, Read, ReadOptions, UnusedModifiers};
+pub use options::{Input, Read, ReadOptions, Tolerance, UnusedModifiers};
 pub use replacement::BrdfReplacement;
 
 use radsight_loader::Loader;

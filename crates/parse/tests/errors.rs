@@ -1,7 +1,7 @@
 //! The messages of `tests/errors/*.rad`, whole, beside each file. `RADSIGHT_BLESS=1` writes them anew.
 
 use radsight_loader::MemoryLoader;
-use radsight_parse::{Input, ReadOptions, read_scene};
+use radsight_parse::{Input, ReadOptions, Tolerance, read_scene};
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -21,7 +21,8 @@ fn every_mistake_is_told_as_before() {
     }
     let mut changed = Vec::new();
     for name in scenes {
-        let read = read_scene(&[Input::File(name.clone())], &loader, &ReadOptions::default());
+        let options = ReadOptions { tolerance: Tolerance::Strict, ..ReadOptions::default() };
+        let read = read_scene(&[Input::File(name.clone())], &loader, &options);
         let text = read.render(100);
         let path = folder().join(&name).with_extension("expected");
         if std::env::var_os("RADSIGHT_BLESS").is_some() {
@@ -41,4 +42,21 @@ fn only_so_many_messages_are_printed() {
     let printed = read.render(20);
     assert_eq!(printed.matches("error: ").count(), 20);
     assert!(printed.ends_with("and 4980 more\n"), "{}", printed.lines().last().unwrap());
+}
+
+#[test]
+fn what_real_radiance_reads_past_is_a_warning_unless_asked() {
+    let text = "!xform nosuch.rad\nvoid plastic red 0 0 4 1 1 1 0\nred sphere s 0 0 4 0 0 0 1\n";
+    let input = [Input::Text { name: "scene.rad".to_owned(), text: text.into() }];
+    let read = read_scene(&input, &MemoryLoader::default(), &ReadOptions::default());
+    assert!(!read.has_errors(), "{}", read.render(9));
+    assert_eq!(read.diagnostics.len(), 2);
+    let radsight_ir::ModifierKind::Material(radsight_ir::Material::Unusable { reason }) =
+        &read.scene.modifiers.items()[0].kind
+    else {
+        panic!("{:?}", read.scene.modifiers)
+    };
+    assert_eq!(reason, "plastic \"red\" has 4 real arguments, expected 5");
+    let strict = ReadOptions { tolerance: Tolerance::Strict, ..ReadOptions::default() };
+    assert!(read_scene(&input, &MemoryLoader::default(), &strict).has_errors());
 }

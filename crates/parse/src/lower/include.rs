@@ -169,8 +169,19 @@ impl Reader<'_> {
             && !is_already_told(&error)
         {
             let range = word_range(&call.words, error.argument());
-            self.log.push(command_error(&error, command.span(range)));
+            self.tell_failure(&error, command.span(range));
         }
+    }
+
+    /// A command that fails gives nothing, and reading goes on; one that may not run at all is an error.
+    fn tell_failure(&mut self, error: &Error, span: Span) {
+        let may_not_run = match error {
+            Error::Load(error) => matches!(error, LoadError::CommandRefused { .. }),
+            Error::Syntax(_) => true,
+            _ => false,
+        };
+        let diagnostic = command_error(error, span);
+        if may_not_run { self.log.push(diagnostic) } else { self.push_tolerated(diagnostic) }
     }
 
     /// One copy of all the files. An error ends the array.
@@ -191,7 +202,7 @@ impl Reader<'_> {
         if copy.files.is_empty() {
             let Some(key) = standard_input else {
                 let missing = "xform reads a file, and none is named";
-                self.log.push(Diagnostic::error(missing).at(command.whole()));
+                self.push_tolerated(Diagnostic::error(missing).at(command.whole()));
                 return Err(already_told());
             };
             let context = Context::new(placement, here.context.directory.clone());
@@ -290,7 +301,7 @@ impl Reader<'_> {
         match loader.load(&key.name, FileKind::Scene) {
             Ok(loaded) => self.keep(key, loaded.bytes, loaded.path, span),
             Err(error) => {
-                self.log.push(load_error(&error, span));
+                self.tell_failure(&Error::Load(error), span);
                 false
             }
         }
@@ -314,7 +325,7 @@ impl Reader<'_> {
                 self.keep(key, output.standard_output, key.name.clone(), command.whole())
             }
             Err(PipelineError { range, error }) => {
-                self.log.push(command_error(&error, command.span(range)));
+                self.tell_failure(&error, command.span(range));
                 false
             }
         }

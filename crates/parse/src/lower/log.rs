@@ -46,6 +46,13 @@ impl Log {
         }
     }
 
+    /// Makes warnings of the errors from a number of messages on; gives the first of them.
+    pub(crate) fn tolerate_since(&mut self, count: usize) -> Option<String> {
+        let new = self.diagnostics.get_mut(count..).unwrap_or_default();
+        new.iter_mut().for_each(|diagnostic| diagnostic.severity = diagnostic.severity.min(Severity::Warning));
+        new.first().map(|diagnostic| diagnostic.message.clone())
+    }
+
     pub(crate) fn extend(&mut self, diagnostics: impl IntoIterator<Item = Diagnostic>) {
         diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
     }

@@ -1,7 +1,8 @@
 //! Modifiers as they were written, until all texts are read and it is known which of them are used.
 
-use super::UnusedModifiers;
+use super::materials::Lowered;
 use super::reader::{Here, Reader};
+use super::{Tolerance, UnusedModifiers};
 use crate::Kind;
 use crate::signature::{Count, signature};
 use crate::syntax::{Alias, Primitive, Word, words};
@@ -275,8 +276,8 @@ impl Reader<'_> {
         let replaced = self.find_replaced(&raws);
         let mut handles: Vec<Option<ModifierHandle>> = vec![None; raws.len()];
         for (index, raw) in raws.iter().enumerate() {
-            let counts_are_right = self.check_counts(raw, used[index]);
-            if !used[index] || !counts_are_right {
+            if !used[index] {
+                self.check_counts(raw, Severity::Warning);
                 continue;
             }
             let at = |handle: RawHandle| handles[handle.0 as usize];
@@ -288,10 +289,7 @@ impl Reader<'_> {
                     words: new.words,
                     numbers: new.numbers,
                 })),
-                None => {
-                    self.check_ranges(raw);
-                    self.lower_kind(raw, &at)
-                }
+                None => self.lower_modifier(raw, &at),
             };
             handles[index] = kind.map(|kind| {
                 let modifier = raw.parent.and_then(at);
@@ -301,6 +299,23 @@ impl Reader<'_> {
         for (surface, raw) in self.scene.surfaces.items_mut().iter_mut().zip(&self.surface_modifiers) {
             surface.modifier = raw.and_then(|raw| handles[raw.0 as usize]);
         }
+    }
+
+    /// What one modifier does; where that is wrong and tolerated, it is said to be unusable.
+    fn lower_modifier(&mut self, raw: &Raw, at: &Lowered<'_>) -> Option<ModifierKind> {
+        let messages = self.log.diagnostics.len();
+        self.is_unsupported = false;
+        let kind = if self.check_counts(raw, Severity::Error) {
+            self.check_ranges(raw);
+            self.lower_kind(raw, at)
+        } else {
+            None
+        };
+        if kind.is_some() || self.is_unsupported || self.options.tolerance == Tolerance::Strict {
+            return kind;
+        }
+        let reason = self.log.tolerate_since(messages).unwrap_or_else(|| "a file it needs cannot be read".to_owned());
+        Some(ModifierKind::Material(Material::Unusable { reason }))
     }
 
     /// Which modifiers some surface needs, directly or through others. What is needed always stands before.
@@ -354,7 +369,7 @@ impl Reader<'_> {
         replaced
     }
 
-    fn check_counts(&mut self, raw: &Raw, is_used: bool) -> bool {
+    fn check_counts(&mut self, raw: &Raw, severity: Severity) -> bool {
         let expected = signature(raw.kind);
         let name = self.scene.names.get(raw.name);
         let mut is_right = true;
@@ -368,9 +383,7 @@ impl Reader<'_> {
                 let message = format!("{kind} \"{name}\" has {found} {group} argument{plural}, expected {right}");
                 let error = Diagnostic::error(message).at(span);
                 let mut error = error.maybe_hint(expected.hint().filter(|_| group == "real"));
-                if !is_used {
-                    error.severity = Severity::Warning;
-                }
+                error.severity = severity;
                 self.log.push(error);
                 is_right = false;
             } else if right == Count::Ignored && found > 0 && !takes_some_strings(raw.kind, found) {

@@ -23,6 +23,8 @@ pub enum Input {
 pub struct ReadOptions {
     /// What becomes of modifiers that no surface uses. Default: they are skipped.
     pub unused: UnusedModifiers,
+    /// What becomes of mistakes that real Radiance reads past. Default: they are warnings.
+    pub tolerance: Tolerance,
     /// Materials to be replaced by models from shared libraries, as `--brdf` gives them. Default: none.
     pub brdf: Vec<BrdfReplacement>,
     /// The most surfaces that a scene may have; more is an error instead of an exhausted machine. Default: 50 million.
@@ -31,7 +33,12 @@ pub struct ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        ReadOptions { unused: UnusedModifiers::Skip, brdf: Vec::new(), most_surfaces: 50_000_000 }
+        ReadOptions {
+            unused: UnusedModifiers::Skip,
+            tolerance: Tolerance::AsRadiance,
+            brdf: Vec::new(),
+            most_surfaces: 50_000_000,
+        }
     }
 }
 
@@ -43,6 +50,17 @@ pub enum UnusedModifiers {
     Skip,
     /// They are treated as if they were used.
     Lower,
+}
+
+/// What becomes of mistakes that real Radiance reads past: a command that fails, and a modifier whose arguments, functions
+/// or files are wrong, as long as no ray meets it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tolerance {
+    /// They are warnings; the modifier becomes [`radsight_ir::Material::Unusable`].
+    #[default]
+    AsRadiance,
+    /// They are errors.
+    Strict,
 }
 
 /// What came of reading.

@@ -4,10 +4,10 @@ use super::functions::Functions;
 use super::include::{Inclusions, SceneLoader};
 use super::log::Log;
 use super::modifiers::{ModifierTable, RawHandle};
-use super::{BrdfReplacement, Input, Read, ReadOptions};
+use super::{BrdfReplacement, Input, Read, ReadOptions, Tolerance};
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError};
-use radsight_diag::{Diagnostic, SourceId, SourceMap, Span, hint_nearest};
+use radsight_diag::{Diagnostic, Severity, SourceId, SourceMap, Span, hint_nearest};
 use radsight_ir::{DataGrid, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
 use std::collections::HashMap;
@@ -31,6 +31,8 @@ pub(super) struct Reader<'a> {
     /// Likewise.
     pub(super) pictures: HashMap<String, Option<Handle<PictureData>>>,
     pub(super) replacements: Vec<BrdfReplacement>,
+    /// The modifier being lowered is of a kind that cannot be read yet, which nothing excuses.
+    pub(super) is_unsupported: bool,
     /// A limit was hit: nothing more is read.
     pub(super) is_stopped: bool,
     /// Reused for the placed arguments of surfaces.
@@ -80,6 +82,7 @@ impl<'a> Reader<'a> {
             grids: HashMap::new(),
             pictures: HashMap::new(),
             replacements: options.brdf.clone(),
+            is_unsupported: false,
             is_stopped: false,
             placed: Vec::new(),
         }
@@ -186,6 +189,14 @@ impl<'a> Reader<'a> {
                 self.log.push(warning.maybe_hint(hint_nearest(word, ["brdf"])));
             }
         }
+    }
+
+    /// An error that real Radiance would only warn of, or not find before a ray meets it.
+    pub(super) fn push_tolerated(&mut self, mut error: Diagnostic) {
+        if self.options.tolerance == Tolerance::AsRadiance {
+            error.severity = error.severity.min(Severity::Warning);
+        }
+        self.log.push(error);
     }
 
     /// Gives up after a limit was hit.

@@ -1,0 +1,265 @@
+//! The scenes of others, against real Radiance: numbers of surfaces, boxes, cubes.
+
+mod support;
+
+use radsight_parse::syntax::{Item, Items};
+use radsight_parse::{Input, Read, ReadOptions, Role, UnusedModifiers, bounds, cube, read_scene};
+use std::path::{Path, PathBuf};
+use support::{Disk, Radiance, shared};
+
+/// Folder below the shared one, and what `oconv` is given there. `*` stands for any file name.
+const SCENES: &[(&str, &[&str])] = &[
+    (
+        "scenes/frads_openoffice",
+        &[
+            "!gendaylit 3 21 12.5 -a 37.7 -o 122.2 -m 120 -W 800 120",
+            "skies_glow.rad",
+            "Objects/*.mat",
+            "Objects/*.rad",
+        ],
+    ),
+    ("scenes/gjward1_objects", &["preview_light.rad", "black_chair.rad"]),
+    ("scenes/gjward1_objects", &["blue_chair.rad"]),
+    ("scenes/gjward1_objects", &["bookbox.rad"]),
+    ("scenes/gjward1_objects", &["coatrack.rad"]),
+    ("scenes/gjward1_objects", &["conf_table.rad"]),
+    ("scenes/gjward1_objects", &["dafvase.rad"]),
+    ("scenes/gjward1_objects", &["desk.rad"]),
+    ("scenes/gjward1_objects", &["desklamp.rad"]),
+    ("scenes/gjward1_objects", &["dresser.rad"]),
+    ("scenes/gjward1_objects", &["exit_sign.rad"]),
+    ("scenes/gjward1_objects", &["extinguisher.rad"]),
+    ("scenes/gjward1_objects", &["medcab.rad"]),
+    ("scenes/gjward1_objects", &["mug.rad"]),
+    ("scenes/gjward1_objects", &["openbook.rad"]),
+    ("scenes/gjward1_objects", &["orange_chair.rad"]),
+    ("scenes/gjward1_objects", &["podium.rad"]),
+    ("scenes/gjward1_objects", &["red_chair.rad"]),
+    ("scenes/gjward1_objects", &["toilet.rad"]),
+    ("scenes/gjward1_objects", &["vanity.rad"]),
+    ("scenes/gjward1_objects", &["wastebasket.rad"]),
+    ("scenes/gjward1_objects", &["whale2.rad"]),
+    (
+        "scenes/honeybee_folder_bsdf",
+        &[
+            "!gensky 6 21 15:00 +s -a 42.4 -o 71.0 -m 75",
+            "skies_glow.rad",
+            "model/scene/*.mat",
+            "model/scene/*.rad",
+            "model/aperture/*.mat",
+            "model/aperture/*.rad",
+            "model/aperture_group/*..default..0.rad",
+        ],
+    ),
+    ("scenes/lbnl_daffodil", &["daf.rad"]),
+    ("scenes/lbnl_daffodil", &["examp"]),
+    ("scenes/lbnl_luminaires", &["preview_room.rad", "preview_lum.rad"]),
+    ("scenes/lbnl_office", &["model.b90", "desk", "misc", "window", "blinds", "lights", "lamp", "picture"]),
+    (
+        "scenes/lbnl_office",
+        &[
+            "!gensky 7 12 17 | xform -rx -90 -ry 90",
+            "sky",
+            "model.b90",
+            "desk",
+            "misc",
+            "window",
+            "blinds",
+            "lamp",
+            "picture",
+        ],
+    ),
+    ("scenes/lbnl_virtual", &["plainoff.rad", "environ.rad", "furniture.rad"]),
+    ("scenes/lbnl_virtual", &["illumoff.rad", "environ.rad", "furniture.rad"]),
+    ("scenes/radiance_cornell", &["cornell.rad"]),
+    ("scenes/radmodels_classroom", &["model.rad"]),
+    ("scenes/radmodels_island", &["model.rad"]),
+    ("scenes/radmodels_manhattan_tex", &["model.rad"]),
+    ("scenes/radmodels_pool", &["skies/*.sky", "model.rad"]),
+    (
+        "scenes/raytraverse_office",
+        &[
+            "!gendaylit 3 21 11 -a 46.2 -o -6.1 -m -15 -W 700 150",
+            "skies_glow.rad",
+            "options/clear.rad",
+            "RAD/office.rad",
+        ],
+    ),
+    ("scenes/raytraverse_office", &["options/fabric.rad", "RAD/office.rad"]),
+    ("scenes/simple_boxes", &["ray_tracer/glass_box/box.rad"]),
+    ("scenes/simple_boxes", &["ray_tracer/metal_box_rough/box.rad"]),
+    ("scenes/simple_boxes", &["ray_tracer/plastic_box_full/box.rad"]),
+    ("scenes/simple_boxes", &["scenes/cornell_glass.rad"]),
+    ("scenes/simple_boxes", &["scenes/cornell_solid.rad"]),
+    ("scenes/simple_boxes", &["scenes/scene0.rad"]),
+    ("scenes/spider_misc", &["preview_light.rad", "mostapha-forest-sphere.rad"]),
+    ("scenes/spider_misc", &["preview_light.rad", "djmonitor.rad"]),
+    (
+        "scenes/spider_misc",
+        &["honeybee_005.opq.mat", "honeybee_005.opq.rad", "honeybee_005.glz.mat", "honeybee_005.glz.rad"],
+    ),
+    (
+        "renders",
+        &["basic.mat", "diorama_walls.rad", "rect_opening.rad", "front_cap.rad", "vase.rad", "dielectric_pane.rad"],
+    ),
+    ("renders", &["basic.mat", "diorama_walls.rad", "torus.rad", "sunset_sky.rad", "glass_ill.rad"]),
+    ("renders", &["basic.mat", "closed_end.rad", "porsches.rad", "spotlights.rad", "rect_fixture.rad", "glowbulb.rad"]),
+    ("renders", &["basic.mat", "chrome.mat", "diorama_walls.rad", "woman.rad"]),
+    ("renders", &["basic.mat", "glass_pane.rad", "antimatter_portal.rad", "bubble_in_cube.rad", "mirror.rad"]),
+    ("renders", &["basic.mat", "gymbal.rad", "mist.rad", "spotlights.rad", "spotcones.rad"]),
+    (
+        "renders",
+        &[
+            "basic.mat",
+            "mixtex.mat",
+            "sunset_sky.rad",
+            "glass_pane.rad",
+            "disks.rad",
+            "constellation.rad",
+            "blinds.rad",
+        ],
+    ),
+    ("renders", &["basic.mat", "patterns.mat", "diorama_walls.rad", "disks.rad", "rect_fixture.rad"]),
+    ("renders", &["basic.mat", "gold.mat", "!xform -m gold ./vase.rad", "prism1.rad"]),
+    ("renders", &["basic.mat", "prism2.rad"]),
+    ("renders", &["basic.mat", "spectral.mat", "gold.mat", "diorama_walls.rad", "spectral_objs.rad"]),
+    ("renders", &["basic.mat", "ball_in_cube.rad", "illum_tfunc.rad"]),
+    ("renders", &["basic.mat", "ballcompare.rad", "trans_pane.rad", "sunset_sky.rad"]),
+    ("renders", &["basic.mat", "gymbal.rad", "illum_trans2.rad"]),
+    ("renders", &["basic.mat", "ringlight.rad", "gymbal2.rad"]),
+    ("renders", &["combined_scene.rad"]),
+];
+
+#[test]
+fn scenes_of_others_have_the_surfaces_and_bounds_that_real_radiance_gives_them() {
+    let (Some(radiance), Some(shared)) = (Radiance::find(), shared()) else { return };
+    let (mut agreed, mut wrong, mut unread) = (0, Vec::new(), Vec::new());
+    for (folder, inputs) in SCENES {
+        let unpacked = unpacked(&shared.join(folder));
+        let folder_path = unpacked.as_ref().map_or(shared.join(folder), |unpacked| unpacked.path().to_owned());
+        let names: Vec<String> = inputs.iter().flat_map(|input| expand(&folder_path, input)).collect();
+        let loader = Disk { folder: folder_path.clone(), library: radiance.library() };
+        let options = ReadOptions { unused: UnusedModifiers::Lower, ..ReadOptions::default() };
+        let files: Vec<Input> = names.iter().cloned().map(Input::File).collect();
+        let read = read_scene(&files, &loader, &options);
+        let title = format!("{folder} {}", inputs.join(" "));
+        if read.has_errors() {
+            unread.push(format!("{title}\n{}", read.render(5)));
+            continue;
+        }
+        match compare(&radiance, &folder_path, &names, &read) {
+            Ok(()) => agreed += 1,
+            Err(difference) => wrong.push(format!("{title}: {difference}")),
+        }
+    }
+    println!("{agreed} of {} scenes agree; not read:\n{}", SCENES.len(), unread.join("\n"));
+    assert!(wrong.is_empty(), "{} scenes differ:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(agreed >= LEAST_AGREEING, "only {agreed} of {} scenes are read", SCENES.len());
+}
+
+/// To be raised with what can be read.
+const LEAST_AGREEING: usize = 45;
+
+fn compare(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) -> Result<(), String> {
+    let arguments: Vec<&str> = ["-w", "-h"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let (text, _) = radiance.run("getbbox", &arguments, folder);
+    let numbers: Vec<f64> = numbers(&text);
+    let [x0, x1, y0, y1, z0, z1] = numbers[..] else { return Err("getbbox fails".to_owned()) };
+    let Some(ours) = bounds(&read.scene) else { return Err("no bounds".to_owned()) };
+    let size = (ours.high - ours.low).max_element().max(ours.high.abs().max_element());
+    let pairs = [ours.low.to_array(), ours.high.to_array()].concat().into_iter().zip([x0, y0, z0, x1, y1, z1]);
+    if pairs.clone().any(|(a, b)| (a - b).abs() > 1e-5 * size) {
+        return Err(format!("our bounds are {ours:?}, theirs {numbers:?}"));
+    }
+    let surfaces = count_surfaces(radiance, folder, names);
+    let left_out = read.diagnostics.iter().filter(|diagnostic| diagnostic.message.contains("it is left out")).count();
+    if read.scene.surfaces.len() + left_out != surfaces {
+        return Err(format!(
+            "we have {} surfaces and leave out {left_out}, xform has {surfaces}",
+            read.scene.surfaces.len()
+        ));
+    }
+    compare_cubes(radiance, folder, names, read)
+}
+
+fn compare_cubes(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) -> Result<(), String> {
+    let octree = tempfile::NamedTempFile::new().unwrap();
+    let arguments: Vec<&str> = ["-w"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let (bytes, succeeded) = radiance.run("oconv", &arguments, folder);
+    if !succeeded {
+        return Err("real oconv refuses the scene".to_owned());
+    }
+    std::fs::write(octree.path(), bytes).unwrap();
+    let (text, _) = radiance.run("getinfo", &["-d", octree.path().to_str().unwrap()], folder);
+    let text = String::from_utf8_lossy(&text).into_owned();
+    let theirs = numbers(text.rsplit_once("tmp").map_or(text.as_str(), |(_, rest)| rest).as_bytes());
+    let Some(ours) = cube(&read.scene) else { return Err("no cube".to_owned()) };
+    let [.., x, y, z, size] = theirs[..] else { return Err(format!("getinfo -d says {text}")) };
+    let ours = [ours.origin.x, ours.origin.y, ours.origin.z, ours.size];
+    let same = ours.iter().zip([x, y, z, size]).all(|(a, b)| (a - b).abs() <= 1e-5 * size);
+    if same { Ok(()) } else { Err(format!("our cube is {ours:?}, theirs {text}")) }
+}
+
+fn numbers(text: &[u8]) -> Vec<f64> {
+    String::from_utf8_lossy(text).split_whitespace().filter_map(|word| word.parse().ok()).collect()
+}
+
+/// How many surfaces real `xform` prints for the scene.
+fn count_surfaces(radiance: &Radiance, folder: &Path, names: &[String]) -> usize {
+    let mut count = 0;
+    for name in names {
+        let (text, _) = match name.strip_prefix('!') {
+            Some(_) => {
+                let file = tempfile::Builder::new().tempfile().unwrap();
+                std::fs::write(file.path(), name).unwrap();
+                // From standard input, so that xform stays in the folder.
+                let mut command = radiance.command("xform");
+                command.arg("-e").current_dir(folder).stdin(std::fs::File::open(file.path()).unwrap());
+                (command.output().unwrap().stdout, true)
+            }
+            None => {
+                // Likewise: `oconv` runs the commands of a file in its own folder.
+                let mut command = radiance.command("xform");
+                command.arg("-e").current_dir(folder).stdin(std::fs::File::open(folder.join(name)).unwrap());
+                (command.output().unwrap().stdout, true)
+            }
+        };
+        let mut items = Items::new(&text).unwrap();
+        while let Some(item) = items.advance() {
+            let is_surface = |kind: radsight_parse::Kind| matches!(kind.role(), Role::Surface | Role::Volume);
+            count += usize::from(matches!(item, Ok(Item::Primitive(primitive)) if is_surface(primitive.kind)));
+        }
+    }
+    count
+}
+
+/// A copy of a scene whose files come in an archive.
+fn unpacked(folder: &Path) -> Option<tempfile::TempDir> {
+    let archive = folder.join("objects.tar.gz");
+    if !archive.exists() || folder.join("objects").exists() {
+        return None;
+    }
+    let copy = tempfile::tempdir().unwrap();
+    let run = |program: &str, arguments: &[&std::ffi::OsStr]| {
+        let status = std::process::Command::new(program).args(arguments).status();
+        assert!(status.is_ok_and(|status| status.success()), "{program} fails");
+    };
+    run("cp", &["-r".as_ref(), folder.join(".").as_os_str(), copy.path().as_os_str()]);
+    run("tar", &["xzf".as_ref(), archive.as_os_str(), "-C".as_ref(), copy.path().as_os_str()]);
+    Some(copy)
+}
+
+/// The files that a name with `*` means.
+fn expand(folder: &Path, name: &str) -> Vec<String> {
+    let Some((before, after)) = name.split_once('*').filter(|_| !name.starts_with('!')) else {
+        return vec![name.to_owned()];
+    };
+    let directory = PathBuf::from(before.rsplit_once('/').map_or("", |(directory, _)| directory));
+    let entries = std::fs::read_dir(folder.join(&directory)).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| directory.join(entry.unwrap().file_name()).to_string_lossy().into_owned())
+        .filter(|path| path.starts_with(before) && path.ends_with(after))
+        .collect();
+    names.sort();
+    names
+}
