@@ -7,7 +7,7 @@ use radsight_cal::Environment;
 use radsight_diag::SourceMap;
 use std::fmt::Write;
 
-const PROGRAMS: u64 = 3000;
+const PROGRAMS: u64 = 8000;
 const RECORDS: usize = 6;
 
 /// Definitions and expressions of one program, under names of its own.
@@ -40,6 +40,39 @@ fn ours(text: &str, records: &[[f64; 4]]) -> Option<Vec<[(f64, bool); 2]>> {
     Some(records.iter().map(&mut evaluate).collect())
 }
 
+/// A program, and our values of it by record.
+struct Expected {
+    seed: u64,
+    values: Vec<[(f64, bool); 2]>,
+}
+
+/// What `rcalc` gives, by record, then by program. A build that sees no faults may stop at one: such a program is left out.
+fn theirs(radiance: &Radiance, programs: &[Expected], records: &[[f64; 4]]) -> Vec<Vec<Option<[f64; 2]>>> {
+    let mut all = String::new();
+    for (index, expected) in programs.iter().enumerate() {
+        let (text, [first, second]) = numbered(expected.seed);
+        writeln!(all, "{text}${}={first};\n${}={second};", 2 * index + 1, 2 * index + 2).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("x.cal");
+    std::fs::write(&file, &all).unwrap();
+    let arguments = ["-w", "-id4", "-od", "-f", file.to_str().unwrap()];
+    if let Some((output, _)) = radiance.run("rcalc", &arguments, &to_bytes(records.as_flattened())) {
+        let numbers = to_numbers(&output);
+        assert_eq!(numbers.len(), 2 * programs.len() * records.len());
+        let record = |chunk: &[f64]| chunk.chunks(2).map(|pair| Some([pair[0], pair[1]])).collect();
+        return numbers.chunks(2 * programs.len()).map(record).collect();
+    }
+    if let [only] = programs {
+        let faults = only.values.iter().flatten().any(|(_, clean)| !clean);
+        assert!(faults && !radiance.sees_faults, "rcalc refuses {:?}", numbered(only.seed));
+        return vec![vec![None]; records.len()];
+    }
+    let (left, right) = programs.split_at(programs.len() / 2);
+    let (left, right) = (theirs(radiance, left, records), theirs(radiance, right, records));
+    left.into_iter().zip(right).map(|(left, right)| [left, right].concat()).collect()
+}
+
 #[test]
 fn generated_programs_have_the_values_of_rcalc() {
     let Some(radiance) = Radiance::find() else { return };
@@ -47,31 +80,25 @@ fn generated_programs_have_the_values_of_rcalc() {
     let records: Vec<[f64; 4]> = (0..RECORDS).map(|_| std::array::from_fn(|_| dice.number())).collect();
     let (mut compared, mut faults) = (0, 0);
     for batch in 0..PROGRAMS / 100 {
-        let mut all = String::new();
-        let mut expected = Vec::new();
-        for seed in batch * 100..(batch + 1) * 100 {
-            let (text, [first, second]) = numbered(seed);
-            let Some(values) = ours(&format!("{text}$1={first};$2={second};"), &records) else { continue };
-            let output = 2 * expected.len() + 1;
-            writeln!(all, "{text}${output}={first};\n${}={second};", output + 1).unwrap();
-            expected.push((seed, values));
-        }
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("x.cal");
-        std::fs::write(&file, &all).unwrap();
-        let input = to_bytes(records.as_flattened());
-        let arguments = ["-w", "-id4", "-od", "-f", file.to_str().unwrap()];
-        let (output, _) = radiance.run("rcalc", &arguments, &input).expect("rcalc takes what we take");
-        let theirs = to_numbers(&output);
-        assert_eq!(theirs.len(), 2 * expected.len() * RECORDS);
-        for (record, theirs) in theirs.chunks(2 * expected.len()).enumerate() {
-            for ((seed, values), theirs) in expected.iter().zip(theirs.chunks(2)) {
-                for (root, &theirs) in theirs.iter().enumerate() {
-                    let (value, clean) = values[record][root];
-                    if !clean && !radiance.sees_faults {
-                        faults += 1;
-                        continue;
-                    }
+        let programs: Vec<Expected> = (batch * 100..(batch + 1) * 100)
+            .filter_map(|seed| {
+                let (text, [first, second]) = numbered(seed);
+                // A build that sees no faults has lost the sign of zero too, which decides what atan2 is.
+                let signed = text.contains("atan2") || first.contains("atan2") || second.contains("atan2");
+                if signed && !radiance.sees_faults {
+                    return None;
+                }
+                Some(Expected { seed, values: ours(&format!("{text}$1={first};$2={second};"), &records)? })
+            })
+            .collect();
+        for (record, theirs) in theirs(&radiance, &programs, &records).iter().enumerate() {
+            for (Expected { seed, values }, theirs) in programs.iter().zip(theirs) {
+                let clean = values[record].iter().all(|(_, clean)| *clean);
+                let Some(theirs) = theirs.filter(|_| clean || radiance.sees_faults) else {
+                    faults += 2;
+                    continue;
+                };
+                for ((value, _), theirs) in values[record].into_iter().zip(theirs) {
                     let same = close(value, theirs) || (value.is_nan() && theirs.is_nan());
                     assert!(same, "{seed}: {value} {theirs} at {:?}\n{:?}", records[record], numbered(*seed));
                     compared += 1;
@@ -80,7 +107,7 @@ fn generated_programs_have_the_values_of_rcalc() {
         }
     }
     println!("{compared} values compared with rcalc, {faults} left out for faults that it does not see");
-    assert!(compared > 20_000, "only {compared} values compared");
+    assert!(compared > 10_000, "only {compared} values compared");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Prints how long evaluations take, in nanoseconds, on expressions such as scenes have.
 //!
-//! `cargo run --release -p radsight-cal --example speed`
+//! `cargo run --release -p radsight-cal --example cal_speed`
 
 use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_diag::SourceMap;
