@@ -114,3 +114,12 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
     }
     report
 }
+
+/// The library `name` that cargo built along with the test program `test_program`, for the tests of a plugin.
+#[must_use]
+pub fn library_beside(test_program: &Path, name: &str) -> PathBuf {
+    let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let folders = test_program.ancestors().skip(1).take(2);
+    let mut candidates = folders.map(|folder| folder.join(&file));
+    candidates.find(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(file))
+}

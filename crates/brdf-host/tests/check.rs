@@ -51,6 +51,15 @@ fn an_honest_plugin_in_c_passes() {
 }
 
 #[test]
+fn the_plugin_in_c_of_the_plugins_folder_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(library) = c_plugin(folder.path(), "../../../../plugins/phong/phong.c", "phong", &[]) else { return };
+    let report = check::run(&options(&library));
+    assert!(report.passed(), "{}", report.text());
+    assert!(report.text().contains("rho_s: rho_d + rho_s is 2, expected at most 1"), "{}", report.text());
+}
+
+#[test]
 fn each_broken_plugin_is_caught_with_the_right_message() {
     let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, Stage, &str); 14] = [

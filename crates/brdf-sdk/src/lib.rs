@@ -36,13 +36,19 @@
 mod angle;
 mod describe;
 mod ffi;
+mod fresnel;
+mod ggx;
 mod model;
+mod spectrum;
 
 pub use angle::{angle_between, cosine_hemisphere, cosine_pdf, direction_near, frame, mirror};
 pub use describe::{Description, Lobes, Parameter};
+pub use fresnel::{fresnel_conductor, fresnel_dielectric};
+pub use ggx::{Ggx, Reflection};
 pub use glam::DVec3;
 pub use model::{CreateError, EvalBatch, Model, Parameters, Sample};
 pub use radsight_brdf_abi::Band;
+pub use spectrum::{rgb_of_band, sample_band};
 
 /// What the macro [`export!`] needs; not for authors.
 #[doc(hidden)]
