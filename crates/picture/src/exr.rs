@@ -3,6 +3,7 @@
 //! The Radiance header travels along as the comments of the layer.
 
 use crate::{Header, Image, PictureError};
+use exr::meta::BlockDescription;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, ReadChannels, ReadLayers, Text,
     WritableImage,
@@ -60,12 +61,18 @@ fn check_sizes(bytes: &[u8]) -> Result<(), PictureError> {
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(codec)?;
     let budget = bytes.len().saturating_mul(LARGEST_RATIO).max(SMALL);
     for header in &meta.headers {
-        let (width, height) = (header.layer_size.width(), header.layer_size.height());
         let channels = header.channels.list.len();
-        let values = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels));
-        if values.and_then(|values| values.checked_mul(4)).is_none_or(|size| size > budget) {
-            let (width, height, components) = (width as u64, height as u64, channels as u64);
-            return Err(PictureError::TooLarge { offset: 0, width, height, components, available: bytes.len() });
+        // A tile is taken whole even where it reaches beyond the picture.
+        let tile = match header.blocks {
+            BlockDescription::Tiles(tiles) => tiles.tile_size,
+            BlockDescription::ScanLines => header.layer_size,
+        };
+        for (width, height) in [header.layer_size, tile].map(|size| (size.width(), size.height())) {
+            let values = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels));
+            if values.and_then(|values| values.checked_mul(4)).is_none_or(|size| size > budget) {
+                let (width, height, components) = (width as u64, height as u64, channels as u64);
+                return Err(PictureError::TooLarge { offset: 0, width, height, components, available: bytes.len() });
+            }
         }
     }
     Ok(())
@@ -120,6 +127,16 @@ mod tests {
             let (read, history) = read_exr(&write_exr(&image, Some(&header)).unwrap()).unwrap();
             assert_eq!((read, history), (image, Some(header.clone())));
         }
+    }
+
+    #[test]
+    fn a_tile_beyond_all_bytes_is_refused() {
+        let mut bytes = write_exr(&Image::filled(5, 3, 1, 1.0).unwrap(), None).unwrap();
+        let at = bytes.windows(9).position(|nine| nine == b"tiledesc\0").unwrap();
+        // The type of the attribute is followed by its size in four bytes.
+        let width = at + b"tiledesc\0".len() + 4;
+        bytes[width..width + 4].copy_from_slice(&[0, 0, 0, 0x28]);
+        assert!(matches!(read_exr(&bytes), Err(PictureError::TooLarge { .. })));
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! How fast a picture of 3840 x 2160 pixels is read and written, in megabytes of decoded bytes a second.
-//! `cargo run --release --example speed [picture]`
+//! `cargo run --release --example picture_speed [picture]`
 
 use radsight_picture::{Header, Image, Picture};
 use std::time::Instant;

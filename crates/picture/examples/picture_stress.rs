@@ -1,5 +1,6 @@
 //! Spoils files of every kind for some seconds and reads them in every way; panics if a reader does, and says how many
-//! were read and how much memory that took at most. `cargo run --release --all-features --example stress -- 60 1`
+//! were read and how much memory that took at most. The slowest file is kept where the third argument says.
+//! `cargo run --release --all-features --example picture_stress -- SECONDS SEED [FILE]`
 
 #[path = "../tests/mutation/mod.rs"]
 mod mutation;
@@ -10,6 +11,7 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let mut number = |usual: u64| arguments.next().and_then(|word| word.parse().ok()).unwrap_or(usual);
     let (seconds, seed) = (number(60), number(1));
+    let kept = std::env::args().nth(3);
     let (seeds, mut random) = (mutation::seeds(), mutation::Random(seed.max(1)));
     let (start, mut files, mut slowest) = (Instant::now(), 0u64, Duration::ZERO);
     while start.elapsed() < Duration::from_secs(seconds) {
@@ -19,7 +21,11 @@ fn main() {
         mutation::read_all_ways(&bytes);
         if before.elapsed() > slowest {
             slowest = before.elapsed();
-            println!("file {files}: {slowest:?} for {} bytes", bytes.len());
+            let format = radsight_picture::FileFormat::from_content(&bytes);
+            println!("file {files}: {slowest:?} for {} bytes of {format:?}", bytes.len());
+            if let Some(path) = &kept {
+                std::fs::write(path, &bytes).expect("the slowest file can be kept");
+            }
         }
         files += 1;
     }
