@@ -70,6 +70,8 @@ pub struct TextPattern {
     pub foreground: Rgb,
     /// Multiplier elsewhere.
     pub background: Rgb,
+    /// The words as written, for writing back.
+    pub words: Vec<String>,
 }
 
 /// A choice between two modifiers.

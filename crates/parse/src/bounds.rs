@@ -90,10 +90,10 @@ impl Bounds {
         self.add_circle(ring.center, ring.normal, ring.outer_radius);
     }
 
-    /// A circle reaches `radius·sin(angle between axis and coordinate)` along each coordinate.
+    /// A circle reaches `radius·sin(angle between axis and coordinate)` along each coordinate; the sine comes from the two
+    /// other components of the axis, which keeps its digits where it is small.
     fn add_circle(&mut self, center: DVec3, axis: DVec3, radius: f64) {
-        let reach = axis.to_array().map(|component| radius * (1.0 - component * component).max(0.0).sqrt());
-        let reach = DVec3::from_array(reach);
+        let reach = radius * DVec3::new(axis.y.hypot(axis.z), axis.z.hypot(axis.x), axis.x.hypot(axis.y));
         self.add(center - reach);
         self.add(center + reach);
     }

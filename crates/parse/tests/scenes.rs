@@ -3,7 +3,7 @@
 mod support;
 
 use radsight_parse::syntax::{Item, Items};
-use radsight_parse::{Input, Read, ReadOptions, Role, UnusedModifiers, bounds, cube, read_scene};
+use radsight_parse::{Bounds, Input, Read, ReadOptions, Role, UnusedModifiers, bounds, cube, read_scene, write_scene};
 use std::path::{Path, PathBuf};
 use support::{Disk, Radiance, shared};
 
@@ -179,7 +179,73 @@ fn compare(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) ->
             read.scene.surfaces.len()
         ));
     }
-    compare_cubes(radiance, folder, names, read)
+    compare_cubes(radiance, folder, names, read)?;
+    compare_written(radiance, folder, names)
+}
+
+/// What we write must be the same scene to real Radiance: the same light comes along the same rays.
+fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Result<(), String> {
+    let loader = Disk { folder: folder.to_owned(), library: radiance.library() };
+    let files: Vec<Input> = names.iter().cloned().map(Input::File).collect();
+    let read = read_scene(&files, &loader, &ReadOptions::default());
+    let mut text = String::new();
+    write_scene(&read.scene, &mut text).unwrap();
+    let again = Input::Text { name: "written.rad".to_owned(), text: text.clone().into_bytes() };
+    let again = read_scene(&[again], &loader, &ReadOptions::default());
+    if again.has_errors() {
+        return Err(format!("what we write we cannot read:\n{}", again.render(5)));
+    }
+    let (ours, theirs) = (bounds(&again.scene), bounds(&read.scene));
+    let same = |a: &Bounds, b: &Bounds| (a.low - b.low).abs().max((a.high - b.high).abs()).max_element() < 1e-9;
+    if ours.iter().zip(&theirs).any(|(a, b)| !same(a, b)) || again.scene.surfaces.len() != read.scene.surfaces.len() {
+        return Err(format!("what we write reads as {ours:?} instead of {theirs:?}"));
+    }
+    let file = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(file.path(), &text).unwrap();
+    let written = file.path().to_str().unwrap().to_owned();
+    let Some(ours) = theirs else { return Ok(()) };
+    let rays = rays(&ours);
+    let mut values = Vec::new();
+    for inputs in [names, &[written]] {
+        let arguments: Vec<&str> = ["-w"].into_iter().chain(inputs.iter().map(String::as_str)).collect();
+        let (octree, succeeded) = radiance.run("oconv", &arguments, folder);
+        if !succeeded {
+            return Err("real oconv refuses what we write".to_owned());
+        }
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), octree).unwrap();
+        let input = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(input.path(), &rays).unwrap();
+        let mut command = radiance.command("rtrace");
+        command.args(["-h", "-w", "-ab", "0", "-dj", "0", "-ss", "0", "-st", "0", "-lr", "2"]).arg(file.path());
+        command.current_dir(folder).stdin(std::fs::File::open(input.path()).unwrap());
+        values.push(numbers(&command.output().unwrap().stdout));
+    }
+    let [theirs, ours] = &values[..] else { unreachable!() };
+    let wrong = theirs.iter().zip(ours).filter(|(a, b)| (**a - **b).abs() > 1e-3 * (a.abs() + b.abs() + 1e-6)).count();
+    if theirs.len() == ours.len() && wrong * 50 <= theirs.len() {
+        return Ok(());
+    }
+    Err(format!("{wrong} of {} values differ ({} from ours) after writing", theirs.len(), ours.len()))
+}
+
+/// Rays from inside a box in all directions, as text; the same each time.
+fn rays(inside: &Bounds) -> String {
+    let mut state = 12345_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    let mut text = String::new();
+    for _ in 0..300 {
+        let origin = inside.low + (inside.high - inside.low) * glam::DVec3::new(random(), random(), random());
+        let direction = glam::DVec3::new(random(), random(), random()) - 0.5;
+        for value in origin.to_array().into_iter().chain(direction.to_array()) {
+            text.push_str(&format!("{value} "));
+        }
+        text.push('\n');
+    }
+    text
 }
 
 fn compare_cubes(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) -> Result<(), String> {
