@@ -49,10 +49,10 @@ pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Res
             path => read_file(path, "scene file")?,
         };
         let name = if path == "-" { "<standard input>" } else { path };
-        inputs.push(Input::Text { name: name.to_owned(), text: bytes });
+        inputs.push(Input::Text { name: name.to_owned(), text: bytes.into() });
     }
     if let Some(rig) = camera.and_then(|file| file.rig.as_ref()) {
-        inputs.push(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes() });
+        inputs.push(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() });
     }
     Ok(inputs)
 }

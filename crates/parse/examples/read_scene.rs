@@ -26,7 +26,7 @@ impl Loader for Disk {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let inputs: Vec<Input> = if arguments == ["--million"] {
-        vec![Input::Text { name: "million.rad".to_owned(), text: million_triangles().into_bytes() }]
+        vec![Input::Text { name: "million.rad".to_owned(), text: million_triangles().into_bytes().into() }]
     } else {
         arguments.iter().map(|name| Input::File(name.clone())).collect()
     };

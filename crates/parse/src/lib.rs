@@ -17,8 +17,8 @@
 //! use radsight_loader::MemoryLoader;
 //! use radsight_parse::{Input, ReadOptions, read_scene};
 //! let loader = MemoryLoader::default().with("ball.rad", "paint sphere ball 0 0 4 0 0 0 1\n");
-//! let text = b"void plastic paint 0 0 5 .5 .5 .5 0 0\n!xform -n row -a 3 -t 2 0 0 ball.rad\n".to_vec();
-//! let read = read_scene(&[Input::Text { name: "scene.rad".to_owned(), text }], &loader, &ReadOptions::default());
+//! let text = b"void plastic paint 0 0 5 .5 .5 .5 0 0\n!xform -n row -a 3 -t 2 0 0 ball.rad\n";
+//! let read = read_scene(&[Input::Text { name: "scene.rad".to_owned(), text: text[..].into() }], &loader, &ReadOptions::default());
 //! assert!(!read.has_errors());
 //! let last = read.scene.surfaces.items().last().unwrap();
 //! assert_eq!(read.scene.names.get(last.name), "row.2.ball");

@@ -20,8 +20,8 @@ use std::fmt::{self, Display, Formatter, Write};
 ///
 /// ```
 /// use radsight_parse::{Input, ReadOptions, read_scene, write_scene};
-/// let text = b"void plastic red 0 0 5 .5 0 0 0 0 red cone c 0 0 8 0 0 0 0 0 1 .5 .5".to_vec();
-/// let input = Input::Text { name: "scene.rad".to_owned(), text };
+/// let text = b"void plastic red 0 0 5 .5 0 0 0 0 red cone c 0 0 8 0 0 0 0 0 1 .5 .5";
+/// let input = Input::Text { name: "scene.rad".to_owned(), text: text[..].into() };
 /// let scene = read_scene(&[input], &radsight_loader::MemoryLoader::default(), &ReadOptions::default()).scene;
 /// let mut written = String::new();
 /// write_scene(&scene, &mut written).unwrap();

@@ -37,7 +37,7 @@ fn every_mistake_is_told_as_before() {
 #[test]
 fn only_so_many_messages_are_printed() {
     let text = "nosuch sphere s 0 0 4 0 0 0 1\n".repeat(5000);
-    let input = Input::Text { name: "many.rad".to_owned(), text: text.into_bytes() };
+    let input = Input::Text { name: "many.rad".to_owned(), text: text.into_bytes().into() };
     let read = read_scene(&[input], &MemoryLoader::default(), &ReadOptions::default());
     let printed = read.render(20);
     assert_eq!(printed.matches("error: ").count(), 20);
@@ -47,7 +47,7 @@ fn only_so_many_messages_are_printed() {
 #[test]
 fn what_real_radiance_reads_past_is_a_warning_unless_asked() {
     let text = "!xform nosuch.rad\nvoid plastic red 0 0 4 1 1 1 0\nred sphere s 0 0 4 0 0 0 1\n";
-    let input = [Input::Text { name: "scene.rad".to_owned(), text: text.into() }];
+    let input = [Input::Text { name: "scene.rad".to_owned(), text: text.as_bytes().into() }];
     let read = read_scene(&input, &MemoryLoader::default(), &ReadOptions::default());
     assert!(!read.has_errors(), "{}", read.render(9));
     assert_eq!(read.diagnostics.len(), 2);

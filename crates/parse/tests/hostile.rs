@@ -5,7 +5,7 @@ use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, Read, ReadOptions, UnusedModifiers, read_scene};
 
 fn read(loader: &MemoryLoader, text: &[u8], options: &ReadOptions) -> Read {
-    read_scene(&[Input::Text { name: "scene.rad".to_owned(), text: text.to_vec() }], loader, options)
+    read_scene(&[Input::Text { name: "scene.rad".to_owned(), text: text.into() }], loader, options)
 }
 
 fn first_error(loader: &MemoryLoader, text: &str) -> String {

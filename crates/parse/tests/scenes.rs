@@ -190,7 +190,7 @@ fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Resu
     let read = read_scene(&files, &loader, &ReadOptions::default());
     let mut text = String::new();
     write_scene(&read.scene, &mut text).unwrap();
-    let again = Input::Text { name: "written.rad".to_owned(), text: text.clone().into_bytes() };
+    let again = Input::Text { name: "written.rad".to_owned(), text: text.as_bytes().into() };
     let again = read_scene(&[again], &loader, &ReadOptions::default());
     if again.has_errors() {
         return Err(format!("what we write we cannot read:\n{}", again.render(5)));

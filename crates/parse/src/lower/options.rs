@@ -3,6 +3,7 @@
 use super::BrdfReplacement;
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use radsight_ir::Scene;
+use std::sync::Arc;
 
 /// One of the texts that make up a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,8 +14,8 @@ pub enum Input {
     Text {
         /// For messages.
         name: String,
-        /// The text.
-        text: Vec<u8>,
+        /// The text; shared, so that a large one is not copied.
+        text: Arc<[u8]>,
     },
 }
 

@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
         let context = Context::new(Placement::default(), String::new());
         match input {
             Input::Text { name, text } => {
-                let source = self.sources.add(&**name, &**text, None);
+                let source = self.sources.add(&**name, Arc::clone(text), None);
                 self.walk(Here { source, context: &context });
             }
             Input::File(line) if line.starts_with('!') => {

@@ -273,7 +273,7 @@ fn joined(integers: &[i64]) -> String {
 fn has_right_counts(kind: Kind, strings: usize, reals: usize) -> bool {
     match kind {
         Kind::Source | Kind::Sphere | Kind::Bubble | Kind::Glow => (strings, reals) == (0, 4),
-        Kind::Polygon => strings == 0 && reals % 3 == 0,
+        Kind::Polygon => strings == 0 && reals.is_multiple_of(3),
         Kind::Cone | Kind::Cup | Kind::Ring | Kind::Interface => (strings, reals) == (0, 8),
         Kind::Cylinder | Kind::Tube | Kind::Spotlight => (strings, reals) == (0, 7),
         Kind::Dielectric => (strings, reals) == (0, 5),
