@@ -9,8 +9,8 @@ pub(crate) const CURVES: &str = include_str!("../library/curves.cal");
 /// Our equivalent of Radiance's `rayinit.cal`.
 pub(crate) const RAYINIT: &str = include_str!("../library/rayinit.cal");
 
-/// Every file but the variables of a ray, by the name under which scenes ask for it.
-const FILES: &[(&str, &str)] = &[("rayinit.cal", RAYINIT)];
+/// Every file, by the name under which scenes ask for it.
+const FILES: &[(&str, &str)] = &[("ray_variables.cal", RAY_VARIABLES), ("rayinit.cal", RAYINIT)];
 
 /// The text of a function file, by its name.
 #[must_use]

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 /// Where real Radiance is.
 pub(crate) struct Radiance {
@@ -38,6 +38,21 @@ impl Radiance {
 
     /// What a program writes, and its messages; `None` if it fails.
     pub(crate) fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<(Vec<u8>, String)> {
+        let output = self.output(program, arguments, input)?;
+        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+        output.status.success().then_some((output.stdout, messages))
+    }
+
+    /// What a program writes, or its messages if it fails.
+    pub(crate) fn try_run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Result<Vec<u8>, String> {
+        let output = self.output(program, arguments, input).ok_or_else(String::new)?;
+        match output.status.success() {
+            true => Ok(output.stdout),
+            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        }
+    }
+
+    fn output(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<Output> {
         let path = self.bin.as_ref().map_or_else(|| PathBuf::from(program), |bin| bin.join(program));
         let mut command = Command::new(path);
         if let Some(lib) = &self.lib {
@@ -50,8 +65,7 @@ impl Radiance {
         let feeding = std::thread::spawn(move || stdin.write_all(&input));
         let output = child.wait_with_output().ok()?;
         let _ = feeding.join();
-        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
-        output.status.success().then_some((output.stdout, messages))
+        Some(output)
     }
 }
 
