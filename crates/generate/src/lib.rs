@@ -20,6 +20,7 @@
 
 mod arguments;
 mod cat;
+mod cie;
 mod cnt;
 mod echo;
 mod error;
@@ -38,9 +39,12 @@ mod gensurf;
 mod genworm;
 mod grid_data;
 mod matching;
+mod mgf;
+mod mgf2rad;
 mod number_text;
 mod perez;
 mod pipeline;
+mod pkgbsdf;
 mod rcalc;
 mod record_format;
 mod record_output;
@@ -106,6 +110,8 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("gensky", gensky::run),
     ("gensurf", gensurf::run),
     ("genworm", genworm::run),
+    ("mgf2rad", mgf2rad::run),
+    ("pkgBSDF", pkgbsdf::run),
     ("rcalc", rcalc::run),
     ("replmarks", replmarks::run),
     ("total", total::run),

@@ -1,0 +1,46 @@
+//! `mgf2rad [-s] [-g dist] [-e mult] [file …]`: turns Materials and Geometry Format into Radiance text.
+//!
+//! `-s` writes spectra as spectra, `-g` makes emitters glow to a distance in metres, `-e` multiplies them.
+
+use std::fmt::Write;
+
+use radsight_loader::FileKind;
+
+use crate::arguments::Arguments;
+use crate::mgf::{Converter, MaterialWriter};
+use crate::text::Text;
+use crate::{Error, Invocation, Output};
+
+const USAGE: &str = "mgf2rad [-s] [-g dist] [-e mult] [file.mgf] ..";
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut materials = MaterialWriter::default();
+    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
+        arguments.word();
+        match option.as_bytes() {
+            [b'-', b's', ..] => materials.spectral = !materials.spectral,
+            b"-g" => materials.glow_distance = Some(arguments.number("glow distance (-g)")?),
+            b"-e" => materials.emitter_multiplier = arguments.number("emitter multiplier (-e)")?,
+            _ => return Err(arguments.unknown()),
+        }
+    }
+    let mut text = Text::default();
+    writeln!(text, "## Translated from MGF Version 2.0")?;
+    let options = invocation.argv[..arguments.position()].join(" ");
+    writeln!(text, "## {options}")?;
+    let mut converter = Converter::new(invocation.loader, materials, text);
+    if arguments.rest().is_empty() {
+        converter.convert("standard input", invocation.standard_input())?;
+    }
+    for name in arguments.rest() {
+        writeln!(converter.text, "## mgf2rad {name} ##############################")?;
+        converter.convert(name, &invocation.loader.load(name, FileKind::Other)?.bytes)?;
+        let unknown = std::mem::take(&mut converter.unknown);
+        if unknown > 0 {
+            writeln!(converter.text, "## mgf2rad {name}: {unknown} unknown entities")?;
+        }
+    }
+    arguments.warnings.extend(converter.warnings);
+    Ok(Output { standard_output: converter.text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+}

@@ -1,0 +1,202 @@
+//! mgf2rad, pkgBSDF, ies2rad and obj2rad against the real programs.
+
+mod oracle;
+
+use oracle::{Radiance, TestLoader, ours, words};
+
+const MGF: &str = "# all of the format
+c red = 
+	cxy .6 .3
+c dark = red
+c bb =
+cct 3000
+c mixed =
+cmix .3 red .7 dark
+c spec =
+cspec 400 700 .1 .5 .9 .2
+m plastic_red =
+c red
+rd .5
+c
+rs .04 .02
+sides 2
+m m_spec =
+c spec
+rd .3
+m copper =
+c red
+rs .7 .1
+rd .1
+m green_gloss =
+c
+cxy .25 .6
+rd .4
+c red
+rs .3 .05
+m pane =
+ir 1.52 0
+c
+rs .08 0
+ts .7 0
+m solid_glass = pane
+sides 1
+m trans1 =
+c mixed
+rd .2
+td .3
+rs .03 .01
+ts .1 .01
+m lamp =
+c bb
+ed 1000
+m two_rough =
+c
+rs .1 0
+ts .3 .2
+o top
+v v0 =
+p 0 0 0
+v v1 =
+p 1 0 0
+v v2 =
+p 1 1 .1
+v v3 =
+p 0 1 .1
+v n0 =
+p 0 0 1
+n 0 .1 1
+v n1 =
+p 1 0 1
+n .2 0 1
+v n2 =
+p 1 1 1
+n 0 0 1
+v h0 =
+p .2 .2 .02
+v h1 =
+p .4 .2 .02
+v h2 =
+p .4 .4 .04
+m plastic_red
+f v0 v1 v2 v3
+fh v0 v1 v2 v3 - h0 h1 h2
+m m_spec
+sph v1 .3
+sph v1 -.2
+m copper
+cyl v0 .1 v2
+cyl v0 -.1 v1
+cone v0 .1 v1 .2
+cone v0 0 v1 -.2
+m pane
+ring n0 0 .5
+ring n1 .1 .5
+m solid_glass
+prism v0 v1 v2 v3 .5
+prism n0 n1 n2 -.5
+m trans1
+torus n2 .2 .6
+m lamp
+xf -t 1 2 3 -rz 30 -a 2 -t 0 0 1 -a 3 -mx
+o in
+f v0 v1 v2
+sph v3 .1
+o
+xf
+m green_gloss
+f v2 v1 v0
+m two_rough
+f v0 v1 v3
+m plastic_red
+rd .6
+f v0 v1 v2
+m
+f v0 v1 v2
+o
+nonsense 1 2
+";
+
+#[test]
+fn the_whole_of_mgf_equals_the_real_translation() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir();
+    std::fs::write(folder.join("radsight-generate.mgf"), MGF).unwrap();
+    let loader = TestLoader { folders: vec![folder], ..TestLoader::default() };
+    for line in ["mgf2rad radsight-generate.mgf", "mgf2rad -g 2 -e .5 radsight-generate.mgf"] {
+        let real = radiance.run(&words(line), b"", loader.folders.first().map(|folder| folder.as_path()));
+        let mine = String::from_utf8(ours(&words(line), b"", &loader).unwrap().standard_output).unwrap();
+        let (mine, real): (Vec<&str>, Vec<&str>) =
+            (mine.split_whitespace().collect(), real.standard_output.split_whitespace().collect());
+        assert_eq!(mine.len(), real.len(), "{line}");
+        for (place, (a, b)) in mine.iter().zip(&real).enumerate() {
+            // The real program names a modifier that it does not define, and rounds spectra to whole numbers by chance.
+            let close = |a: &f64, b: &f64| (a - b).abs() <= 5e-4 * a.abs().max(1e-2);
+            let both = a.parse().ok().zip(b.parse().ok());
+            let same = a == b || (*a, *b) == ("Phong", "T-nor");
+            let context = || mine[place.saturating_sub(12)..place].join(" ");
+            assert!(same || both.is_some_and(|(a, b)| close(&a, &b)), "{line}: ours {a}, real {b} after {}", context());
+        }
+    }
+}
+
+#[test]
+fn spectra_keep_their_luminance() {
+    let loader = TestLoader::default();
+    let text = ours(&words("mgf2rad -s"), MGF.as_bytes(), &loader).unwrap().standard_output;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("\nvoid spectrum spec*\n0\n0\n33 400 700\t") && text.contains("\nspec* plastic m_spec\n"));
+    assert!(text.contains("\nvoid spectrum bb*\n") && text.contains("\nbb* light lamp\n"), "{text}");
+}
+
+#[test]
+fn smoothed_faces_have_their_texture_as_modifier() {
+    let text = "v a =\np 0 0 0\nn 0 .3 1\nv b =\np 1 0 0\nn .3 0 1\nv c =\np 0 1 0\nn 0 0 1\nf a b c\n";
+    let text = ours(&words("mgf2rad"), text.as_bytes(), &TestLoader::default()).unwrap().standard_output;
+    let text = String::from_utf8(text).unwrap();
+    assert!(
+        text.contains("\nmat texfunc Phong\n4 dx dy dz tmesh.cal\n") && text.contains("\nPhong polygon t1\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn bad_geometry_is_an_error_with_its_line() {
+    let message =
+        |text: &str| ours(&words("mgf2rad"), text.as_bytes(), &TestLoader::default()).unwrap_err().to_string();
+    assert_eq!(message("m\nf a b c"), "mgf2rad: standard input: line 2: vertex \"a\" is not defined");
+    assert_eq!(message("o 1x"), "mgf2rad: standard input: line 1: \"1x\" is not a name: names begin with a letter");
+    assert_eq!(message("xf"), "mgf2rad: standard input: line 1: no transform is open");
+    assert_eq!(message("rd 2"), "mgf2rad: standard input: line 1: 2 is not a share between 0 and 1");
+    assert!(message("xf -a 1000000000\nxf").contains("more than 2000000 statements"));
+    let mut loader = TestLoader::default();
+    loader.files.insert("loop.mgf".into(), b"i loop.mgf".to_vec());
+    let message = ours(&words("mgf2rad loop.mgf"), b"", &loader).unwrap_err().to_string();
+    assert!(message.contains("more than 32 deep"), "{message}");
+}
+
+fn bsdf(geometry: &str, reflection: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\"?><WindowElement xmlns=\"x\"><FileType>BSDF</FileType><Optical><Layer><Material>\
+         <Name>N</Name><Manufacturer>M</Manufacturer><Thickness unit=\"meter\">.05</Thickness>\
+         <Width unit=\"foot\">3</Width><Height unit=\"meter\">2</Height></Material>{geometry}<WavelengthData><WavelengthDataBlock>\
+         <WavelengthDataDirection>Reflection Front</WavelengthDataDirection><ScatteringData>{reflection}</ScatteringData>\
+         </WavelengthDataBlock></WavelengthData></Layer></Optical></WindowElement>"
+    )
+}
+
+#[test]
+fn a_bsdf_becomes_its_surfaces() {
+    let geometry = "<Geometry format=\"MGF\"><MGFblock unit=\"inch\">v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 0 1 0\nf a b c\n</MGFblock></Geometry>";
+    let mut loader = TestLoader::default();
+    loader.files.insert("x/flat.xml".into(), bsdf("", "1, 1").into_bytes());
+    loader.files.insert("both.xml".into(), bsdf(geometry, "1, 2").into_bytes());
+    let text = |line: &str| String::from_utf8(ours(&words(line), b"", &loader).unwrap().standard_output).unwrap();
+    let flat = text("pkgBSDF -s x/flat.xml");
+    assert!(flat.contains("void BSDF m_flat\n6 0 flat.xml 0 1 0 .\n") && !flat.contains("_b"));
+    assert!(flat.contains("\t4.572000e-01\t1.000000e+00\t0.000000e+00\n"), "{flat}");
+    let both = text("pkgBSDF -s both.xml");
+    assert!(both.contains("m_both_f polygon both_f") && both.contains("m_both_b polygon both_b"));
+    assert!(both.contains("\n            0.0254                  0                  0\n"), "{both}");
+    loader.files.insert("bomb.xml".into(), b"<!DOCTYPE a [<!ENTITY b \"c\">]><WindowElement/>".to_vec());
+    assert!(ours(&words("pkgBSDF -s bomb.xml"), b"", &loader).is_err());
+}
