@@ -223,7 +223,8 @@ fn compare(ours: &mut Ours, call: &str, theirs: &[f64], records: &[Record], stri
         if !clean && !strict {
             continue;
         }
-        if !close(value, theirs) && !(value.is_nan() && theirs.is_nan()) {
+        let same = close(value, theirs) || (value.is_nan() && theirs.is_nan());
+        if !same {
             return Err(format!("is {value}, rcalc has {theirs} at {record:?}"));
         }
         compared += 1;

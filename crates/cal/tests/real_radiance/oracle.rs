@@ -1,7 +1,7 @@
 //! Real Radiance's programs.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 /// Where real Radiance is.
@@ -38,23 +38,35 @@ impl Radiance {
 
     /// What a program writes, and its messages; `None` if it fails.
     pub(crate) fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<(Vec<u8>, String)> {
-        let output = self.output(program, arguments, input)?;
+        let output = self.output(None, program, arguments, input)?;
         let messages = String::from_utf8_lossy(&output.stderr).into_owned();
         output.status.success().then_some((output.stdout, messages))
     }
 
     /// What a program writes, or its messages if it fails.
     pub(crate) fn try_run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Result<Vec<u8>, String> {
-        let output = self.output(program, arguments, input).ok_or_else(String::new)?;
+        let output = self.output(None, program, arguments, input).ok_or_else(String::new)?;
         match output.status.success() {
             true => Ok(output.stdout),
             false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
         }
     }
 
-    fn output(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<Output> {
+    /// What a program writes that runs in a folder.
+    pub(crate) fn run_in(&self, folder: &Path, program: &str, arguments: &[&str], input: &[u8]) -> Option<Vec<u8>> {
+        let output = self.output(Some(folder), program, arguments, input)?;
+        if !output.status.success() {
+            println!("{program}: {}", String::from_utf8_lossy(&output.stderr));
+        }
+        output.status.success().then_some(output.stdout)
+    }
+
+    fn output(&self, folder: Option<&Path>, program: &str, arguments: &[&str], input: &[u8]) -> Option<Output> {
         let path = self.bin.as_ref().map_or_else(|| PathBuf::from(program), |bin| bin.join(program));
         let mut command = Command::new(path);
+        if let Some(folder) = folder {
+            command.current_dir(folder);
+        }
         if let Some(lib) = &self.lib {
             command.env("RAYPATH", format!(".:{}", lib.display()));
         }
