@@ -23,7 +23,7 @@ const SEQUENCE_LOG2: u32 = 16;
 const FIRST_SAMPLES: u32 = 16;
 
 /// The factor by which `⟨d²⟩` falls is trusted between these.
-const DECAY_RANGE: (f64, f64) = (0.12, 0.5);
+const DECAY_RANGE: (f64, f64) = (0.25, 0.5);
 
 /// Passes after which the work ends whatever the error is.
 const MAX_PASSES: u32 = 64;

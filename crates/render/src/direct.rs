@@ -6,7 +6,8 @@ use crate::plan::RenderPlan;
 use crate::ray::{PrimitiveId, Ray};
 use crate::reach::Between;
 use crate::shader::{Kind, bands};
-use crate::surface_light::{LitPoint, pane};
+use crate::surface_light::{Densities, LitPoint, pane};
+use crate::tilt::Peak;
 use crate::trace::{Tracer, emission, product};
 use crate::view::Encounter;
 use glam::DVec3;
@@ -27,6 +28,8 @@ pub(crate) struct DirectSampler {
     pub(crate) follow_highlight: bool,
     /// The same of the diffuse component.
     pub(crate) follow_diffuse: bool,
+    /// Where on a light the highlight is bright.
+    pub(crate) peak: Peak,
     pub(crate) travelled: f64,
 }
 
@@ -122,11 +125,12 @@ impl DirectSampler {
         expected: f64,
     ) -> [f64; BANDS] {
         let dark = [0.0; BANDS];
-        let Some(sample) = light.sample(self.point, u[0], u[1]) else { return dark };
+        let Some(sample) = light.sample(self.point, u, &self.peak) else { return dark };
         if sample.distance > light.max_distance {
             return dark;
         }
-        let response = point.respond(sample.direction);
+        let densities = if self.follow_highlight { Densities::Wanted } else { Densities::Unused };
+        let response = point.respond(sample.direction, densities);
         let density = sample.density * expected;
         let diffuse_share = if self.follow_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
         let highlight_share =
@@ -303,7 +307,7 @@ fn promise(plan: &RenderPlan, point: DVec3, primitive: Option<PrimitiveId>, inde
     let Kind::Emitter(emitter) = &plan.shader(light.surface).kind else { return 0.0 };
     let strength = emitter.radiance.0.iter().copied().fold(0.0, f64::max);
     if light.radius.is_infinite() {
-        return strength / light.form.density(point, 1.0, 1.0);
+        return strength * light.form.solid_angle(1.0);
     }
     let squared = point.distance_squared(light.center).max(light.radius * light.radius);
     let nearest = (squared.sqrt() - light.radius).max(0.0);

@@ -1,5 +1,6 @@
 //! The part of a disk that lies within another disk: what a point sees lit of a round source with a sharp cone.
 
+use crate::tilt::{exponential, exponential_density};
 use std::f64::consts::PI;
 
 /// The intersection of the disk of radius `small` at the origin with one of radius `large` centred at `(-offset, 0)`, `offset ≥ 0`.
@@ -77,23 +78,55 @@ fn inverse_segment(radius: f64, area: f64) -> f64 {
 
 impl Lens {
     /// In square units of the radii.
+    #[cfg(test)]
     pub(crate) fn area(&self) -> f64 {
         self.area
     }
 
-    /// A point of the lens, uniform by area, from a point of the unit square: the area left of it, and its place in the strip.
-    pub(crate) fn point(&self, u: f64, v: f64) -> (f64, f64) {
+    /// A point of the lens from a point of the unit square, and its density by area.
+    ///
+    /// The first coordinate is the share of the area left of the point, the second its place in the strip. `gradient` is that of the
+    /// logarithm of a brightness along x and y, which the density follows.
+    pub(crate) fn point(&self, [u, v]: [f64; 2], gradient: [f64; 2]) -> (f64, f64, f64) {
+        let (u, density_u) = exponential(self.rate_along(gradient), u);
         let area = u * self.area;
         // Right of the crossing the large circle bounds the lens, left of it the small one.
-        let (x, half_width) = if area < self.left_area {
-            let x = inverse_segment(self.small, area);
-            (x, (self.small * self.small - x * x).max(0.0).sqrt())
+        let x = if area < self.left_area {
+            inverse_segment(self.small, area)
         } else {
             let before = PI * self.large * self.large - (self.area - self.left_area);
-            let from_center = inverse_segment(self.large, before + (area - self.left_area));
-            (from_center - self.offset, (self.large * self.large - from_center * from_center).max(0.0).sqrt())
+            inverse_segment(self.large, before + (area - self.left_area)) - self.offset
         };
-        (x, (2.0 * v - 1.0) * half_width)
+        let half_width = self.half_width(x);
+        let (v, density_v) = exponential(2.0 * half_width * gradient[1], v);
+        (x, (2.0 * v - 1.0) * half_width, density_u * density_v / self.area)
+    }
+
+    /// The density of [`Lens::point`].
+    pub(crate) fn density(&self, [x, y]: [f64; 2], gradient: [f64; 2]) -> f64 {
+        let left_of_crossing = segment(self.small, x) < self.left_area;
+        let area = if left_of_crossing {
+            segment(self.small, x)
+        } else {
+            self.area - (PI * self.large * self.large - segment(self.large, x + self.offset))
+        };
+        let density_u = exponential_density(self.rate_along(gradient), area / self.area);
+        let half_width = self.half_width(x);
+        let v = (0.5 + 0.5 * y / half_width).clamp(0.0, 1.0);
+        density_u * exponential_density(2.0 * half_width * gradient[1], v) / self.area
+    }
+
+    /// Half the length of the strip at x.
+    fn half_width(&self, x: f64) -> f64 {
+        let small = self.small * self.small - x * x;
+        let large = self.large * self.large - (x + self.offset) * (x + self.offset);
+        small.min(large).max(0.0).sqrt()
+    }
+
+    fn rate_along(&self, gradient: [f64; 2]) -> f64 {
+        let left = (-self.small).max(-self.large - self.offset);
+        let right = self.small.min(self.large - self.offset);
+        gradient[0] * (right - left)
     }
 
     #[cfg(test)]
@@ -136,10 +169,12 @@ mod tests {
             for i in 0..steps {
                 for j in 0..steps {
                     let at = |k: i32| (f64::from(k) + 0.5) / f64::from(steps);
-                    let (x, y) = lens.point(at(i), at(j));
+                    let gradient = [0.8 / small, -0.5 / small];
+                    let (x, y, density) = lens.point([at(i), at(j)], gradient);
                     assert!(lens.holds(x, y), "{x} {y} in {lens:?}");
-                    sum += x;
-                    square += y * y;
+                    assert!((lens.density([x, y], gradient) / density - 1.0).abs() < 1e-6);
+                    sum += x / (density * lens.area());
+                    square += y * y / (density * lens.area());
                 }
             }
             let count = f64::from(steps * steps);

@@ -21,6 +21,7 @@ mod recognise;
 mod renderer;
 mod shader;
 mod surface_light;
+mod tilt;
 mod trace;
 mod view;
 

@@ -3,6 +3,7 @@
 use crate::geometry;
 use crate::lens::Overlap;
 use crate::ray::{PrimitiveId, Ray};
+use crate::tilt::{DiskTilt, Peak, exponential, exponential_density};
 use earcut::Earcut;
 use glam::DVec3;
 use radsight_ir::{Facing, Scene, Shape, SurfaceHandle};
@@ -154,27 +155,29 @@ impl LightForm {
 
     /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
     #[inline]
-    pub(crate) fn sample(&self, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
-        let (point, normal, area) = match self {
+    fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
+        let (point, normal, density) = match self {
             LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => {
-                let (a, b) = unit_disk(u, v);
-                let squared = a * a + b * b;
-                // A disk keeps its radius; a ring is squeezed into its width, uniform by area.
-                let scale = if *inner_squared == 0.0 {
-                    outer_squared.sqrt()
-                } else if squared > 0.0 {
-                    ((inner_squared + squared * (outer_squared - inner_squared)) / squared).sqrt()
+                let area = PI * (outer_squared - inner_squared);
+                if *inner_squared == 0.0 {
+                    let radius = outer_squared.sqrt();
+                    let tilt = disk_tilt(gradient, *x * radius, *y * radius);
+                    let (a, b) = tilt.apply(unit_disk(u, v));
+                    (*center + (*x * a + *y * b) * radius, *normal, tilt.density((a, b)) / area)
                 } else {
-                    return None;
-                };
-                (*center + *x * (a * scale) + *y * (b * scale), *normal, PI * (outer_squared - inner_squared))
+                    (point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?, *normal, area.recip())
+                }
             }
-            LightForm::Parallelogram { corner, x, y, normal, area } => (*corner + *x * u + *y * v, *normal, *area),
+            LightForm::Parallelogram { corner, x, y, normal, area } => {
+                let (a, density_a) = exponential(gradient.dot(*x), u);
+                let (b, density_b) = exponential(gradient.dot(*y), v);
+                (*corner + *x * a + *y * b, *normal, density_a * density_b / area)
+            }
             LightForm::Triangles { triangles, cumulative, normal, area } => {
-                (point_on_triangles(triangles, cumulative, u, v), *normal, *area)
+                (point_on_triangles(triangles, cumulative, u, v), *normal, area.recip())
             }
             LightForm::Sphere { center, radius, facing } => {
-                return sample_sphere(*center, *radius, *facing, receiver, u, v);
+                return sample_sphere(*center, *radius, *facing, receiver, [u, v], gradient);
             }
             LightForm::Cone { base, axis, x, y, length, radii, facing } => {
                 let share = height_share(*radii, u);
@@ -184,32 +187,78 @@ impl LightForm {
                 let slope = (radii[1] - radii[0]) / length;
                 let outward = (radial - *axis * slope).normalize();
                 let normal = if *facing == Facing::Outward { outward } else { -outward };
-                (*base + *axis * (share * length) + radial * radius, normal, self.area())
+                (*base + *axis * (share * length) + radial * radius, normal, self.area().recip())
             }
-            LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => {
-                return Some(sample_distant(*direction, *x, *y, *half_angle_sin_squared_half, u, v));
+            LightForm::Distant { direction, x, y, half_angle_sin_squared_half: cap } => {
+                let (towards, density) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, density, normal: -towards });
             }
         };
-        let offset = point - receiver;
-        let squared = offset.length_squared();
-        let distance = squared.sqrt();
-        let direction = offset / distance;
-        let cosine = -direction.dot(normal);
-        (cosine > 0.0).then(|| LightSample { direction, distance, density: squared / (area * cosine), normal })
+        seen(receiver, point, normal, density)
     }
 
-    /// The density with which [`LightForm::sample`] would find a place of it, 1/sr.
-    pub(crate) fn density(&self, receiver: DVec3, distance: f64, cosine: f64) -> f64 {
+    /// The density with which [`LightForm::sample`] would find the place at `distance` along `direction`, 1/sr.
+    fn density(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
+        let by_area = distance * distance / (self.area() * cosine);
         match self {
-            LightForm::Sphere { center, radius, facing: Facing::Outward } => {
-                1.0 / cap_solid_angle(sphere_cap(*center, *radius, receiver))
+            LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } if *inner_squared == 0.0 => {
+                let radius = outer_squared.sqrt();
+                let from_center = receiver + direction * distance - *center;
+                let at = (from_center.dot(*x) / radius, from_center.dot(*y) / radius);
+                by_area * disk_tilt(gradient, *x * radius, *y * radius).density(at)
             }
-            LightForm::Distant { half_angle_sin_squared_half, .. } => {
-                1.0 / cap_solid_angle(*half_angle_sin_squared_half)
+            LightForm::Parallelogram { corner, x, y, normal, area } => {
+                let from_corner = receiver + direction * distance - *corner;
+                let a = from_corner.cross(*y).dot(*normal) / area;
+                let b = x.cross(from_corner).dot(*normal) / area;
+                by_area * exponential_density(gradient.dot(*x), a) * exponential_density(gradient.dot(*y), b)
             }
-            _ => distance * distance / (self.area() * cosine),
+            LightForm::Sphere { center, radius, facing: Facing::Outward }
+                if center.distance_squared(receiver) > radius * radius =>
+            {
+                let axis = (*center - receiver).normalize();
+                let (x, y) = axis.any_orthonormal_pair();
+                cap_density(axis, x, y, sphere_cap(*center, *radius, receiver), direction, gradient)
+            }
+            LightForm::Distant { direction: axis, x, y, half_angle_sin_squared_half } => {
+                cap_density(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
+            }
+            _ => by_area,
         }
     }
+
+    /// Solid angle of a distant light, or a bound from the area of a near one, sr.
+    pub(crate) fn solid_angle(&self, distance: f64) -> f64 {
+        match self {
+            LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
+            form => form.area() / (distance * distance),
+        }
+    }
+}
+
+/// A place on a surface as a receiver sees it, with its density by area turned into one by solid angle.
+#[inline]
+fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_density: f64) -> Option<LightSample> {
+    let offset = point - receiver;
+    let squared = offset.length_squared();
+    let distance = squared.sqrt();
+    let direction = offset / distance;
+    let cosine = -direction.dot(normal);
+    (cosine > 0.0).then(|| LightSample { direction, distance, density: squared * area_density / cosine, normal })
+}
+
+/// The tilt of a disk with these radii as its axes.
+#[inline]
+fn disk_tilt(gradient: DVec3, x: DVec3, y: DVec3) -> DiskTilt {
+    DiskTilt::new(gradient.dot(x), gradient.dot(y))
+}
+
+fn point_on_ring(center: DVec3, x: DVec3, y: DVec3, inner: f64, outer: f64, u: f64, v: f64) -> Option<DVec3> {
+    let (a, b) = unit_disk(u, v);
+    let squared = a * a + b * b;
+    // The disk is squeezed into the ring's width, uniform by area.
+    let scale = (squared > 0.0).then(|| ((inner + squared * (outer - inner)) / squared).sqrt())?;
+    Some(center + (x * a + y * b) * scale)
 }
 
 /// `sin²(θ/2)` of the half angle θ under which a sphere is seen, without cancellation; 1/2·(1 − cos θ).
@@ -224,22 +273,34 @@ fn cap_solid_angle(sin_squared_half: f64) -> f64 {
     4.0 * PI * sin_squared_half
 }
 
-/// A unit direction within the cap about `axis`, uniform by solid angle: cosine and azimuth through the concentric map.
-fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, sin_squared_half: f64, u: f64, v: f64) -> DVec3 {
-    let (a, b) = unit_disk(u, v);
+/// A unit direction within the cap about `axis`, and its density: cosine and azimuth through the (tilted) concentric map.
+fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, cap: f64, [u, v]: [f64; 2], gradient: DVec3) -> (DVec3, f64) {
+    let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
+    let tilt = disk_tilt(gradient, x * rim, y * rim);
+    let (a, b) = tilt.apply(unit_disk(u, v));
     // 1 − cos θ' = (a² + b²)·(1 − cos θ), and sin θ' follows without cancellation.
-    let squared = a * a + b * b;
-    let versed = 2.0 * sin_squared_half * squared;
-    let scale = (2.0 * sin_squared_half * (2.0 - versed)).sqrt();
-    axis * (1.0 - versed) + x * (a * scale) + y * (b * scale)
+    let versed = 2.0 * cap * (a * a + b * b);
+    let scale = (2.0 * cap * (2.0 - versed)).sqrt();
+    (axis * (1.0 - versed) + x * (a * scale) + y * (b * scale), tilt.density((a, b)) / cap_solid_angle(cap))
 }
 
-fn sample_distant(direction: DVec3, x: DVec3, y: DVec3, cap: f64, u: f64, v: f64) -> LightSample {
-    let towards = direction_in_cap(direction, x, y, cap, u, v);
-    LightSample { direction: towards, distance: f64::INFINITY, density: 1.0 / cap_solid_angle(cap), normal: -towards }
+/// The density of [`direction_in_cap`].
+fn cap_density(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient: DVec3) -> f64 {
+    let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
+    let versed = 0.5 * direction.distance_squared(axis);
+    let scale = (2.0 * cap * (2.0 - versed)).sqrt();
+    let at = (direction.dot(x) / scale, direction.dot(y) / scale);
+    disk_tilt(gradient, x * rim, y * rim).density(at) / cap_solid_angle(cap)
 }
 
-fn sample_sphere(center: DVec3, radius: f64, facing: Facing, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
+fn sample_sphere(
+    center: DVec3,
+    radius: f64,
+    facing: Facing,
+    receiver: DVec3,
+    [u, v]: [f64; 2],
+    gradient: DVec3,
+) -> Option<LightSample> {
     let axis = center - receiver;
     let squared = axis.length_squared();
     if facing == Facing::Inward || squared <= radius * radius {
@@ -248,13 +309,12 @@ fn sample_sphere(center: DVec3, radius: f64, facing: Facing, receiver: DVec3, u:
     let axis = axis / squared.sqrt();
     let (x, y) = axis.any_orthonormal_pair();
     let cap = sphere_cap(center, radius, receiver);
-    let direction = direction_in_cap(axis, x, y, cap, u, v);
+    let (direction, density) = direction_in_cap(axis, x, y, cap, [u, v], gradient);
     let along = (center - receiver).dot(direction);
     let miss_squared = (squared - along * along).min(radius * radius);
     let distance = along - (radius * radius - miss_squared).sqrt();
-    let point = receiver + direction * distance;
-    let normal = (point - center) / radius;
-    Some(LightSample { direction, distance, density: 1.0 / cap_solid_angle(cap), normal })
+    let normal = (receiver + direction * distance - center) / radius;
+    Some(LightSample { direction, distance, density, normal })
 }
 
 fn sample_sphere_by_area(
@@ -270,14 +330,7 @@ fn sample_sphere_by_area(
     let rim = (1.0 - z * z).max(0.0).sqrt();
     let outward = DVec3::new(rim * cos, rim * sin, z);
     let normal = if facing == Facing::Outward { outward } else { -outward };
-    let point = center + outward * radius;
-    let offset = point - receiver;
-    let squared = offset.length_squared();
-    let distance = squared.sqrt();
-    let direction = offset / distance;
-    let cosine = -direction.dot(normal);
-    let area = 4.0 * PI * radius * radius;
-    (cosine > 0.0).then(|| LightSample { direction, distance, density: squared / (area * cosine), normal })
+    seen(receiver, center + outward * radius, normal, (4.0 * PI * radius * radius).recip())
 }
 
 /// The share of the height of a truncated cone at which a share `u` of its area lies below.
@@ -332,34 +385,52 @@ fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
 }
 
 impl Light {
-    /// A place of the light that is lit towards `receiver`, from a point of the unit square.
+    /// A place of the light that is lit towards `receiver`, from a point of the unit square, where the highlight is bright.
     #[inline]
-    pub(crate) fn sample(&self, receiver: DVec3, u: f64, v: f64) -> Option<LightSample> {
-        let Some((center, normal, radius)) = self.clipped_disk() else { return self.form.sample(receiver, u, v) };
-        let (overlap, height, away) = self.lit_part(center, normal, radius, receiver);
+    pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &Peak) -> Option<LightSample> {
+        let gradient = self.gradient(receiver, peak);
+        let Some((center, normal, radius)) = self.clipped_disk() else {
+            return self.form.sample(receiver, [u, v], gradient);
+        };
+        let (overlap, away) = self.lit_part(center, normal, radius, receiver);
         match overlap {
             Overlap::None => None,
-            Overlap::Whole => self.form.sample(receiver, u, v),
+            Overlap::Whole => self.form.sample(receiver, [u, v], gradient),
             Overlap::Part(lens) => {
-                let (along, across) = lens.point(u, v);
-                let point = center + away * along + normal.cross(away) * across;
-                let offset = point - receiver;
-                let squared = offset.length_squared();
-                let distance = squared.sqrt();
-                let density = squared * distance / (lens.area() * height);
-                Some(LightSample { direction: offset / distance, distance, density, normal })
+                let across = normal.cross(away);
+                let (x, y, density) = lens.point([u, v], [gradient.dot(away), gradient.dot(across)]);
+                seen(receiver, center + away * x + across * y, normal, density)
             }
         }
     }
 
-    /// The density with which [`Light::sample`] would find a place of it that is `distance` away and seen under `cosine`, 1/sr.
-    pub(crate) fn density(&self, receiver: DVec3, distance: f64, cosine: f64) -> f64 {
+    /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
+    pub(crate) fn density(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &Peak) -> f64 {
+        let gradient = self.gradient(receiver, peak);
         if let Some((center, normal, radius)) = self.clipped_disk()
-            && let (Overlap::Part(lens), ..) = self.lit_part(center, normal, radius, receiver)
+            && let (Overlap::Part(lens), away) = self.lit_part(center, normal, radius, receiver)
         {
-            return distance * distance / (lens.area() * cosine);
+            let across = normal.cross(away);
+            let from_center = receiver + direction * distance - center;
+            let at = [from_center.dot(away), from_center.dot(across)];
+            let by_area = lens.density(at, [gradient.dot(away), gradient.dot(across)]);
+            return distance * distance * by_area / cosine;
         }
-        self.form.density(receiver, distance, cosine)
+        self.form.density(receiver, direction, distance, cosine, gradient)
+    }
+
+    /// Gradient of the logarithm of the highlight at the light's centre, by place (for a distant one, by direction).
+    #[inline]
+    fn gradient(&self, receiver: DVec3, peak: &Peak) -> DVec3 {
+        match self.form {
+            LightForm::Distant { direction, .. } => peak.gradient(direction),
+            LightForm::Sphere { center, .. } => peak.gradient((center - receiver).normalize_or_zero()),
+            _ => {
+                let offset = self.center - receiver;
+                let distance = offset.length();
+                peak.gradient(offset / distance) / distance
+            }
+        }
     }
 
     /// Centre, normal and radius of a disk that shines in a cone about its normal.
@@ -375,9 +446,8 @@ impl Light {
         }
     }
 
-    /// The part of such a disk whose cones reach the receiver, the receiver's height over the disk's plane, and the unit direction in
-    /// that plane that leads away from the receiver.
-    fn lit_part(&self, center: DVec3, normal: DVec3, radius: f64, receiver: DVec3) -> (Overlap, f64, DVec3) {
+    /// The part of such a disk whose cones reach the receiver, and the unit direction in its plane that leads away from the receiver.
+    fn lit_part(&self, center: DVec3, normal: DVec3, radius: f64, receiver: DVec3) -> (Overlap, DVec3) {
         let from_center = receiver - center;
         let height = from_center.dot(normal);
         let beside = from_center - normal * height;
@@ -385,7 +455,7 @@ impl Light {
         let reach = height * self.cone.map_or(0.0, |cone| cone.half_angle.tan());
         let away = if offset > 0.0 { -beside / offset } else { normal.any_orthonormal_vector() };
         let overlap = if height > 0.0 { Overlap::new(radius, reach, offset) } else { Overlap::None };
-        (overlap, height, away)
+        (overlap, away)
     }
 
     /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.

@@ -1,8 +1,9 @@
 //! How a lit point of a surface scatters: its components, evaluated and drawn from.
 
 use crate::shader::{GlossyKind, bands};
+use crate::tilt::Peak;
 use glam::DVec3;
-use radsight_brdf::{Brdf, Density, WardIsotropic};
+use radsight_brdf::{Brdf, BrdfSample, Density, WardIsotropic};
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;
@@ -69,6 +70,13 @@ pub(crate) struct Response<const BANDS: usize> {
     pub(crate) diffuse_density: f64,
     pub(crate) highlight: [f64; BANDS],
     pub(crate) highlight_density: f64,
+}
+
+/// Whether densities of drawing are needed beside the values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Densities {
+    Wanted,
+    Unused,
 }
 
 /// A drawn direction with its weight `f·|cos θ_i|/pdf`.
@@ -139,6 +147,25 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         }
     }
 
+    /// The highlight as the drawing of places on lights sees it.
+    pub(crate) fn peak(&self) -> Peak {
+        let strongest = |bands: &[f64; BANDS]| bands.iter().copied().fold(0.0, f64::max);
+        let floor = strongest(&self.diffuse) * FRAC_1_PI;
+        match &self.highlight {
+            Highlight::Retro(retro) => {
+                let height = strongest(&retro.reflectance) * retro.reflected_density(0.0);
+                Peak { axis: self.outgoing, width: 0.25 / (retro.spread * retro.spread), height, floor }
+            }
+            Highlight::Ward(ward) => {
+                // About the mirror direction the half vector turns half as fast as the incident one.
+                let width = 0.25 / (ward.roughness * ward.roughness);
+                let height = strongest(&ward.specularity) * width * FRAC_1_PI;
+                Peak { axis: self.mirror_direction(), width, height, floor }
+            }
+            Highlight::None | Highlight::Model(_) => Peak::NONE,
+        }
+    }
+
     /// Whether the highlight can only be found by drawing from it.
     pub(crate) fn has_highlight(&self) -> bool {
         !matches!(self.highlight, Highlight::None)
@@ -149,9 +176,9 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         self.diffuse.iter().any(|band| *band > 0.0)
     }
 
-    /// Both components for light from `incident`.
+    /// Both components for light from `incident`. The highlight's density is left at zero where nobody asks for it.
     #[inline]
-    pub(crate) fn respond(&self, incident: DVec3) -> Response<BANDS> {
+    pub(crate) fn respond(&self, incident: DVec3, densities: Densities) -> Response<BANDS> {
         let mut response =
             Response { diffuse: [0.0; BANDS], diffuse_density: 0.0, highlight: [0.0; BANDS], highlight_density: 0.0 };
         let cosine = self.diffuse_normal.dot(incident);
@@ -172,7 +199,9 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
                 if self.normal.dot(incident) > 0.0 {
                     let angle = observation_angle(self.outgoing, incident);
                     let shape = retro.reflected_density(angle);
-                    response.highlight_density = retro.sampling_density(angle);
+                    if densities == Densities::Wanted {
+                        response.highlight_density = retro_density(retro, angle);
+                    }
                     response.highlight = retro.reflectance.map(|band| band * shape);
                 }
             }
@@ -196,7 +225,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let sample = match &self.highlight {
             Highlight::None => None,
             Highlight::Ward(ward) => ward.sample(outgoing, u, &mut weight),
-            Highlight::Retro(retro) => retro.sample(outgoing, u, &mut weight),
+            Highlight::Retro(retro) => draw_retro(retro, outgoing, u, &mut weight),
             Highlight::Model(model) => model.sample(outgoing, u, &mut weight),
         }?;
         Some(Drawn { direction: frame.to_scene(sample.incident), weight, density: sample.density })
@@ -220,6 +249,34 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let direction = reflect(self.frame.z);
         if direction.dot(self.normal) > 0.0 { direction } else { reflect(self.normal) }
     }
+}
+
+/// Rays that look for light by way of mirrors are drawn from the lobe and, as often, from one this many times as wide: a
+/// camera's lights stand beside it, in the lobe's tail, where the lobe itself would send one ray in fifty.
+const TAIL: f64 = 2.2;
+
+fn tail<const BANDS: usize>(retro: &Paper1991<BANDS>) -> Paper1991<BANDS> {
+    Paper1991 { spread: TAIL * retro.spread, ..*retro }
+}
+
+/// The density of [`draw_retro`] at an observation angle, 1/sr.
+fn retro_density<const BANDS: usize>(retro: &Paper1991<BANDS>, angle: f64) -> f64 {
+    0.5 * (retro.sampling_density(angle) + tail(retro).sampling_density(angle))
+}
+
+fn draw_retro<const BANDS: usize>(
+    retro: &Paper1991<BANDS>,
+    outgoing: DVec3,
+    u: [f64; 3],
+    weight: &mut [f64; BANDS],
+) -> Option<BrdfSample> {
+    let drawn_from = if u[2] < 0.5 { *retro } else { tail(retro) };
+    let sample = drawn_from.sample(outgoing, u, weight)?;
+    let angle = observation_angle(outgoing, sample.incident);
+    let density = retro_density(retro, angle);
+    let value = retro.reflected_density(angle) / density;
+    *weight = retro.reflectance.map(|band| band * value);
+    Some(BrdfSample { density: Density::Continuous(density), ..sample })
 }
 
 /// Reflectance and transmittance of a thin pane with multiple internal reflections, both polarisations averaged (Radiance's

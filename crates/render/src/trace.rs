@@ -13,6 +13,7 @@ use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
 use crate::shader::{Emitter, GlossyKind, Kind, Shader, bands};
 use crate::surface_light::{Drawn, LitPoint, colored, pane};
+use crate::tilt::Peak;
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_brdf::Density;
@@ -75,8 +76,10 @@ const MAX_CHAIN: usize = 4;
 pub(crate) struct Link {
     /// Density with which the direction was drawn, 1/sr.
     density: f64,
-    /// Where it was drawn.
+    /// Where it was drawn, the direction, and the highlight there.
     receiver: DVec3,
+    direction: DVec3,
+    peak: Peak,
     /// The primitive there.
     primitive: Option<PrimitiveId>,
     /// Distance since then.
@@ -349,7 +352,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let follow_diffuse = point.has_diffuse() && segment.ambient_bounces > 0 && !alone;
         let set = self.next_set;
         self.next_set += 1;
-        let direct = DirectSampler { point: at, primitive, follow_highlight, follow_diffuse, travelled };
+        let direct =
+            DirectSampler { point: at, primitive, follow_highlight, follow_diffuse, peak: point.peak(), travelled };
         let light = direct.sample(self, point);
         for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
             *sum += share * light;
@@ -359,10 +363,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         }
         let u = self.sampler.take(DimensionSet::render(set));
         if follow_highlight && let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
-            self.scatter(segment, at, primitive, drawn, segment.ambient_bounces, travelled);
+            self.scatter(segment, at, primitive, point, drawn, segment.ambient_bounces, travelled);
         }
         if follow_diffuse && let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
-            self.scatter(segment, at, primitive, drawn, segment.ambient_bounces - 1, travelled);
+            self.scatter(segment, at, primitive, point, drawn, segment.ambient_bounces - 1, travelled);
         }
     }
 
@@ -371,6 +375,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         segment: &Segment<BANDS>,
         at: DVec3,
         primitive: Option<PrimitiveId>,
+        point: &LitPoint<'_, BANDS>,
         drawn: Drawn<BANDS>,
         ambient_bounces: u32,
         travelled: f64,
@@ -381,6 +386,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             Density::Continuous(density) => Some(Link {
                 density,
                 receiver: at,
+                direction: drawn.direction,
+                peak: point.peak(),
                 primitive,
                 length: 0.0,
                 mirrors: [None; MAX_CHAIN],
@@ -496,7 +503,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             return focal;
         }
         let cosine = if matches!(light.form, LightForm::Distant { .. }) { 1.0 } else { cosine };
-        let other = light.density(link.receiver, length, cosine) * self.selection(link, id);
+        let other = light.density(link.receiver, link.direction, length, cosine, &link.peak) * self.selection(link, id);
         focal * link.density / (link.density + other)
     }
 

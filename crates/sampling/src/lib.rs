@@ -1,7 +1,7 @@
 //! Low-discrepancy sample points that are a function of seed, ray number and dimension only.
 //!
 //! All rays of a picture walk along one Owen-scrambled Sobol' sequence in stream order: ray `pixel·N + s` takes point
-//! `pixel·N + s`. With `N` a power of two the points of a pixel are then a net in all dimensions at once, those that the
+//! `pixel·N + s`. With `N` a power of two the points of a pixel are then a net in each set of four dimensions, those that the
 //! pinhole uses and those that the renderer uses, although neither knows of the other: a ray stream through a pipe and
 //! the fused command draw the same numbers. After 2¹⁶ points a new, independent scramble begins.
 //!
@@ -57,18 +57,15 @@ impl RaySampler {
     }
 
     /// Four coordinates of the point.
+    ///
+    /// Every set is the first four dimensions of the sequence under a scramble and a shuffle of its own. Higher dimensions would give nets
+    /// over several sets at once, but their projections are poor until there are thousands of points: errors then stall between 16 and
+    /// 256 points a pixel.
     #[inline]
     #[must_use]
     pub fn take(&self, set: DimensionSet) -> [f64; 4] {
-        let sets = sobol_burley::NUM_DIMENSION_SETS_4D;
-        // Past the last dimension the sequence is padded with independent scrambles of itself.
-        let padding = set.0 / sets;
-        let scramble = if padding == 0 {
-            self.scramble
-        } else {
-            (mix(u64::from(self.scramble) << 32 | u64::from(padding)) >> 32) as u32
-        };
-        sobol_burley::sample_4d(self.index, set.0 % sets, scramble).map(f64::from)
+        let scramble = (mix(u64::from(self.scramble) << 32 | u64::from(set.0)) >> 32) as u32;
+        sobol_burley::sample_4d(self.index, 0, scramble).map(f64::from)
     }
 }
 
@@ -108,25 +105,29 @@ mod tests {
         assert_ne!(of(0), of(1));
     }
 
-    /// The mean of a product over four dimensions of two sets converges faster than random points would.
+    /// Two sets are independent: no correlation between their coordinates beyond chance.
     #[test]
-    fn two_sets_are_jointly_equidistributed() {
-        let n = 1024;
+    fn two_sets_are_not_correlated() {
+        let n = 4096;
         let mean: f64 = (0..n)
             .map(|ray| {
                 let sampler = RaySampler::new(0, ray);
                 let (a, b) = (sampler.take(DimensionSet::CAMERA), sampler.take(DimensionSet::render(0)));
-                a[0] * a[1] * b[0] * b[1]
+                (a[0] - 0.5) * (b[0] - 0.5)
             })
             .sum::<f64>()
             / n as f64;
-        assert!((mean * 16.0 - 1.0).abs() < 0.01, "mean of the product is {mean}, expected 1/16");
+        assert!((mean * 12.0).abs() < 0.06, "correlation {}", mean * 12.0);
     }
 
+    /// Within a set the points are a net: the mean of a smooth product converges faster than with random points.
     #[test]
-    fn dimensions_past_the_last_set_are_not_repeats() {
-        let sampler = RaySampler::new(0, 5);
-        let sets = sobol_burley::NUM_DIMENSION_SETS_4D;
-        assert_ne!(sampler.take(DimensionSet(2)), sampler.take(DimensionSet(2 + sets)));
+    fn a_set_is_jointly_stratified() {
+        let n = 1024;
+        let mean: f64 = (0..n)
+            .map(|ray| RaySampler::new(0, ray).take(DimensionSet::render(3)).iter().product::<f64>())
+            .sum::<f64>()
+            / n as f64;
+        assert!((mean * 16.0 - 1.0).abs() < 0.01, "mean of the product is {mean}, expected 1/16");
     }
 }
