@@ -7,7 +7,7 @@ use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{FunctionCall, Transform};
 use radsight_loader::{FileKind, LoadError, Loader};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The function language, as far as this scene uses it.
@@ -16,10 +16,29 @@ pub(super) struct Functions {
     definitions: Option<Definitions>,
     /// Files that could not be read: said once, and no program is made with them.
     failed: HashSet<Scope>,
+    /// What was compiled: copies of a modifier in an array differ only in their transform.
+    programs: HashMap<ProgramKey, Arc<Program>>,
+}
+
+/// All that a program depends on.
+#[derive(PartialEq, Eq, Hash)]
+struct ProgramKey {
+    scope: Scope,
+    roots: Vec<(RootWord, String)>,
+    /// The bits of the real arguments.
+    reals: Vec<u64>,
+}
+
+impl ProgramKey {
+    fn new(raw: &Raw, roots: &[RootWord], scope: &Scope) -> Self {
+        let roots = roots.iter().map(|root| (*root, raw.strings[root.index()].text.clone())).collect();
+        let reals = raw.reals.iter().map(|value| value.to_bits()).collect();
+        ProgramKey { scope: scope.clone(), roots, reals }
+    }
 }
 
 /// A string argument that is compiled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum RootWord {
     /// An expression, by the index of the string.
     Expression(usize),
@@ -62,8 +81,16 @@ impl Reader<'_> {
         }
         let (words, to_scene) = self.split_transform(raw, last + 1)?;
         let scope = self.function_file(&raw.strings[form.file])?;
-        let program = self.compile(raw, form.roots, &scope)?;
-        Some(FunctionCall { program: Arc::new(program), to_scene, words, numbers: raw.reals.clone() })
+        let key = ProgramKey::new(raw, form.roots, &scope);
+        let program = match self.functions.programs.get(&key) {
+            Some(program) => Arc::clone(program),
+            None => {
+                let program = Arc::new(self.compile(raw, form.roots, &scope)?);
+                self.functions.programs.insert(key, Arc::clone(&program));
+                program
+            }
+        };
+        Some(FunctionCall { program, to_scene, words, numbers: raw.reals.clone() })
     }
 
     /// The words before the transform, and where it leads, with what the including texts do.

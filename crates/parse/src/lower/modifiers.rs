@@ -35,6 +35,19 @@ pub(super) struct Raw {
     pub(super) references: Vec<Reference>,
 }
 
+impl Raw {
+    /// Whether it does the same as another, wherever that stands. Radiance too keeps the first of such definitions: an array
+    /// of files that bring their materials along has each material once.
+    fn does_the_same(&self, other: &Raw) -> bool {
+        self.kind == other.kind
+            && self.parent == other.parent
+            && self.reals == other.reals
+            && self.transform == other.transform
+            && self.references == other.references
+            && self.strings.iter().map(|word| &word.text).eq(other.strings.iter().map(|word| &word.text))
+    }
+}
+
 /// A string argument.
 #[derive(Clone, Debug)]
 pub(super) struct RawWord {
@@ -162,9 +175,14 @@ impl Reader<'_> {
             strings,
             reals,
             counts: primitive.counts.map(|count| here.span(count.place())),
-            transform: placement.transform,
+            transform: if primitive.kind.takes_transform_words() { placement.transform } else { Transform::IDENTITY },
             references,
         };
+        if let Some(known) = self.modifiers.find(&name)
+            && self.modifiers.raws[known.0 as usize].does_the_same(&raw)
+        {
+            return;
+        }
         let handle = self.modifiers.add(raw);
         self.modifiers.set(&name, handle);
     }
