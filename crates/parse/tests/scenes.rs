@@ -3,9 +3,11 @@
 mod support;
 
 use radsight_parse::syntax::{Item, Items};
-use radsight_parse::{Bounds, Input, Read, ReadOptions, Role, UnusedModifiers, bounds, cube, read_scene, write_scene};
+use radsight_parse::{
+    Bounds, Input, Read, ReadOptions, Role, UnusedModifiers, bounds, cube, read_scene, write_scene, xform,
+};
 use std::path::{Path, PathBuf};
-use support::{Disk, Radiance, shared};
+use support::{Disk, Radiance, difference, shared};
 
 /// Folder below the shared one, and what `oconv` is given there. `*` stands for any file name.
 const SCENES: &[(&str, &[&str])] = &[
@@ -180,7 +182,28 @@ fn compare(radiance: &Radiance, folder: &Path, names: &[String], read: &Read) ->
         ));
     }
     compare_cubes(radiance, folder, names, read)?;
+    compare_xform(radiance, folder, names)?;
     compare_written(radiance, folder, names)
+}
+
+/// Our `xform`, with the commands in the files run, against the real one.
+fn compare_xform(radiance: &Radiance, folder: &Path, names: &[String]) -> Result<(), String> {
+    let loader = Disk { folder: folder.to_owned(), library: radiance.library() };
+    for name in names.iter().filter(|name| !name.starts_with('!')) {
+        let arguments = ["-n", "p", "-rx", "20", "-s", "2", "-mx", "-t", "1", "2", "3", name];
+        let (theirs, succeeded) = radiance.run("xform", &arguments, folder);
+        let argv: Vec<String> = ["xform"].iter().chain(&arguments).map(|word| (*word).to_owned()).collect();
+        match xform(&argv, None, &loader) {
+            Ok(ours) => {
+                if let Some(difference) = difference(&ours.standard_output, &theirs, 1e-9) {
+                    return Err(format!("xform {name}: {difference}"));
+                }
+            }
+            Err(error) if succeeded => return Err(format!("xform {name}: {error}")),
+            Err(_) => {}
+        }
+    }
+    Ok(())
 }
 
 /// What we write must be the same scene to real Radiance: the same light comes along the same rays.

@@ -7,7 +7,7 @@ use crate::syntax::{Item, Items, Primitive, Word, is_space};
 use crate::{Kind, placement::Placement};
 use radsight_diag::SourceMap;
 use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output};
-use radsight_loader::{FileKind, Loader};
+use radsight_loader::{FileKind, LoadError, Loader};
 use std::io::Write;
 
 /// Commands inside commands go no deeper than this.
@@ -28,7 +28,7 @@ pub(crate) fn run(
     depth: usize,
 ) -> Result<Output, Error> {
     if depth > MAX_DEPTH {
-        return Err(impossible(format!("commands call each other more than {MAX_DEPTH} deep")));
+        return Err(too_deep());
     }
     let mut output = Output::default();
     visit_copies(argv, standard_input, loader, &mut |event| {
@@ -118,16 +118,20 @@ impl Placer<'_> {
         let output = radsight_generate::pipeline(&command, loader, &|argv, standard_input| {
             super::is_xform(&argv[0]).then(|| run(argv, standard_input, loader, deeper))
         });
-        let output = output.map_err(|error| error.error)?;
+        let output = match output {
+            Ok(output) => output,
+            Err(error) if is_fatal(&error.error) => return Err(error.error),
+            // Real xform goes on too when a command in a file fails.
+            Err(error) => {
+                self.output.warnings.push(format!("\"{command}\" in \"{}\" fails: {}", self.source, error.error));
+                return Ok(());
+            }
+        };
         self.output.warnings.extend(output.warnings);
         self.output.files.extend(output.files);
         let source = std::mem::replace(&mut self.source, format!("!{command}"));
         self.depth = deeper;
-        let result = if deeper > MAX_DEPTH {
-            Err(impossible(format!("commands call each other more than {MAX_DEPTH} deep")))
-        } else {
-            self.text(&output.standard_output)
-        };
+        let result = if deeper > MAX_DEPTH { Err(too_deep()) } else { self.text(&output.standard_output) };
         self.depth = deeper - 1;
         self.source = source;
         result
@@ -299,6 +303,17 @@ pub(crate) fn write_word(out: &mut Vec<u8>, word: &[u8]) {
 
 fn impossible(mistake: String) -> Error {
     Error::Impossible { program: "xform".to_owned(), mistake }
+}
+
+fn too_deep() -> Error {
+    impossible(format!("commands call each other more than {MAX_DEPTH} deep"))
+}
+
+/// Whether an error inside a command ends everything: without that, a limit would be hit again and again. A command that
+/// may not be run would be run by real xform, so to go on without it would change the scene.
+fn is_fatal(error: &Error) -> bool {
+    let is_refused = matches!(error, Error::Syntax(_) | Error::Load(LoadError::CommandRefused { .. }));
+    is_refused || matches!(error, Error::OutputTooLarge { .. }) || *error == too_deep()
 }
 
 /// Writing into memory fails only when there is none.
