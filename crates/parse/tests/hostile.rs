@@ -50,7 +50,7 @@ fn deep_nesting_is_refused() {
 fn arrays_of_arrays_are_refused_before_they_are_made() {
     let loader = MemoryLoader::default().with("ball.rad", "void sphere s 0 0 4 0 0 0 1\n");
     let message = first_error(&loader, "!xform -a 1000000000 -t 1 0 0 ball.rad\n");
-    assert_eq!(message, "xform: the count of -a is 1000000000, at most 10000000 copies can be made");
+    assert_eq!(message, "xform: the array makes 1000000000 copies, at most 10000000 can be made");
 }
 
 #[test]

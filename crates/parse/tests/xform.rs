@@ -114,8 +114,8 @@ fn arguments_that_are_wrong_are_named() {
     for (arguments, expected, at) in [
         ("-t 1 2 a.rad", "z of -t is \"a.rad\", expected a number", 4),
         ("-a x a.rad", "the count of -a is \"x\", expected an integer above zero", 2),
-        ("-a 1000000000 -t 1 0 0 a.rad", "the count of -a is 1000000000, at most 10000000 copies can be made", 2),
-        ("-a 10000 -a 10000 a.rad", "the arrays make more than 10000000 copies", 0),
+        ("-a 1000000000 -t 1 0 0 a.rad", "the array makes 1000000000 copies, at most 10000000 can be made", 2),
+        ("-a 10000 -a 10000 a.rad", "the array makes 100000000 copies, at most 10000000 can be made", 4),
         ("-q a.rad", "unknown transform option \"-q\"", 1),
         ("-a 2 -rx 1 -s 0 a.rad", "the factor of -s is 0", 6),
         ("-f args a.rad", "argument file \"args\" has no arguments", 2),

@@ -77,9 +77,21 @@ impl Reader<'_> {
             Kind::TransFunc | Kind::TransData => self.scattering(raw, ScatteringRole::Trans)?,
             Kind::BrtdFunc => self.brtd_function(raw)?,
             Kind::Antimatter => Material::Antimatter { cuts: cuts(raw, at) },
-            Kind::BrdfPlugin => plugin(raw),
+            Kind::BrdfPlugin => self.plugin(raw),
             _ => return self.not_yet(raw),
         })
+    }
+
+    fn plugin(&self, raw: &Raw) -> Material {
+        let mut words = raw.strings.iter().map(|word| word.text.clone());
+        let numbers = (0..raw.reals.len()).map(|index| self.real_span(raw, index));
+        Material::Plugin {
+            library: words.next().unwrap_or_default(),
+            model: words.next().unwrap_or_default(),
+            words: words.collect(),
+            numbers: raw.reals.clone(),
+            tokens: raw.strings.iter().map(|word| word.span).chain(numbers).collect(),
+        }
     }
 
     fn spotlight(&mut self, raw: &Raw) -> Option<Material> {
@@ -212,12 +224,3 @@ fn cuts(raw: &Raw, at: &Lowered<'_>) -> Vec<Option<ModifierHandle>> {
         .collect()
 }
 
-fn plugin(raw: &Raw) -> Material {
-    let mut words = raw.strings.iter().map(|word| word.text.clone());
-    Material::Plugin {
-        library: words.next().unwrap_or_default(),
-        model: words.next().unwrap_or_default(),
-        words: words.collect(),
-        numbers: raw.reals.clone(),
-    }
-}

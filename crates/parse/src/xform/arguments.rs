@@ -60,7 +60,16 @@ pub(crate) fn visit_copies(
 ) -> Result<(), Error> {
     let words = argv.iter().enumerate().map(|(origin, text)| Argument { text: text.clone(), origin }).collect();
     let mut expansion = Expansion { standard_input, loader, visit, copies: 0, words: argv.len() };
-    expansion.unroll(words, 0)
+    expansion.unroll(words, Nesting { depth: 0, copies: 1 })
+}
+
+/// What an argument list stands inside of.
+#[derive(Clone, Copy)]
+struct Nesting {
+    /// Argument files.
+    depth: usize,
+    /// How many copies the arrays around it make.
+    copies: u64,
 }
 
 struct Expansion<'a> {
@@ -73,12 +82,12 @@ struct Expansion<'a> {
 }
 
 impl Expansion<'_> {
-    fn unroll(&mut self, words: Vec<Argument>, depth: usize) -> Result<(), Error> {
+    fn unroll(&mut self, words: Vec<Argument>, nesting: Nesting) -> Result<(), Error> {
         if let Some(at) = words.iter().skip(1).position(|word| word.text == "-f") {
-            return self.argument_file(&words, at + 1, depth);
+            return self.argument_file(&words, at + 1, nesting);
         }
         if let Some(at) = words.iter().skip(1).position(|word| word.text == "-a") {
-            return self.array(&words, at + 1, depth);
+            return self.array(&words, at + 1, nesting);
         }
         self.copies += 1;
         if self.copies > MAX_COPIES {
@@ -90,7 +99,7 @@ impl Expansion<'_> {
     }
 
     /// `-a n`: the rest of the transform is done 0, 1, … n−1 times.
-    fn array(&mut self, words: &[Argument], at: usize, depth: usize) -> Result<(), Error> {
+    fn array(&mut self, words: &[Argument], at: usize, nesting: Nesting) -> Result<(), Error> {
         let Some(count_word) = words.get(at + 1) else { return Err(self.wrong(None, "missing count of -a")) };
         let count = match parse_integer(count_word.text.trim().as_bytes()) {
             Some(count) if count > 0 => count,
@@ -99,8 +108,9 @@ impl Expansion<'_> {
                 return Err(self.wrong(Some(count_word), mistake));
             }
         };
-        if count as u64 > MAX_COPIES as u64 {
-            let mistake = format!("the count of -a is {count}, at most {MAX_COPIES} copies can be made");
+        let copies = nesting.copies.saturating_mul(count as u64);
+        if copies > MAX_COPIES as u64 {
+            let mistake = format!("the array makes {copies} copies, at most {MAX_COPIES} can be made");
             return Err(self.wrong(Some(count_word), mistake));
         }
         let old_name = names(words).next_back().map(|at| words[at].text.clone());
@@ -112,17 +122,17 @@ impl Expansion<'_> {
                 Some(old) => names(words).for_each(|name| copy[name].text = format!("{old}.{index}")),
                 None => insert_name(&mut copy, format!("a{index}")),
             }
-            self.unroll(copy, depth)?;
+            self.unroll(copy, Nesting { copies, ..nesting })?;
         }
         Ok(())
     }
 
     /// `-f file`: each line of the file stands for `-f file` in turn.
-    fn argument_file(&mut self, words: &[Argument], at: usize, depth: usize) -> Result<(), Error> {
+    fn argument_file(&mut self, words: &[Argument], at: usize, nesting: Nesting) -> Result<(), Error> {
         let Some(name) = words.get(at + 1).filter(|name| name.text == "-" || !name.text.starts_with('-')) else {
             return Err(self.wrong(words.get(at + 1), "missing file of -f"));
         };
-        if depth >= MAX_DEPTH {
+        if nesting.depth >= MAX_DEPTH {
             let mistake = format!("argument files refer to each other more than {MAX_DEPTH} deep");
             return Err(self.wrong(Some(name), mistake));
         }
@@ -142,7 +152,7 @@ impl Expansion<'_> {
                 Some(at) => copy[at].text = format!("{}.{index}", copy[at].text),
                 None => insert_name(&mut copy, format!("i{index}")),
             }
-            self.unroll(copy, depth + 1)?;
+            self.unroll(copy, Nesting { depth: nesting.depth + 1, ..nesting })?;
             index += 1;
         }
         if index == 0 {
