@@ -38,6 +38,8 @@ mod gensky;
 mod gensurf;
 mod genworm;
 mod grid_data;
+mod ies2rad;
+mod lamps;
 mod matching;
 mod mgf;
 mod mgf2rad;
@@ -110,6 +112,7 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("gensky", gensky::run),
     ("gensurf", gensurf::run),
     ("genworm", genworm::run),
+    ("ies2rad", ies2rad::run),
     ("mgf2rad", mgf2rad::run),
     ("pkgBSDF", pkgbsdf::run),
     ("rcalc", rcalc::run),

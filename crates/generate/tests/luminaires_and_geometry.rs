@@ -200,3 +200,101 @@ fn a_bsdf_becomes_its_surfaces() {
     loader.files.insert("bomb.xml".into(), b"<!DOCTYPE a [<!ENTITY b \"c\">]><WindowElement/>".to_vec());
     assert!(ours(&words("pkgBSDF -s bomb.xml"), b"", &loader).is_err());
 }
+
+/// A luminaire file with the given first line, tilt section, angles and opening.
+fn ies(version: &str, tilt: &str, horizontal: &[f64], vertical: &[f64], opening: &str, kind: &str) -> String {
+    let words = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    let candela: Vec<f64> = (0..horizontal.len() * vertical.len()).map(|i| 1000.0 + 37.5 * (i % 7) as f64).collect();
+    format!(
+        "{version}\r\n[TEST] 12\r\n[LAMP] two warm-white tubes\r\n{tilt}\r\n2 1000. 1.5 {} {} {kind} {opening}\r\n.9 .95 60\r\n{}\r\n{}\r\n{}\r\n",
+        vertical.len(),
+        horizontal.len(),
+        words(vertical),
+        words(horizontal),
+        words(&candela)
+    )
+}
+
+const DOWN: &[f64] = &[0.0, 30.0, 60.0, 90.0];
+const ALL: &[f64] = &[0.0, 45.0, 90.0, 120.0, 180.0];
+
+fn luminaires() -> Vec<String> {
+    let none = "TILT=NONE";
+    let mut files = Vec::new();
+    for (horizontal, kind) in [
+        (&[0.0][..], "1 2"),
+        (&[0.0, 45.0, 90.0], "1 1"),
+        (&[0.0, 90.0, 180.0], "1 2"),
+        (&[90.0, 180.0, 270.0], "1 2"),
+        (&[0.0, 120.0, 240.0, 360.0], "1 2"),
+        (&[0.0, 45.0, 90.0], "2 2"),
+        (&[-90.0, 0.0, 90.0], "2 2"),
+    ] {
+        for vertical in [DOWN, ALL] {
+            files.push(ies("IESNA:LM-63-2002", none, horizontal, vertical, ".2 .6 .1", kind));
+        }
+    }
+    for version in ["old luminaire", "IESNA91", "IESNA:LM-63-1995", "IESNA:LM-63-2002", "IES:LM-63-2019"] {
+        for l in [".3", "0", "-.3"] {
+            for w in [".3", "0", "-.3", "-1.2"] {
+                for h in [".3", "0", "-.3", "2"] {
+                    files.push(ies(version, none, &[0.0], ALL, &format!("{w} {l} {h}"), "1 2"));
+                }
+            }
+        }
+    }
+    for tilt in [
+        "TILT=INCLUDE\r\n1\r\n3\r\n0 45 90\r\n1 .9 .8",
+        "TILT=INCLUDE\n2 4 0 45 100 180 1 .9 .8,.7",
+        "TILT=INCLUDE\n3 2 0 90 1 .9",
+        "TILT=INCLUDE\n4 2 0 90 1 .9",
+        "TILT=INCLUDE\n1 x",
+    ] {
+        files.push(ies("IESNA91", tilt, &[0.0], DOWN, "0 0 0", "1 2"));
+    }
+    files.push(ies("IESNA91", none, &[0.0], DOWN, "0 0 0", "3 2"));
+    files.push("IESNA91\nno tilt\n".to_owned());
+    files
+}
+
+#[test]
+fn luminaires_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir().join("radsight-generate-ies");
+    std::fs::create_dir_all(&folder).unwrap();
+    let options =
+        ["", "-dm", "-di/2", "-dc -m .5", "-t default -c 1 .5 .2", "-i .25", "-t mercury", "-u xenon", "-p sub"];
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    let (mut same, mut refused) = (0, 0);
+    for (number, text) in luminaires().into_iter().enumerate() {
+        let options = if number % 3 == 0 { options[number / 3 % options.len()] } else { "" };
+        let argv = words(&format!("ies2rad {options} -o out in.ies"));
+        std::fs::write(folder.join("in.ies"), &text).unwrap();
+        let prefix = if options.contains("-p") { "sub/" } else { "" };
+        let names = ["out.rad", "out.dat", "out%.dat"].map(|name| format!("{prefix}{name}"));
+        names.iter().for_each(|name| drop(std::fs::remove_file(folder.join(name))));
+        let real = radiance.run(&argv, b"", Some(&folder));
+        let loader = TestLoader { folders: vec![folder.clone()], ..TestLoader::default() };
+        let output = match ours(&argv, b"", &loader) {
+            Ok(output) if real.succeeded => output,
+            Ok(_) => panic!("{argv:?}: real fails with {}\n{text}", real.standard_error),
+            Err(error) => {
+                assert!(!real.succeeded, "{argv:?}: {error}\n{text}");
+                refused += 1;
+                continue;
+            }
+        };
+        for name in &names {
+            let real = std::fs::read_to_string(folder.join(name)).ok();
+            let mine = output.files.iter().find(|file| file.0 == *name);
+            let mine = mine.map(|file| String::from_utf8(file.1.clone()).unwrap());
+            assert_eq!(mine.is_some(), real.is_some(), "{argv:?} {name}\n{text}");
+            let (Some(mine), Some(real)) = (mine, real) else { continue };
+            match oracle::compare(&mine, &real) {
+                oracle::Likeness::Different(what) => panic!("{argv:?} {name}: {what}\n{mine}\n---\n{real}\n{text}"),
+                likeness => same += usize::from(likeness == oracle::Likeness::Identical),
+            }
+        }
+    }
+    println!("ies2rad: {same} files are the same bytes, {refused} luminaires are refused by both");
+}
