@@ -21,6 +21,7 @@ mod partition;
 mod purity;
 mod random;
 mod reciprocity;
+mod survey;
 
 pub use chi_squared::sampling;
 pub use energy::{Albedo, albedo, energy};

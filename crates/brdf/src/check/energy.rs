@@ -1,7 +1,8 @@
 //! Directional albedo, and that no more light comes back than fell in.
 
-use super::{CheckOptions, Effort, Finding, Fineness, Hemispheres, Partition, Random, Worst, from_angles};
-use crate::{Brdf, Density};
+use super::survey::{Survey, hemispheres, mean_and_error};
+use super::{CheckOptions, Effort, Finding, Fineness, Partition, Worst, from_angles};
+use crate::Brdf;
 use glam::DVec3;
 
 /// How much light comes back, for one outgoing direction.
@@ -44,52 +45,18 @@ impl Effort {
     }
 }
 
-/// The hemispheres that a model can send light to.
-pub(super) fn hemispheres(brdf: &dyn Brdf) -> Hemispheres {
-    if brdf.lobes().transmission { Hemispheres::Both } else { Hemispheres::Upper }
-}
-
 /// Directional albedo for one outgoing direction.
 #[must_use]
 pub fn albedo(brdf: &dyn Brdf, outgoing: DVec3, options: &CheckOptions) -> Albedo {
-    let mut continuous = vec![0.0; options.bands];
-    let (mut values, mut pdfs) = (Vec::new(), Vec::new());
-    let partition = Partition::new(outgoing, options.effort.fineness());
-    partition.visit(hemispheres(brdf), |_, directions, solid_angles| {
-        values.resize(directions.len() * options.bands, 0.0);
-        pdfs.resize(directions.len(), 0.0);
-        brdf.eval_pdf(outgoing, directions, &mut values, &mut pdfs);
-        let points = directions.iter().zip(solid_angles).zip(values.chunks_exact(options.bands));
-        for ((direction, solid_angle), values) in points {
-            for (sum, value) in continuous.iter_mut().zip(values) {
-                *sum += value * direction.z.abs() * solid_angle;
-            }
-        }
-    });
-    let (delta, delta_error) = delta_albedo(brdf, outgoing, options);
-    Albedo { continuous, delta, delta_error }
-}
-
-fn delta_albedo(brdf: &dyn Brdf, outgoing: DVec3, options: &CheckOptions) -> (Vec<f64>, f64) {
-    let mut sums = vec![[0.0, 0.0]; options.bands];
-    if !brdf.lobes().delta {
-        return (vec![0.0; options.bands], 0.0);
-    }
     let samples = if options.effort == Effort::Quick { 1000 } else { 20_000 };
-    let mut random = Random::new(options.seed, 11);
-    let mut weights = vec![0.0; options.bands];
-    for _ in 0..samples {
-        let found = brdf.sample(outgoing, random.cube(), &mut weights);
-        if found.is_some_and(|sample| sample.density == Density::Delta) {
-            for (sum, weight) in sums.iter_mut().zip(&weights) {
-                sum[0] += weight;
-                sum[1] += weight * weight;
-            }
-        }
+    let survey = Survey::new(brdf, outgoing, options, 11, samples, |_, _| ());
+    let delta: Vec<(f64, f64)> =
+        survey.delta_weights.iter().map(|sums| mean_and_error(*sums, survey.samples)).collect();
+    Albedo {
+        continuous: (0..options.bands).map(|band| survey.albedo(band)).collect(),
+        delta: delta.iter().map(|(mean, _)| *mean).collect(),
+        delta_error: delta.iter().map(|(_, error)| *error).fold(0.0, f64::max),
     }
-    let count = f64::from(samples);
-    let error = |[sum, squares]: &[f64; 2]| ((squares / count - (sum / count).powi(2)).max(0.0) / count).sqrt();
-    (sums.iter().map(|[sum, _]| sum / count).collect(), sums.iter().map(error).fold(0.0, f64::max))
 }
 
 /// That the albedo is at most one at 0…89.9°; for a model that is not reciprocal also the other way round, light from one

@@ -117,12 +117,13 @@ impl Partition {
         let (mut directions, mut weights) = (Vec::new(), Vec::new());
         for quadrant in quadrants {
             for ring in 0..self.rings() {
-                let deltas = self.ring_nodes(ring);
+                let deltas = self.ring_nodes(ring, &self.nodes);
                 for side in 0..SIDES {
                     for sector in 0..self.sectors() {
                         directions.clear();
                         weights.clear();
-                        self.fill_cell(&deltas, quadrant, side, sector, &mut directions, &mut weights);
+                        let shares = self.sector_nodes(sector, &self.nodes);
+                        self.fill(&deltas, &shares, quadrant, side, &mut directions, &mut weights);
                         visit(self.cell(quadrant, ring, side, sector), &directions, &weights);
                     }
                 }
@@ -130,9 +131,27 @@ impl Partition {
         }
     }
 
+    /// Calls `visit(directions, solid_angles)` for parts of one cell, on a grid that is `refinement` times finer in both directions.
+    pub fn visit_cell(&self, cell: usize, refinement: usize, mut visit: impl FnMut(&[DVec3], &[f64])) {
+        let (rest, sector) = (cell / self.sectors(), cell % self.sectors());
+        let (rest, side) = (rest / SIDES, rest % SIDES);
+        let (quadrant, ring) = (rest / self.rings(), rest % self.rings());
+        let parts = refinement as f64;
+        let part = |part: usize| self.nodes.iter().map(move |(s, weight)| ((part as f64 + s) / parts, weight / parts));
+        let fine: Vec<(f64, f64)> = (0..refinement).flat_map(part).collect();
+        let shares = self.sector_nodes(sector, &fine);
+        let (mut directions, mut weights) = (Vec::new(), Vec::new());
+        for delta in self.ring_nodes(ring, &fine) {
+            directions.clear();
+            weights.clear();
+            self.fill(&[delta], &shares, quadrant, side, &mut directions, &mut weights);
+            visit(&directions, &weights);
+        }
+    }
+
     /// Values of δ in a ring with weights that contain sin δ. Intervals end where a limit of the quadrant begins to cut the
     /// ring, since the range of ψ has a square root there.
-    fn ring_nodes(&self, ring: usize) -> Vec<(f64, f64)> {
+    fn ring_nodes(&self, ring: usize, on_unit: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let (first, last) = (self.edges[ring], self.edges[ring + 1]);
         let mut kinks = [self.polar, FRAC_PI_2 - self.polar];
         kinks.sort_by(f64::total_cmp);
@@ -142,7 +161,7 @@ impl Partition {
         let mut nodes = Vec::new();
         for interval in stops.windows(2) {
             let (low, high) = (interval[0], interval[1]);
-            for &(s, weight) in &self.nodes {
+            for &(s, weight) in on_unit {
                 let (delta, slope) = if low == 0.0 {
                     (high * s.sqrt(), high / (2.0 * s.sqrt()))
                 } else if kinks.contains(&low) {
@@ -158,11 +177,11 @@ impl Partition {
     }
 
     /// Shares of the range of ψ in a sector with weights, logarithmic in the distance to the nearer end.
-    fn sector_nodes(&self, sector: usize) -> impl Iterator<Item = (f64, f64)> {
+    fn sector_nodes(&self, sector: usize, on_unit: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let (first, last) = (self.sector_edges[sector], self.sector_edges[sector + 1]);
         let mirrored = first >= 0.5;
         let (near, far) = if mirrored { (1.0 - last, 1.0 - first) } else { (first, last) };
-        self.nodes.iter().map(move |&(s, weight)| {
+        let place = |&(s, weight): &(f64, f64)| {
             let (distance, slope) = if near < 1e-12 {
                 (far * s, far)
             } else {
@@ -170,15 +189,16 @@ impl Partition {
                 (distance, distance * (far / near).ln())
             };
             (if mirrored { 1.0 - distance } else { distance }, weight * slope)
-        })
+        };
+        on_unit.iter().map(place).collect()
     }
 
-    fn fill_cell(
+    fn fill(
         &self,
         deltas: &[(f64, f64)],
+        shares: &[(f64, f64)],
         quadrant: usize,
         side: usize,
-        sector: usize,
         directions: &mut Vec<DVec3>,
         weights: &mut Vec<f64>,
     ) {
@@ -188,7 +208,7 @@ impl Partition {
             let (low, high) = self.psi_range(delta);
             let width = high - low;
             let (sin_delta, cos_delta) = delta.sin_cos();
-            for (share, weight) in self.sector_nodes(sector) {
+            for &(share, weight) in shares {
                 let (sin_psi, cos_psi) = (low + width * share).sin_cos();
                 let x = x_sign * (cos_delta * self.sin + sin_delta * cos_psi * self.cos).max(0.0);
                 let y = y_sign * sin_delta * sin_psi;
