@@ -8,8 +8,8 @@ use radsight_diag::SourceMap;
 use std::path::{Path, PathBuf};
 
 /// Channels of a ray, and then arguments for functions.
-const CHANNELS: usize = 37;
-const ARGUMENTS: usize = 12;
+pub(crate) const CHANNELS: usize = 37;
+pub(crate) const ARGUMENTS: usize = 12;
 const RECORDS: usize = 24;
 
 /// Real arguments, as a scene would give them.
@@ -22,7 +22,7 @@ const OF_PICTURES: &str = "xmax : 64; ymax : 48; xres : 64; yres : 48; nfiles : 
     some_function(i) = .4+.3*i-.02*i*i;";
 
 /// What a file defines: names and numbers of arguments (0 for a variable).
-fn definitions(text: &str) -> Vec<(String, usize)> {
+pub(crate) fn definitions(text: &str) -> Vec<(String, usize)> {
     let mut depth = 0;
     let bare: String = text
         .chars()
@@ -47,7 +47,7 @@ fn definitions(text: &str) -> Vec<(String, usize)> {
 }
 
 /// A call whose arguments are columns of a record, or functions where the bits of `functions` say so.
-fn call(name: &str, arity: usize, functions: usize) -> String {
+pub(crate) fn call(name: &str, arity: usize, functions: usize) -> String {
     let argument = |index| match functions >> index & 1 {
         0 => format!("${}", CHANNELS + 1 + index),
         _ => "some_function".to_owned(),
@@ -56,10 +56,10 @@ fn call(name: &str, arity: usize, functions: usize) -> String {
     if arity == 0 { name.to_owned() } else { format!("{name}({})", arguments.join(",")) }
 }
 
-type Record = [f64; CHANNELS + ARGUMENTS];
+pub(crate) type Record = [f64; CHANNELS + ARGUMENTS];
 
 /// Rays that hit something, and arguments of several sizes.
-fn records() -> Vec<Record> {
+pub(crate) fn records() -> Vec<Record> {
     let mut dice = Dice::new(3);
     let mut uniform = move || dice.below(1 << 20) as f64 / (1 << 20) as f64;
     (0..RECORDS)
