@@ -59,7 +59,10 @@ pub fn albedo(brdf: &dyn Brdf, outgoing: DVec3, options: &CheckOptions) -> Albed
     }
 }
 
-/// That the albedo is at most one at 0…89.9°; for a model that is not reciprocal also the other way round, light from one
+/// How far from the normal (degrees) light is followed the other way round: measured data are rarely sound beyond.
+const REFLECTED_UP_TO_DEG: f64 = 75.0;
+
+/// That the albedo is at most one at 0…89.9°; for a model that is not reciprocal also the other way round up to 75°, light from one
 /// direction summed over all in which it leaves.
 #[must_use]
 pub fn energy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
@@ -77,7 +80,7 @@ pub fn energy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
                 });
             }
         }
-        if !options.reciprocal {
+        if !options.reciprocal && degrees <= REFLECTED_UP_TO_DEG {
             offer_reflected(brdf, degrees, options, &mut worst);
         }
     }
