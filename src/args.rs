@@ -1,6 +1,7 @@
 //! The command line, as typed.
 
 use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
 
 /// Takes Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
 #[derive(Debug, Parser)]
@@ -32,16 +33,28 @@ pub(crate) enum Command {
     Rig(Rig),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),
+    /// BRDF plugins: list them, check one
+    #[command(subcommand)]
+    Plugin(Plugin),
     /// Makes links named after Radiance's programs
     InstallLinks(InstallLinks),
 }
 
 /// How scenes are read.
-#[derive(Args, Debug, Clone)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Reading {
     /// Run `!` commands that are not known in process through a shell
     #[arg(long)]
     pub(crate) allow_commands: bool,
+    /// Replace a material by a model of a plugin: MATERIAL=LIBRARY:MODEL(number,…)
+    #[arg(long, value_name = "MATERIAL=…")]
+    pub(crate) brdf: Vec<String>,
+    /// Look for plugins in this folder first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugin_path: Vec<PathBuf>,
+    /// What is suspect is an error: warnings of a scene, findings of a plugin's self-check
+    #[arg(long)]
+    pub(crate) strict: bool,
 }
 
 #[derive(Args, Debug)]
@@ -79,9 +92,6 @@ pub(crate) struct Check {
     /// Scene files, or - for standard input
     #[arg(value_name = "SCENE", required = true)]
     pub(crate) scenes: Vec<String>,
-    /// Warnings count as errors
-    #[arg(long)]
-    pub(crate) strict: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
 }
@@ -175,6 +185,46 @@ pub(crate) struct Calibrate {
     /// Unit of the exposures
     #[arg(long, default_value = "uJ/cm2")]
     pub(crate) unit: String,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Plugin {
+    /// Lists the plugins that are found, their models and parameters
+    List(PluginList),
+    /// Checks a plugin: loading, arguments, physics, sampling, crashes, leaks; each check in a process of its own
+    Check(PluginCheck),
+    /// What each check runs
+    #[command(hide = true)]
+    CheckChild,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PluginList {
+    /// Look for plugins in this folder first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugin_path: Vec<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PluginCheck {
+    /// The library's file, or the name of one that is found
+    #[arg(value_name = "LIB")]
+    pub(crate) library: String,
+    /// Only this model, with parameters if wanted: MODEL or MODEL(number,…)
+    #[arg(long, value_name = "MODEL")]
+    pub(crate) model: Option<String>,
+    /// Of all random numbers
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Seconds for each check
+    #[arg(long, default_value_t = 60)]
+    pub(crate) time_limit: u64,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Look for plugins in this folder first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugin_path: Vec<PathBuf>,
 }
 
 #[derive(Args, Debug)]

@@ -1,14 +1,17 @@
 //! Reading what commands need: camera files, scenes, standard input.
 
+use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, reason, render};
+use crate::plugins::{Models, PluginOptions};
+use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_ir::ValidScene;
+use radsight_ir::{Material, ModifierKind, ValidScene};
 use radsight_loader::Loader;
-use radsight_parse::{Input, Read, ReadOptions, read_scene};
+use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, read_scene};
 use radsight_picture::Header;
-use radsight_render::{RenderOptions, RenderPlan};
+use radsight_render::{NoModels, RenderOptions, RenderPlan};
 use std::io::{self, Read as _};
 
 /// Reads a camera file and prints its warnings.
@@ -63,28 +66,67 @@ pub(crate) fn read(inputs: Vec<Input>, commands: Commands, options: &ReadOptions
     read_scene(&inputs, loader, options)
 }
 
+impl Reading {
+    /// Whether unknown commands may run.
+    pub(crate) fn commands(&self) -> Commands {
+        if self.allow_commands { Commands::Allowed } else { Commands::Refused }
+    }
+
+    /// What the parser is to do.
+    pub(crate) fn read_options(&self) -> Result<ReadOptions, Failure> {
+        let brdf: Result<Vec<_>, _> = self.brdf.iter().map(|text| BrdfReplacement::parse(text)).collect();
+        let brdf = brdf.map_err(|reason| Failure::usage(format!("option \"--brdf\": {reason}")))?;
+        Ok(ReadOptions { brdf, ..ReadOptions::default() })
+    }
+
+    fn plugin_options(&self) -> PluginOptions {
+        PluginOptions { folders: self.plugin_path.clone(), strict: self.strict }
+    }
+}
+
+/// A scene ready to be rendered.
+pub(crate) struct Planned {
+    pub(crate) plan: RenderPlan,
+    /// The plugins in use, to be asked for their faults in the end.
+    pub(crate) registry: Option<Registry>,
+}
+
 /// Reads and validates a scene and plans its rendering. Warnings are printed, errors end the work.
 pub(crate) fn plan(
     paths: &[String],
     camera: Option<&CameraFile>,
-    commands: Commands,
+    reading: &Reading,
     render_options: RenderOptions,
-) -> Result<RenderPlan, Failure> {
+) -> Result<Planned, Failure> {
     let inputs = scene_inputs(paths, camera)?;
-    let (scene, sources) = valid_scene(inputs, commands)?;
-    RenderPlan::new(scene, render_options, &radsight_render::NoModels)
-        .map_err(|errors| Failure::diagnostics(&errors, &sources))
+    let (scene, sources) = valid_scene(inputs, reading)?;
+    let has_plugins = scene
+        .modifiers
+        .items()
+        .iter()
+        .any(|modifier| matches!(modifier.kind, ModifierKind::Material(Material::Plugin { .. })));
+    let failed = |errors: Vec<Diagnostic>| Failure::diagnostics(&errors, &sources);
+    if !has_plugins {
+        let plan = RenderPlan::new(scene, render_options, &NoModels).map_err(failed)?;
+        return Ok(Planned { plan, registry: None });
+    }
+    let models = Models::new(&reading.plugin_options(), paths, &sources);
+    let plan = RenderPlan::new(scene, render_options, &models).map_err(failed)?;
+    Ok(Planned { plan, registry: Some(models.into_registry()) })
 }
 
-fn valid_scene(inputs: Vec<Input>, commands: Commands) -> Result<(ValidScene, SourceMap), Failure> {
-    let read = read(inputs, commands, &ReadOptions::default());
-    if read.has_errors() {
+fn valid_scene(inputs: Vec<Input>, reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {
+    let read = read(inputs, reading.commands(), &reading.read_options()?);
+    if read.has_errors() || (reading.strict && !read.diagnostics.is_empty()) {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }
     let Read { scene, sources, diagnostics, .. } = read;
     match scene.validate() {
         Ok(valid) => {
             let warnings: Vec<Diagnostic> = diagnostics.into_iter().chain(valid.warnings).collect();
+            if reading.strict && !warnings.is_empty() {
+                return Err(Failure::diagnostics(&warnings, &sources));
+            }
             eprint!("{}", render(&warnings, &sources));
             Ok((valid.scene, sources))
         }

@@ -7,6 +7,7 @@ mod disk;
 mod failure;
 mod input;
 mod output;
+mod plugins;
 mod progress;
 mod render_args;
 

@@ -1,10 +1,10 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 use crate::args::Capture;
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome};
-use crate::input::{history, plan, read_camera, use_threads};
+use crate::input::{Planned, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
+use crate::plugins::report_faults;
 use crate::progress::Bar;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
@@ -28,9 +28,8 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     for path in [&arguments.output, &arguments.exposure].into_iter().flatten() {
         check_writable(path)?;
     }
-    let commands = if arguments.reading.allow_commands { Commands::Allowed } else { Commands::Refused };
     let options = RenderOptions { seed: arguments.seed, ..render };
-    let plan = plan(&arguments.scenes, Some(&camera), commands, options)?;
+    let Planned { plan, registry } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
     check_scene(&plan)?;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
@@ -42,6 +41,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
     };
     bar.finish();
+    report_faults(registry.as_ref());
     say_result(&exposure, arguments);
     write(arguments, &camera.camera, sensor, &exposure)
 }

@@ -1,7 +1,6 @@
 //! `radsight check`: every mistake of a scene.
 
 use crate::args::Check;
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, render};
 use crate::input::{read, scene_inputs};
 use radsight_diag::{Diagnostic, Severity};
@@ -9,8 +8,8 @@ use radsight_parse::{Read, ReadOptions, UnusedModifiers};
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Check) -> Outcome {
-    let commands = if arguments.reading.allow_commands { Commands::Allowed } else { Commands::Refused };
-    let options = ReadOptions { unused: UnusedModifiers::Lower, ..ReadOptions::default() };
+    let commands = arguments.reading.commands();
+    let options = ReadOptions { unused: UnusedModifiers::Lower, ..arguments.reading.read_options()? };
     let Read { scene, sources, mut diagnostics, .. } = read(scene_inputs(&arguments.scenes, None)?, commands, &options);
     let surfaces = scene.surfaces.len();
     let modifiers = scene.modifiers.len();
@@ -20,7 +19,7 @@ pub(crate) fn run(arguments: &Check) -> Outcome {
     }
     let fails = |found: &Diagnostic| match found.severity {
         Severity::Error => true,
-        Severity::Warning => arguments.strict,
+        Severity::Warning => arguments.reading.strict,
         Severity::Note => false,
     };
     if diagnostics.iter().any(fails) {

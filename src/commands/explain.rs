@@ -1,7 +1,6 @@
 //! `radsight explain`: what a capture computes, and what it skips and why.
 
 use crate::args::Explain;
-use crate::disk::Commands;
 use crate::failure::Outcome;
 use crate::input::{plan, read_camera};
 use crate::output::write_standard_output;
@@ -10,8 +9,7 @@ use radsight_render::RenderOptions;
 /// Runs the command.
 pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
     let camera = read_camera(&arguments.camera)?;
-    let commands = if arguments.reading.allow_commands { Commands::Allowed } else { Commands::Refused };
-    let plan = plan(&arguments.scenes, Some(&camera), commands, render)?;
+    let plan = plan(&arguments.scenes, Some(&camera), &arguments.reading, render)?.plan;
     let mut text = String::new();
     for decision in plan.decisions() {
         text.push_str(&format!("{}: {}\n", decision.what, decision.why));

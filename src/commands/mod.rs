@@ -6,6 +6,7 @@ mod check;
 mod explain;
 mod install_links;
 mod pinhole;
+mod plugin;
 mod rig;
 mod rtrace;
 mod sensor;
@@ -35,6 +36,7 @@ pub(crate) fn run(program: Program, render: RenderOptions) -> Outcome {
         Command::Sensor(arguments) => sensor::run(&arguments),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Plugin(arguments) => plugin::run(&arguments),
         Command::InstallLinks(arguments) => install_links::run(&arguments),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::{BsdfData, DataGrid, FunctionCall, Handle, ModifierHandle};
 use glam::DVec3;
+use radsight_diag::Span;
 
 /// Red, green, blue.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -144,6 +145,8 @@ pub enum Material {
         words: Vec<String>,
         /// Parameters in the order of the model's table.
         numbers: Vec<f64>,
+        /// Where library, model, words and numbers stand, one after the other; empty where they stand nowhere.
+        tokens: Vec<Span>,
     },
 }
 

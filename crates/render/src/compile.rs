@@ -1,6 +1,6 @@
 //! From chains of modifiers to shaders.
 
-use crate::plan::{ModelSource, has_place};
+use crate::plan::{ModelRequest, ModelSource, has_place};
 use crate::recognise::turns_the_normal_to_the_viewer;
 use crate::shader::{Emitter, Function, GlossyKind, Kind, Shader, Step};
 use radsight_diag::{Diagnostic, Span};
@@ -10,10 +10,27 @@ use radsight_ir::{
 };
 use std::collections::HashMap;
 
-/// One shader for each modifier that surfaces name, and its index for each surface.
+/// One shader for each modifier that surfaces name, its index for each surface, and the number of bands to trace.
+///
+/// Models from elsewhere are first made for three bands. If the whole scene then proves to be grey, they are made again for one.
 pub(crate) fn compile_shaders(
     scene: &ValidScene,
     models: &dyn ModelSource,
+) -> Result<(Vec<Shader>, Vec<u32>, usize), Vec<Diagnostic>> {
+    let (shaders, shader_of) = compile_for(scene, models, 3)?;
+    if !shaders.iter().all(Shader::is_grey) {
+        return Ok((shaders, shader_of, 3));
+    }
+    if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {
+        return Ok((shaders, shader_of, 1));
+    }
+    compile_for(scene, models, 1).map(|(shaders, shader_of)| (shaders, shader_of, 1))
+}
+
+fn compile_for(
+    scene: &ValidScene,
+    models: &dyn ModelSource,
+    bands: usize,
 ) -> Result<(Vec<Shader>, Vec<u32>), Vec<Diagnostic>> {
     let mut shaders = Vec::new();
     let mut by_modifier: HashMap<Option<ModifierHandle>, u32> = HashMap::new();
@@ -24,7 +41,7 @@ pub(crate) fn compile_shaders(
             errors.push(error);
         }
         let index = *by_modifier.entry(surface.modifier).or_insert_with(|| {
-            let shader = compile(scene, surface.modifier, models).unwrap_or_else(|error| {
+            let shader = compile(scene, surface.modifier, models, bands).unwrap_or_else(|error| {
                 errors.push(error);
                 Shader { steps: Vec::new(), kind: Kind::Transparent }
             });
@@ -56,7 +73,12 @@ fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
     }
 }
 
-fn compile(scene: &Scene, first: Option<ModifierHandle>, models: &dyn ModelSource) -> Result<Shader, Diagnostic> {
+fn compile(
+    scene: &Scene,
+    first: Option<ModifierHandle>,
+    models: &dyn ModelSource,
+    bands: usize,
+) -> Result<Shader, Diagnostic> {
     let mut steps = Vec::new();
     let mut material = None;
     for (handle, modifier) in scene.chain(first) {
@@ -76,7 +98,7 @@ fn compile(scene: &Scene, first: Option<ModifierHandle>, models: &dyn ModelSourc
         }
     }
     let Some((handle, material)) = material else { return Ok(Shader { steps: Vec::new(), kind: Kind::Transparent }) };
-    let kind = compile_material(&scene.modifiers[handle], material, models)?;
+    let kind = compile_material(scene, handle, material, models, bands)?;
     Ok(recognised(Shader { steps, kind }))
 }
 
@@ -114,7 +136,14 @@ fn pattern_step(pattern: &Pattern, modifier: &Modifier) -> Result<Step, Diagnost
     }
 }
 
-fn compile_material(modifier: &Modifier, material: &Material, models: &dyn ModelSource) -> Result<Kind, Diagnostic> {
+fn compile_material(
+    scene: &Scene,
+    handle: ModifierHandle,
+    material: &Material,
+    models: &dyn ModelSource,
+    bands: usize,
+) -> Result<Kind, Diagnostic> {
+    let modifier = &scene.modifiers[handle];
     let glossy = |surface: &Glossy, metallic| GlossyKind {
         color: surface.color,
         specularity: surface.specularity,
@@ -134,11 +163,10 @@ fn compile_material(modifier: &Modifier, material: &Material, models: &dyn Model
         Material::Glass { transmissivity, refractive_index } => {
             Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
         }
-        Material::Plugin { library, model, words, numbers } => {
-            models.model(library, model, words, numbers).map(Kind::Plugin).map_err(|error| match modifier.span {
-                Some(span) if error.span.is_none() => error.at(span),
-                _ => error,
-            })
+        Material::Plugin { library, model, words, numbers, tokens } => {
+            let material = scene.modifier_name(Some(handle));
+            let request = ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
+            models.model(&request).map(Kind::Plugin)
         }
         _ => Err(not_yet("this type of material", modifier.span)),
     }

@@ -26,7 +26,7 @@ mod trace;
 mod view;
 
 pub use options::{BackFaces, Quantity, RenderOptions, Skipping};
-pub use plan::{Decision, ModelSource, NoModels, RenderPlan};
+pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use ray::Ray;
 pub use renderer::{RayWorker, Renderer};
 pub use trace::{FirstHit, Traced};

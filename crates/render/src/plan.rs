@@ -8,8 +8,10 @@ use crate::options::{RenderOptions, Skipping};
 use crate::ray::PrimitiveId;
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Kind, Shader, Step};
-use radsight_diag::Diagnostic;
+use radsight_brdf::Brdf;
+use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Shape, Surface, SurfaceHandle, ValidScene};
+use std::sync::Arc;
 
 /// A scene made ready for rays.
 #[derive(Debug)]
@@ -61,7 +63,7 @@ impl RenderPlan {
         options: RenderOptions,
         models: &dyn ModelSource,
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
-        let (shaders, shader_of) = compile_shaders(&scene, models)?;
+        let (shaders, shader_of, bands) = compile_shaders(&scene, models)?;
         let shader = |handle: SurfaceHandle| &shaders[shader_of[handle.index()] as usize];
         let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent));
         let lights = collect_lights(&scene, &geometry, shader, options.mirror_relays);
@@ -71,7 +73,6 @@ impl RenderPlan {
         let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
         let see_through = scene.surfaces.iter().any(|(handle, _)| matches!(shader(handle).kind, Kind::Glass { .. }))
             || options.back_faces == crate::BackFaces::Invisible;
-        let bands = if scene.surfaces.iter().all(|(handle, _)| shader(handle).is_grey()) { 1 } else { 3 };
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {
             Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky),
@@ -201,19 +202,34 @@ impl RenderPlan {
     }
 }
 
+/// A reflectance model that a scene asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelRequest<'a> {
+    /// Name of the material.
+    pub material: &'a str,
+    /// Where the material stands.
+    pub span: Option<Span>,
+    /// File name of the library, without directory and suffix.
+    pub library: &'a str,
+    /// Model in the library.
+    pub model: &'a str,
+    /// Further words.
+    pub words: &'a [String],
+    /// Parameters.
+    pub numbers: &'a [f64],
+    /// Where library, model, words and numbers stand, one after the other; empty where they stand nowhere.
+    pub tokens: &'a [Span],
+    /// One, or red, green and blue.
+    pub bands: usize,
+}
+
 /// Where the reflectance models that a scene names come from.
 pub trait ModelSource {
     /// The model of a `brdfplugin` primitive.
     ///
     /// # Errors
-    /// In words, without a place; the caller adds it.
-    fn model(
-        &self,
-        library: &str,
-        model: &str,
-        words: &[String],
-        numbers: &[f64],
-    ) -> Result<std::sync::Arc<dyn radsight_brdf::Brdf>, Diagnostic>;
+    /// What is wrong, at its token.
+    fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic>;
 }
 
 /// Knows no model.
@@ -221,14 +237,13 @@ pub trait ModelSource {
 pub struct NoModels;
 
 impl ModelSource for NoModels {
-    fn model(
-        &self,
-        library: &str,
-        model: &str,
-        _words: &[String],
-        _numbers: &[f64],
-    ) -> Result<std::sync::Arc<dyn radsight_brdf::Brdf>, Diagnostic> {
-        Err(Diagnostic::error(format!("no plugin \"{library}\" with a model \"{model}\" is at hand")))
+    fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
+        let ModelRequest { library, model, .. } = request;
+        let error = Diagnostic::error(format!("no plugin \"{library}\" with a model \"{model}\" is at hand"));
+        Err(match request.span {
+            Some(span) => error.at(span),
+            None => error,
+        })
     }
 }
 

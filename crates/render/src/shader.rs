@@ -133,14 +133,41 @@ impl Shader {
     /// Whether every band is the same, whatever the encounter.
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
-            Kind::Transparent | Kind::Plugin(_) => Rgb::WHITE,
+            Kind::Transparent => Rgb::WHITE,
+            Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Emitter(emitter) => emitter.radiance,
             Kind::Glossy(glossy) | Kind::Retro(glossy) => glossy.color,
             Kind::Mirror { reflectance } => *reflectance,
             Kind::Glass { transmissivity, .. } => *transmissivity,
         };
-        color.is_grey() && !self.steps.iter().any(|step| matches!(step, Step::Color(_) | Step::ColorData(..)))
+        color.is_grey() && !self.has_color_steps()
     }
+
+    fn has_color_steps(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Color(_) | Step::ColorData(..)))
+    }
+}
+
+/// Whether a model gives three equal bands for pairs of directions all over; one that was made for one band does.
+fn is_grey_model(model: &dyn Brdf) -> bool {
+    const TRIALS: u32 = 64;
+    let unit = |index: u32, trial: u32| {
+        let u = (f64::from(trial + 1) * 0.754_877_666 + f64::from(index) * 0.37).fract();
+        let v = (f64::from(trial + 1) * 0.569_840_291 + f64::from(index) * 0.61).fract();
+        DVec3::from_array(radsight_sampling::cosine_hemisphere(u, v))
+    };
+    (0..TRIALS).all(|trial| {
+        let outgoing = unit(0, trial);
+        let mirror = DVec3::new(-outgoing.x, -outgoing.y, outgoing.z);
+        let incident = [unit(1, trial), mirror, outgoing, -unit(2, trial)];
+        let mut values = [0.0; 12];
+        let mut densities = [0.0; 4];
+        model.eval_pdf(outgoing, &incident, &mut values, &mut densities);
+        let mut weights = [0.0; 3];
+        let drawn = model.sample(outgoing, [0.3, 0.6, f64::from(trial) / f64::from(TRIALS)], &mut weights);
+        let equal = |bands: &[f64]| bands[0] == bands[1] && bands[1] == bands[2];
+        values.chunks(3).all(equal) && (drawn.is_none() || equal(&weights))
+    })
 }
 
 /// The largest dimension of a data file that fits the evaluation's stack.

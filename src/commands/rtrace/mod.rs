@@ -4,9 +4,9 @@ mod options;
 mod rays;
 mod record;
 
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome};
-use crate::input::{history, plan, use_threads};
+use crate::input::{Planned, history, plan, use_threads};
+use crate::plugins::report_faults;
 use options::Options;
 use radsight_ir::ValidScene;
 use radsight_render::{Ray, Renderer, Traced};
@@ -25,8 +25,8 @@ const CHUNK: usize = 512;
 pub(crate) fn run(words: &[String]) -> Outcome {
     let options = Options::parse(words)?;
     use_threads(options.threads)?;
-    let commands = if options.allow_commands { Commands::Allowed } else { Commands::Refused };
-    let renderer = Renderer::new(plan(&options.scenes, None, commands, options.render.clone())?);
+    let Planned { plan, registry } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let renderer = Renderer::new(plan);
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     let writer = Writer::new(&options.output, options.output_format);
@@ -52,6 +52,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         }
         ended?;
         if rays.is_empty() {
+            report_faults(registry.as_ref());
             return out.flush().map_err(failed);
         }
     }

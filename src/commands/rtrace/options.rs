@@ -1,5 +1,6 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use crate::args::Reading;
 use crate::failure::Failure;
 use crate::render_args::{number, take_one};
 use radsight_pinhole::stream::NumberFormat;
@@ -15,7 +16,7 @@ pub(super) struct Options {
     pub(super) output: Vec<Field>,
     pub(super) threads: Option<usize>,
     pub(super) unbuffered: bool,
-    pub(super) allow_commands: bool,
+    pub(super) reading: Reading,
     pub(super) scenes: Vec<String>,
 }
 
@@ -68,7 +69,7 @@ impl Options {
             output: vec![Field::Value],
             threads: None,
             unbuffered: false,
-            allow_commands: false,
+            reading: Reading::default(),
             scenes: Vec::new(),
         };
         let mut at = 0;
@@ -112,7 +113,16 @@ impl Options {
                 self.render.seed = number(words, word, "a whole number")?;
                 return Ok(2);
             }
-            "--allow-commands" => self.allow_commands = true,
+            "--allow-commands" => self.reading.allow_commands = true,
+            "--strict" => self.reading.strict = true,
+            "--brdf" | "--plugin-path" => {
+                let value: String = number(words, word, "a value")?;
+                match word {
+                    "--brdf" => self.reading.brdf.push(value),
+                    _ => self.reading.plugin_path.push(value.into()),
+                }
+                return Ok(2);
+            }
             _ if word.starts_with("-f") => self.formats(word)?,
             _ if word.starts_with("-o") => self.fields(word)?,
             _ => return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported"))),

@@ -10,7 +10,6 @@ use std::io::{ErrorKind, Read};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InputRay {
     pub(super) origin: DVec3,
-    pub(super) direction: DVec3,
     pub(super) ray: Option<Ray>,
 }
 
@@ -70,7 +69,7 @@ impl<R: Read> RayReader<R> {
         self.rays += 1;
         let [x, y, z, dx, dy, dz] = numbers;
         let (origin, direction) = (DVec3::new(x, y, z), DVec3::new(dx, dy, dz));
-        Ok(Some(InputRay { origin, direction, ray: Ray::new(origin, direction) }))
+        Ok(Some(InputRay { origin, ray: Ray::new(origin, direction) }))
     }
 
     fn wrong(&self, what: &str) -> Failure {

@@ -223,4 +223,3 @@ fn cuts(raw: &Raw, at: &Lowered<'_>) -> Vec<Option<ModifierHandle>> {
         })
         .collect()
 }
-

@@ -306,7 +306,7 @@ impl Reader<'_> {
                     model: new.model,
                     words: new.words,
                     numbers: new.numbers,
-                    tokens: Vec::new(),
+                    tokens: new.tokens,
                 })),
                 None => self.lower_modifier(raw, &at),
             };

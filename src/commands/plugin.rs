@@ -1,0 +1,97 @@
+//! `radsight plugin`: list and check BRDF plugins.
+
+use crate::args::{Plugin, PluginCheck, PluginList};
+use crate::failure::{Failure, Outcome};
+use crate::output::write_standard_output;
+use crate::plugins::{PluginOptions, search_path};
+use radsight_brdf_host::check::{self, CheckOptions, ChildCommand, Example};
+use radsight_brdf_host::{Library, SearchPath};
+use radsight_parse::BrdfReplacement;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The hidden words that lead to the child of a check.
+const CHILD_WORDS: [&str; 2] = ["plugin", "check-child"];
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Plugin) -> Outcome {
+    match arguments {
+        Plugin::List(arguments) => list(arguments),
+        Plugin::Check(arguments) => check(arguments),
+        Plugin::CheckChild => check::child_main(&mut std::io::stdin().lock(), &mut std::io::stdout())
+            .map_err(|error| Failure::write("the answer of a check", &error)),
+    }
+}
+
+fn list(arguments: &PluginList) -> Outcome {
+    let search = search(&arguments.plugin_path);
+    let mut text = String::new();
+    for (name, path) in search.libraries() {
+        // Folders may hold other shared libraries: only what is a plugin is listed, and what is nearly one is complained of.
+        match Library::load(&path) {
+            Ok(library) => {
+                text.push_str(&format!("{name}  ({})\n", path.display()));
+                for model in library.models() {
+                    text.push_str(&format!("  {}: {}\n", model.name, model.summary));
+                    for line in model.usage(&name).lines() {
+                        text.push_str(&format!("    {line}\n"));
+                    }
+                }
+            }
+            Err(
+                error @ (radsight_brdf_host::Error::WrongMajor { .. } | radsight_brdf_host::Error::WrongMagic { .. }),
+            ) => {
+                eprintln!("radsight: warning: {error}");
+            }
+            Err(_) => {}
+        }
+    }
+    if text.is_empty() {
+        let folders: Vec<String> = search.folders().iter().map(|folder| folder.display().to_string()).collect();
+        return Err(Failure::input(format!("no plugin in {}", folders.join(", "))));
+    }
+    write_standard_output(text.as_bytes())
+}
+
+fn check(arguments: &PluginCheck) -> Outcome {
+    let library = library_file(&arguments.library, &arguments.plugin_path)?;
+    let program = std::env::current_exe()
+        .map_err(|error| Failure::fault(format!("cannot find this program, to run checks in a child: {error}")))?;
+    let child = ChildCommand { program, arguments: CHILD_WORDS.map(str::to_owned).to_vec() };
+    let mut options = CheckOptions::new(library, child);
+    options.seed = arguments.seed;
+    options.time_limit = Duration::from_secs(arguments.time_limit.max(1));
+    if let Some(model) = &arguments.model {
+        let example = parse_model(model)?;
+        options.model = Some(example.model.clone());
+        if !example.words.is_empty() || !example.numbers.is_empty() {
+            options.examples.push(example);
+        }
+    }
+    let report = check::run(&options);
+    let text = if arguments.json { report.json() } else { report.text() };
+    write_standard_output(text.as_bytes())?;
+    if report.passed() {
+        return Ok(());
+    }
+    Err(Failure::input(format!("\"{}\" failed: {}", report.library.display(), report.failures().join(", "))))
+}
+
+/// A model as the command line writes it: `MODEL` or `MODEL(number,…)`.
+fn parse_model(text: &str) -> Result<Example, Failure> {
+    let parsed = BrdfReplacement::parse(&format!("material=library:{text}"))
+        .map_err(|_| Failure::usage(format!("\"{text}\" is no model, expected MODEL or MODEL(number,…)")))?;
+    Ok(Example { model: parsed.model, words: parsed.words, numbers: parsed.numbers })
+}
+
+fn search(folders: &[PathBuf]) -> SearchPath {
+    search_path(&PluginOptions { folders: folders.to_vec(), strict: false }, &[])
+}
+
+/// A file that exists, or a library that is found by its name.
+fn library_file(name: &str, folders: &[PathBuf]) -> Result<PathBuf, Failure> {
+    if Path::new(name).is_file() {
+        return Ok(PathBuf::from(name));
+    }
+    search(folders).find(name).map_err(|error| Failure::input(error.to_string()))
+}

@@ -1,0 +1,136 @@
+//! BRDF plugins for the renderer: where they are looked for, and their errors at the scene's tokens.
+
+use radsight_brdf::Brdf;
+use radsight_brdf_host::check::CHECK_BANDS;
+use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck, Token};
+use radsight_diag::{Diagnostic, SourceMap};
+use radsight_render::{ModelRequest, ModelSource};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The variable with further folders, in the system's list form.
+const PATH_VARIABLE: &str = "RADSIGHT_PLUGIN_PATH";
+
+/// The whole visible spectrum as one band.
+const GREY_BAND: Band = Band { centre_m: 555e-9, low_m: 380e-9, high_m: 780e-9 };
+
+/// What the command line says of plugins.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PluginOptions {
+    /// `--plugin-path`.
+    pub(crate) folders: Vec<PathBuf>,
+    /// `--strict`: findings of the self-check are errors.
+    pub(crate) strict: bool,
+}
+
+/// Folders in the order of the search: the command line's, the environment's, the scenes', the program's own.
+pub(crate) fn search_path(options: &PluginOptions, scenes: &[String]) -> SearchPath {
+    let mut path = SearchPath::default();
+    options.folders.iter().for_each(|folder| path.push(folder));
+    if let Some(list) = std::env::var_os(PATH_VARIABLE) {
+        path.push_list(&list);
+    }
+    scenes.iter().filter(|scene| *scene != "-").for_each(|scene| path.push(folder_of(scene)));
+    if let Some(own) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+        path.push(own.join("plugins"));
+        // A program that was just built has the workspace's plugins beside it.
+        path.push(own);
+    }
+    path
+}
+
+fn folder_of(file: &str) -> PathBuf {
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder.to_owned() }
+}
+
+/// Makes the models of a scene.
+pub(crate) struct Models<'s> {
+    registry: Registry,
+    sources: &'s SourceMap,
+    folder: PathBuf,
+    /// What was said already: a model may be made twice, for three bands and for one.
+    said: RefCell<BTreeSet<String>>,
+}
+
+impl<'s> Models<'s> {
+    pub(crate) fn new(options: &PluginOptions, scenes: &[String], sources: &'s SourceMap) -> Self {
+        let check = if options.strict { SelfCheck::Strict } else { SelfCheck::Warn };
+        let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
+        let registry = Registry::new(search_path(options, scenes), check);
+        Models { registry, sources, folder, said: RefCell::default() }
+    }
+
+    /// The registry, which counts what plugins returned wrongly.
+    pub(crate) fn into_registry(self) -> Registry {
+        self.registry
+    }
+
+    fn warn(&self, diagnostic: &Diagnostic) {
+        let text = diagnostic.render(self.sources);
+        if self.said.borrow_mut().insert(text.clone()) {
+            eprint!("{text}");
+        }
+    }
+}
+
+impl ModelSource for Models<'_> {
+    fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
+        let place = match request.span {
+            Some(span) => {
+                let at = self.sources.position(span);
+                format!("{}:{}:{}", self.sources.name(span.source), at.line, at.column)
+            }
+            None => String::new(),
+        };
+        let label = Label { material: request.material.to_owned(), place };
+        let bands: &[Band] = if request.bands == 1 { &[GREY_BAND] } else { &CHECK_BANDS };
+        let made = self.registry.instantiate(&Request {
+            library: request.library,
+            model: request.model,
+            words: request.words,
+            numbers: request.numbers,
+            bands,
+            label: &label,
+            folder: Some(&self.folder),
+        });
+        let at = |diagnostic: Diagnostic, token: Token| match token_span(request, token) {
+            Some(span) => diagnostic.at(span),
+            None => diagnostic,
+        };
+        match made {
+            Ok(made) => {
+                for warning in &made.warnings {
+                    self.warn(&at(Diagnostic::warning(warning.clone()), Token::Model));
+                }
+                Ok(made.brdf)
+            }
+            Err(error) => Err(at(Diagnostic::error(error.to_string()), error.token()).maybe_hint(error.hint())),
+        }
+    }
+}
+
+/// Where a token stands; the material where it stands nowhere of its own.
+fn token_span(request: &ModelRequest<'_>, token: Token) -> Option<radsight_diag::Span> {
+    let first_number = 2 + request.words.len();
+    let index = match token {
+        Token::Library => 0,
+        Token::Model | Token::Words | Token::Numbers => 1,
+        Token::Word(word) => 2 + word,
+        Token::Number(number) => first_number + number,
+    };
+    request.tokens.get(index).copied().or(request.span)
+}
+
+/// Says what plugins returned wrongly.
+pub(crate) fn report_faults(registry: Option<&Registry>) {
+    let Some(registry) = registry else { return };
+    for line in registry.take_messages() {
+        eprintln!("radsight: {line}");
+    }
+    for report in registry.fault_reports() {
+        eprintln!("radsight: warning: {report}");
+    }
+}
