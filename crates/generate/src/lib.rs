@@ -44,6 +44,7 @@ mod matching;
 mod mgf;
 mod mgf2rad;
 mod number_text;
+mod obj2rad;
 mod perez;
 mod pipeline;
 mod pkgbsdf;
@@ -114,6 +115,7 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("genworm", genworm::run),
     ("ies2rad", ies2rad::run),
     ("mgf2rad", mgf2rad::run),
+    ("obj2rad", obj2rad::run),
     ("pkgBSDF", pkgbsdf::run),
     ("rcalc", rcalc::run),
     ("replmarks", replmarks::run),

@@ -298,3 +298,72 @@ fn luminaires_equal_real_ones() {
     }
     println!("ies2rad: {same} files are the same bytes, {refused} luminaires are refused by both");
 }
+
+/// Wavefront text with flat, bent, smooth, degenerate and many-cornered faces under changing names.
+fn wavefront(numbers: &mut oracle::Numbers) -> String {
+    let mut text = String::from("# made for a test\n#tight comment\nmtllib none.mtl\n");
+    let points = 24;
+    for index in 0..points {
+        let z = if numbers.chance(2) { 0.0 } else { numbers.between(-0.5, 0.5) };
+        text += &format!("v {:.4} {:.4} {z:.4}\n", (index % 6) as f64, (index / 6) as f64);
+        text += &format!("vn {:.3} {:.3} 1\nvt .5 .{index}\n", numbers.between(-0.6, 0.6), numbers.between(-0.6, 0.6));
+    }
+    text += "vn 0 0 0\nvn 0 0 1\nvn 0 0 -1\nvt x\n";
+    for _ in 0..40 {
+        text += match numbers.below(12) {
+            0 => "usemtl red\n",
+            1 => "usemtl blue\n",
+            2 => "g left wheel\n",
+            3 => "g\n",
+            4 => "o body\n",
+            5 => "usemap wood\nusemap off\n",
+            6 => "s 1\n\n",
+            _ => "",
+        };
+        let count = 3 + numbers.below(4);
+        let start = numbers.below(points - 8);
+        let order: &[usize] = if numbers.chance(4) { &[0, 6, 7, 1, 2, 2] } else { &[0, 1, 7, 6, 6, 0] };
+        text += "f";
+        let style = numbers.below(5);
+        for corner in &order[..count] {
+            let index = 1 + start + corner;
+            text += &match style {
+                0 => format!(" {index}"),
+                1 => format!(" {index}/{index}/{index}"),
+                2 => format!(" {index}//26"),
+                3 => format!(" {index}//27"),
+                _ => format!(" {}/{}/-1", index as i64 - points as i64 - 1, index),
+            };
+        }
+        text += if numbers.chance(6) { " \\\n" } else { "\n" };
+        if text.ends_with("\\\n") {
+            text += "\n";
+        }
+    }
+    text
+}
+
+#[test]
+fn wavefront_scenes_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir();
+    let mapping = "# rules\nwood (Material \"red\") ;\npaint (Group \"wheel\") (Face [3 : 30] ) ;\nvoid (Face 7) ;\nmetal (Object \"body\");";
+    std::fs::write(folder.join("radsight-generate.map"), mapping).unwrap();
+    let loader = TestLoader { folders: vec![folder], ..TestLoader::default() };
+    let mut numbers = oracle::Numbers(31);
+    for _ in 0..60 {
+        let text = wavefront(&mut numbers);
+        for line in ["obj2rad", "obj2rad -f", "obj2rad -o thing", "obj2rad -n", "obj2rad -m radsight-generate.map"] {
+            oracle::expect_same(&radiance, &words(line), text.as_bytes(), &loader);
+        }
+    }
+}
+
+#[test]
+fn broken_wavefront_text_is_an_error_with_its_line() {
+    let message =
+        |text: &str| ours(&words("obj2rad"), text.as_bytes(), &TestLoader::default()).unwrap_err().to_string();
+    assert_eq!(message("v 1 2 3\nf 1 2 3"), "obj2rad: <stdin>: line 2: \"2\" names point 2, of 1 so far");
+    assert_eq!(message("v 1 2"), "obj2rad: <stdin>: line 1: v is followed by 2 numbers, expected 3");
+    assert_eq!(message("f 1"), "obj2rad: <stdin>: line 1: \"1\" names point 1, of 0 so far");
+}
