@@ -1,0 +1,87 @@
+//! The command line.
+
+use crate::figure::Figure;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Time and error of radsight beside real Radiance.
+#[derive(Debug, Parser)]
+#[command(name = "radsight-bench", version, about)]
+pub(crate) struct Program {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
+    Capture(Capture),
+}
+
+/// `radsight-bench capture`.
+#[derive(Debug, Args)]
+pub(crate) struct Capture {
+    /// Figures to capture
+    #[arg(value_name = "FIGURE", default_values = ["t8", "t9", "t10", "t11", "t13", "t14"])]
+    pub(crate) figures: Vec<Figure>,
+    /// Rays a pixel of radsight's captures
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [4, 8, 16, 32, 64, 128, 256],
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) samples: Vec<u32>,
+    /// Errors that radsight is asked for, as shares of the mean exposure
+    #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.02, 0.01, 0.005])]
+    pub(crate) errors: Vec<f64>,
+    /// Times that each capture of radsight is repeated, with another seed each; times and errors are medians
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
+    /// Rays a pixel through real rtrace
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4],
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) radiance_samples: Vec<u32>,
+    /// Also 16 rays a pixel through real rtrace, which takes minutes a figure
+    #[arg(long)]
+    pub(crate) long: bool,
+    /// Leaves real Radiance out
+    #[arg(long)]
+    pub(crate) alone: bool,
+    /// Also writes every run as a line of comma-separated values
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// The repository with the scenes and the truth [default: the one that this program was built from]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) repo: Option<PathBuf>,
+}
+
+impl Capture {
+    /// Rays a pixel through real rtrace, ascending.
+    pub(crate) fn radiance_samples(&self) -> Vec<u32> {
+        let mut samples = self.radiance_samples.clone();
+        if self.long {
+            samples.push(16);
+        }
+        samples.sort_unstable();
+        samples.dedup();
+        samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Program::command().debug_assert();
+    }
+
+    #[test]
+    fn a_long_run_adds_sixteen_rays_once() {
+        let parse = |words: &[&str]| match Program::parse_from(words).command {
+            Command::Capture(capture) => capture.radiance_samples(),
+        };
+        assert_eq!(parse(&["radsight-bench", "capture", "t10"]), [1, 2, 4]);
+        assert_eq!(parse(&["radsight-bench", "capture", "--long", "--radiance-samples", "16,2"]), [2, 16]);
+    }
+}

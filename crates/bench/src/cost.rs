@@ -1,0 +1,75 @@
+//! What a program costs.
+
+use crate::error::BenchError;
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Time of a process with its children.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    /// From start to end, s.
+    pub(crate) wall: f64,
+    /// Of all processors, user and system, s. NaN where the system does not tell.
+    pub(crate) processor: f64,
+}
+
+/// Runs a program to its end, with its standard input and output in files, and measures it.
+///
+/// `hint` ends the message when the program cannot be started.
+pub(crate) fn measure(
+    command: &mut Command,
+    input: Option<&Path>,
+    output: Option<&Path>,
+    hint: &'static str,
+) -> Result<Cost, BenchError> {
+    command.stdin(match input {
+        Some(path) => Stdio::from(
+            File::open(path).map_err(|error| BenchError::Read { path: path.into(), reason: error.to_string() })?,
+        ),
+        None => Stdio::null(),
+    });
+    command.stdout(match output {
+        Some(path) => {
+            Stdio::from(File::create(path).map_err(|reason| BenchError::Write { path: path.into(), reason })?)
+        }
+        None => Stdio::null(),
+    });
+    // Output in a pipe is small: messages only.
+    command.stderr(Stdio::piped());
+    let processor_before = processor_time_of_children();
+    let start = Instant::now();
+    let ended = command.spawn().and_then(std::process::Child::wait_with_output).map_err(|reason| {
+        BenchError::Start { program: command.get_program().to_string_lossy().into_owned(), reason, hint }
+    })?;
+    let wall = start.elapsed().as_secs_f64();
+    let processor = (processor_time_of_children() - processor_before).max(0.0);
+    if !ended.status.success() {
+        let message = String::from_utf8_lossy(&ended.stderr).trim().to_owned();
+        return Err(BenchError::Failed { command: words(command), status: ended.status, message });
+    }
+    Ok(Cost { wall, processor })
+}
+
+/// A command as one would type it, without quotes.
+fn words(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+}
+
+/// Processor time of all children that have ended, and theirs, s.
+#[cfg(unix)]
+fn processor_time_of_children() -> f64 {
+    use nix::sys::resource::{UsageWho, getrusage};
+    use nix::sys::time::TimeVal;
+    let seconds =
+        |time: TimeVal| Duration::new(time.tv_sec().unsigned_abs(), 0).as_secs_f64() + time.tv_usec() as f64 * 1e-6;
+    getrusage(UsageWho::RUSAGE_CHILDREN)
+        .map_or(f64::NAN, |usage| seconds(usage.user_time()) + seconds(usage.system_time()))
+}
+
+#[cfg(not(unix))]
+fn processor_time_of_children() -> f64 {
+    f64::NAN
+}

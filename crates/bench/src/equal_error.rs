@@ -1,0 +1,85 @@
+//! How much longer Radiance takes to the same error.
+
+use crate::curve::{Curve, TimeTo};
+use crate::figure::Figure;
+use crate::run::{RadianceOptions, Run, Setting};
+use crate::table::Table;
+
+/// Compares processor times at each error that Radiance reached, and at the error that is wanted of the figure.
+pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
+    let heading = ["figure", "rtrace", "at error %", "rtrace s", "--samples s", "ratio", "--error s", "ratio", "note"];
+    let mut table = Table::new(&heading, 2);
+    for &figure in figures {
+        let of_figure = |kind: fn(&Setting) -> bool| {
+            runs.iter().filter(move |run| run.figure == figure && kind(&run.setting)).map(point)
+        };
+        let ours = [
+            Curve::new(of_figure(|setting| matches!(setting, Setting::Samples(_)))),
+            Curve::new(of_figure(|setting| matches!(setting, Setting::Error(_)))),
+        ];
+        let subdivided = of_figure(|setting| matches!(setting, Setting::Radiance(RadianceOptions::Subdivided, _)));
+        let defaults = of_figure(|setting| matches!(setting, Setting::Radiance(RadianceOptions::Defaults, _)));
+        compare(&mut table, figure, RadianceOptions::Subdivided, &subdivided.collect::<Vec<_>>(), &ours);
+        compare(&mut table, figure, RadianceOptions::Defaults, &defaults.collect::<Vec<_>>(), &ours);
+    }
+    table.to_text()
+}
+
+/// (error, processor time in s); the error is the one as measured, for both programs.
+fn point(run: &Run) -> (f64, f64) {
+    (run.accuracy.error, run.cost.processor)
+}
+
+fn compare(table: &mut Table, figure: Figure, options: RadianceOptions, peer: &[(f64, f64)], ours: &[Curve; 2]) {
+    for &(error, time) in peer {
+        table.push(row(figure, options, error, time, ours, ""));
+    }
+    let wanted = figure.wanted_error();
+    if let Some((error, time)) = Curve::new(peer.iter().copied()).best().filter(|(error, _)| *error > wanted) {
+        let extrapolated = time * (error / wanted).powi(2);
+        table.push(row(figure, options, wanted, extrapolated, ours, "  extrapolated, time ~ 1/error²"));
+    }
+}
+
+fn row(figure: Figure, options: RadianceOptions, error: f64, time: f64, ours: &[Curve; 2], note: &str) -> Vec<String> {
+    let mut row = vec![figure.to_string(), options.to_string(), format!("{:.2}", 100.0 * error), format!("{time:.2}")];
+    for curve in ours {
+        row.extend(match curve.time_to(error) {
+            TimeTo::Interpolated(own) => [format!("{own:.3}"), format!("{:.0}", time / own)],
+            TimeTo::AtMost(own) => [format!("<{own:.3}"), format!(">{:.0}", time / own)],
+            TimeTo::NotReached => ["-".to_owned(), "-".to_owned()],
+        });
+    }
+    row.push(note.to_owned());
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::Accuracy;
+    use crate::cost::Cost;
+
+    fn run(setting: Setting, error: f64, processor: f64) -> Run {
+        let accuracy = Accuracy { error, own_error: error, within_one_grey: 1.0 };
+        Run { figure: Figure::T10, setting, cost: Cost { wall: 1.0, processor }, accuracy, repetitions: 1 }
+    }
+
+    #[test]
+    fn measured_bounded_and_extrapolated_ratios_are_told_apart() {
+        let text = report(
+            &[
+                run(Setting::Samples(4), 0.04, 0.5),
+                run(Setting::Samples(16), 0.01, 2.0),
+                run(Setting::Radiance(RadianceOptions::Subdivided, 1), 0.08, 50.0),
+                run(Setting::Radiance(RadianceOptions::Subdivided, 4), 0.02, 200.0),
+            ],
+            &[Figure::T10],
+        );
+        let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split_whitespace().collect()).collect();
+        assert_eq!(rows[0][5..], ["8.00", "50.00", "<0.500", ">100", "-", "-"]);
+        assert_eq!(rows[1][5..], ["2.00", "200.00", "1.000", "200", "-", "-"]);
+        assert_eq!(rows[2][5..9], ["0.50", "3200.00", "-", "-"]);
+        assert!(text.lines().nth(3).is_some_and(|line| line.contains("extrapolated")), "{text}");
+    }
+}

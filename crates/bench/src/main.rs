@@ -1,0 +1,37 @@
+//! Time and error of `radsight capture` beside real Radiance's `rtrace`, in one run on one machine.
+//!
+//! `radsight-bench capture [FIGURE…]` captures the paper's figures at several numbers of samples and asked errors, sends the same
+//! camera rays through real `rtrace`, compares all exposures with the project's truth, and says how much longer Radiance
+//! takes to the same error. It runs the programs as a user would, each in a process of its own, one after the other.
+//!
+//! Real Radiance is found through `RADSIGHT_RADIANCE` (a folder with `bin` and `lib`), else on PATH. Processor time is that of the child
+//! processes, so other work on the machine counts only through shared caches.
+#![forbid(unsafe_code)]
+
+mod accuracy;
+mod args;
+mod capture;
+mod cost;
+mod curve;
+mod equal_error;
+mod error;
+mod figure;
+mod machine;
+mod radiance;
+mod radsight;
+mod run;
+mod table;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args::Program { command: args::Command::Capture(arguments) } = args::Program::parse();
+    match capture::run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("radsight-bench: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
