@@ -169,12 +169,15 @@ fn a_material_is_replaced_by_a_plugin() {
     let options = ReadOptions { brdf: vec![option], ..ReadOptions::default() };
     let scene = read_with(&text, &MemoryLoader::default(), &options).scene;
     let plugin = |surface| match material(&scene, surface) {
-        Material::Plugin { library, model, words, numbers } => format!("{library} {model} {words:?} {numbers:?}"),
+        Material::Plugin { library, model, words, numbers, tokens } => {
+            let tokens = tokens.iter().map(|span| &text[span.start as usize..span.end as usize]);
+            format!("{library} {model} {words:?} {numbers:?} {:?}", tokens.collect::<Vec<_>>().join("|"))
+        }
         other => panic!("{other:?}"),
     };
-    assert_eq!(plugin(0), "retrosheet bead_sheet [] [0.086, 1.5]");
-    assert_eq!(plugin(1), "lib model [\"word\"] [7.0]");
-    assert_eq!(plugin(2), "lib model [] [2.0]");
+    assert_eq!(plugin(0), "retrosheet bead_sheet [] [0.086, 1.5] \"retrosheet|bead_sheet|.086|1.5\"");
+    assert_eq!(plugin(1), "lib model [\"word\"] [7.0] \"lib|model|word|7\"");
+    assert_eq!(plugin(2), "lib model [] [2.0] \"\"");
     assert_eq!(scene.chain(scene.surfaces.items()[0].modifier).count(), 2);
 }
 

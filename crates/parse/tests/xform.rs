@@ -7,7 +7,7 @@ use support::{Disk, Radiance, difference, files_below, shared};
 
 const EVERY_TYPE: &str = "# all types whose arguments change
 void plastic \"red paint\" 0 0 5 .5 .1 .1 0 0
-void texfunc t 6 a b \"c d\" f.cal -t 1 0 0 2 3 3
+void texfunc t 8 a b \"c d\" f.cal -t 1 0 0 0 2 3 3
 void glow g 0 0 4 1 1 1 7
 void spotlight s 0 0 7 1 2 3 40 0 .5 -1
 void dielectric d 0 0 5 .5 .6 .7 1.5 0
@@ -19,7 +19,7 @@ void brighttext b 4 font.fnt . two words 0 12 0 0 0 1 0 0 0 -1 0 1 .5 .25
 void mixtext x 4 a b font.fnt file 0 9 0 0 0 1 0 0 0 -1 0
 void colorpict p 9 red green blue 'a b.hdr' . u v -s 2 0 0
 void illum il 1 g 0 3 1 1 1
-void alias al \"red paint\"
+void alias al il
 inherit alias al2 al
 \"red paint\" polygon p1 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0
 \"red paint\" sphere 's 1' 0 0 4 1 2 3 .5

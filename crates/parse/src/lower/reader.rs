@@ -6,7 +6,7 @@ use super::log::Log;
 use super::modifiers::{ModifierTable, RawHandle};
 use super::{BrdfReplacement, Input, Read, ReadOptions, Tolerance};
 use crate::placement::Placement;
-use crate::syntax::{Document, Item, Items, Place, SyntaxError};
+use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
 use radsight_diag::{Diagnostic, Severity, SourceId, SourceMap, Span, hint_nearest};
 use radsight_ir::{DataGrid, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
@@ -167,26 +167,38 @@ impl<'a> Reader<'a> {
         const MARK: &[u8] = b"#@radsight";
         let text = Arc::clone(self.sources.text(here.source));
         let Some(rest) = text[place.start as usize..place.end as usize].strip_prefix(MARK) else { return };
-        let line = String::from_utf8_lossy(rest);
-        let mut words = line.split_whitespace();
+        let start = place.end - rest.len() as u32;
+        let words: Vec<(String, Span)> = words(rest, start)
+            .map(|word| (String::from_utf8_lossy(&word.of(&text)).into_owned(), here.span(word.place())))
+            .collect();
         let span = here.span(place);
-        match words.next() {
-            Some("brdf") => match BrdfReplacement::from_words(words) {
-                Ok(replacement) => {
-                    let same = |other: &BrdfReplacement| BrdfReplacement { span: None, ..other.clone() } == replacement;
-                    if !self.replacements.iter().any(same) {
-                        self.replacements.push(BrdfReplacement { span: Some(span), ..replacement });
-                    }
-                }
-                Err(mistake) => {
-                    let form = "the form is: #@radsight brdf material library model numbers…";
-                    self.log.push(Diagnostic::error(mistake).at(span).hint(form));
-                }
-            },
+        match words.split_first() {
+            Some(((verb, _), arguments)) if verb == "brdf" => self.replace_material(arguments, span),
             other => {
-                let word = other.unwrap_or_default();
-                let warning = Diagnostic::warning(format!("unknown directive \"{word}\" is ignored")).at(span);
-                self.log.push(warning.maybe_hint(hint_nearest(word, ["brdf"])));
+                let verb = other.map_or("", |((verb, _), _)| verb);
+                let warning = Diagnostic::warning(format!("unknown directive \"{verb}\" is ignored")).at(span);
+                self.log.push(warning.maybe_hint(hint_nearest(verb, ["brdf"])));
+            }
+        }
+    }
+
+    /// `#@radsight brdf material library model numbers…`
+    fn replace_material(&mut self, arguments: &[(String, Span)], span: Span) {
+        let texts = arguments.iter().map(|(text, _)| &**text);
+        match BrdfReplacement::from_words(texts) {
+            Ok(replacement) => {
+                // The same line comes again when its file is read again.
+                let asks_the_same = |other: &BrdfReplacement| {
+                    BrdfReplacement { span: None, tokens: Vec::new(), ..other.clone() } == replacement
+                };
+                if !self.replacements.iter().any(asks_the_same) {
+                    let tokens = arguments.iter().skip(1).map(|(_, span)| *span).collect();
+                    self.replacements.push(BrdfReplacement { span: Some(span), tokens, ..replacement });
+                }
+            }
+            Err(mistake) => {
+                let form = "the form is: #@radsight brdf material library model numbers…";
+                self.log.push(Diagnostic::error(mistake).at(span).hint(form));
             }
         }
     }

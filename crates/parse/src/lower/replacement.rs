@@ -18,6 +18,8 @@ pub struct BrdfReplacement {
     pub numbers: Vec<f64>,
     /// Where it was asked for, if in a scene.
     pub span: Option<Span>,
+    /// Where library, model, words and numbers stand, if in a scene.
+    pub tokens: Vec<Span>,
 }
 
 impl BrdfReplacement {
@@ -59,7 +61,7 @@ impl BrdfReplacement {
                 None => return Err(format!("expected a number, found \"{word}\"")),
             }
         }
-        Ok(BrdfReplacement { material, library, model, words, numbers, span: None })
+        Ok(BrdfReplacement { material, library, model, words, numbers, span: None, tokens: Vec::new() })
     }
 }
 

@@ -79,7 +79,7 @@ impl Writer<'_> {
                 let strings = cuts.iter().map(|cut| self.name_of(*cut).to_owned()).collect();
                 (Kind::Antimatter, Arguments { strings, reals: Vec::new() })
             }
-            Material::Plugin { library, model, words, numbers } => {
+            Material::Plugin { library, model, words, numbers, .. } => {
                 let strings = [library, model].into_iter().chain(words).cloned().collect();
                 (Kind::BrdfPlugin, Arguments { strings, reals: numbers.clone() })
             }

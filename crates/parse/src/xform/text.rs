@@ -92,6 +92,7 @@ impl Placer<'_> {
                     out.extend_from_slice(b" alias ");
                     write_word(out, &said(alias.name));
                     out.extend_from_slice(b"\n\t");
+                    // Real xform forgets the quotes here, and then cannot read its own output.
                     write_word(out, &said(alias.target));
                     out.push(b'\n');
                 }
@@ -208,7 +209,7 @@ fn write_strings(out: &mut Vec<u8>, primitive: &Primitive<'_>, copy: &Copy) -> s
     for &word in primitive.strings {
         out.push(b' ');
         match primitive.kind {
-            Kind::Mist => out.extend_from_slice(mist_source(primitive, word, &copy.placement).as_bytes()),
+            Kind::Mist => write_word(out, mist_source(primitive, word, &copy.placement).as_bytes()),
             _ => write_word(out, &primitive.text(word)),
         }
     }
