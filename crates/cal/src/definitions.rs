@@ -311,7 +311,9 @@ fn evaluate_constant(known: &Known<'_>, body: &Body, node: Node, steps: &mut u64
     let place = |message: String, span: Option<Span>| span.into_iter().fold(Diagnostic::error(message), Diagnostic::at);
     match (result, fault) {
         (Ok(value), None) => Ok(value),
-        (Err(FaultKind::Undefined), _) if !problems.is_empty() => Err(unfoldable(problems)),
+        (Err(FaultKind::Undefined), _) if !problems.is_empty() => {
+            Err(unfoldable(problems, constant_name(known, body, node)))
+        }
         (Ok(_), Some(kind)) | (Err(kind), _) => {
             let because = machine_warning(&stacks).unwrap_or_else(|| kind.to_string());
             Err(place(format!("bad constant expression: {because}"), body.span(node)))
@@ -323,13 +325,20 @@ fn machine_warning(stacks: &Stacks) -> Option<String> {
     stacks.warnings.last().map(ToString::to_string)
 }
 
+/// The name of the constant or function that a use of it is about.
+fn constant_name<'k>(known: &'k Known<'_>, body: &Body, node: Node) -> &'k str {
+    match body.expr(node) {
+        Expr::Variable(symbol) | Expr::Call { callee: Callee::Symbol(symbol), .. } => known.bare_name(symbol),
+        _ => "",
+    }
+}
+
 /// What keeps a constant from being one.
-fn unfoldable(mut problems: Vec<Diagnostic>) -> Diagnostic {
+fn unfoldable(mut problems: Vec<Diagnostic>, name: &str) -> Diagnostic {
     let mut first = problems.swap_remove(0);
-    if first.message.starts_with("illegal channel") {
-        first.hints =
-            vec!["a constant is defined with \":\"; define with \"=\" what changes from ray to ray".to_owned()];
-        first.message = format!("constant depends on {}", first.message.trim_start_matches("illegal "));
+    if let Some(channel) = first.message.strip_prefix("illegal channel ") {
+        first.message = format!("constant \"{name}\" depends on {channel}, which changes from ray to ray");
+        first.hints = vec!["define it with \"=\" in place of \":\"".to_owned()];
     }
     first
 }

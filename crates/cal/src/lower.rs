@@ -37,6 +37,8 @@ pub(crate) struct Lowering<'a> {
     /// `None` while a variable is being looked at.
     variables: HashMap<SymbolId, Option<Value>>,
     frames: Vec<Frame<'a>>,
+    /// The place in a file that leads to what is being looked at.
+    place: Option<Span>,
     steps: usize,
     depth: usize,
     /// A variable that is defined by means of itself, and where.
@@ -71,6 +73,7 @@ impl<'a> Lowering<'a> {
             graph: Graph::default(),
             variables: HashMap::new(),
             frames: vec![Frame { arguments: Vec::new(), caller: 0 }],
+            place: None,
             steps: 0,
             depth: 0,
             circular: None,
@@ -103,12 +106,13 @@ impl<'a> Lowering<'a> {
             self.frames.truncate(1);
             self.variables.retain(|_, value| value.is_some());
             self.depth = 0;
+            self.place = None;
         }
         value
     }
 
     fn problem(&mut self, diagnostic: Diagnostic, span: Option<Span>) -> Value {
-        let diagnostic = span.into_iter().fold(diagnostic, Diagnostic::at);
+        let diagnostic = span.or(self.place).into_iter().fold(diagnostic, Diagnostic::at);
         if !self.problems.contains(&diagnostic) {
             self.problems.push(diagnostic);
         }
@@ -121,6 +125,8 @@ impl<'a> Lowering<'a> {
         if self.steps > MOST_STEPS || self.depth > DEEPEST_NESTING || self.graph.len() > MOST_NODES {
             return Err(Beyond);
         }
+        let outer_place = self.place;
+        self.place = body.span(node).or(outer_place);
         let value = match body.expr(node) {
             Expr::Number(value) => self.graph.constant(value),
             Expr::Channel(channel) => self.channel(channel, body.span(node)),
@@ -144,6 +150,7 @@ impl<'a> Lowering<'a> {
             }
         };
         self.depth -= 1;
+        self.place = outer_place;
         if self.graph.depth(value) > DEEPEST { Err(Beyond) } else { Ok(value) }
     }
 
