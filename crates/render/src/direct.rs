@@ -24,9 +24,9 @@ const DRAWN_LIGHTS: usize = 16;
 pub(crate) struct DirectSampler {
     pub(crate) point: DVec3,
     pub(crate) primitive: Option<PrimitiveId>,
-    /// Whether rays are also drawn from the highlight, so that the two share the work.
-    pub(crate) follow_highlight: bool,
-    /// The same of the diffuse component.
+    /// How many rays are also drawn from the highlight, so that the two share the work.
+    pub(crate) highlight_draws: u32,
+    /// Whether one is drawn from the diffuse component.
     pub(crate) follow_diffuse: bool,
     /// Where on a light the highlight is bright.
     pub(crate) peak: Peak,
@@ -129,12 +129,12 @@ impl DirectSampler {
         if sample.distance > light.max_distance {
             return dark;
         }
-        let densities = if self.follow_highlight { Densities::Wanted } else { Densities::Unused };
+        let densities = if self.highlight_draws > 0 { Densities::Wanted } else { Densities::Unused };
         let response = point.respond(sample.direction, densities);
         let density = sample.density * expected;
         let diffuse_share = if self.follow_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
-        let highlight_share =
-            if self.follow_highlight { density / (density + response.highlight_density) } else { 1.0 };
+        let drawn_density = f64::from(self.highlight_draws) * response.highlight_density;
+        let highlight_share = density / (density + drawn_density);
         let mut value: [f64; BANDS] = std::array::from_fn(|band| {
             (response.diffuse[band] * diffuse_share + response.highlight[band] * highlight_share) / density
         });

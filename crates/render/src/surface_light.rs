@@ -87,6 +87,17 @@ pub(crate) struct Drawn<const BANDS: usize> {
     pub(crate) density: Density,
 }
 
+impl<const BANDS: usize> Drawn<BANDS> {
+    /// One of several draws that share the work: each weighs less, and there is more density of them.
+    pub(crate) fn split(self, draws: f64) -> Self {
+        let density = match self.density {
+            Density::Continuous(density) => Density::Continuous(density * draws),
+            Density::Delta => Density::Delta,
+        };
+        Drawn { weight: self.weight.map(|band| band / draws), density, ..self }
+    }
+}
+
 /// Radiance's estimate of the Fresnel reflectance of a smooth coat at this cosine (its `normal.c`).
 fn fresnel_estimate(cosine: f64) -> f64 {
     (-5.85 * cosine).exp() - 0.002_879_899_16
@@ -169,6 +180,11 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
     /// Whether the highlight can only be found by drawing from it.
     pub(crate) fn has_highlight(&self) -> bool {
         !matches!(self.highlight, Highlight::None)
+    }
+
+    /// Whether its highlight sends light back to where it comes from.
+    pub(crate) fn is_retroreflector(&self) -> bool {
+        matches!(self.highlight, Highlight::Retro(_))
     }
 
     /// Whether there is a diffuse component.

@@ -57,7 +57,12 @@ pub struct Traced {
 }
 
 /// Branches beyond this many are chosen from at random.
-const MAX_BRANCHES: usize = 12;
+const MAX_BRANCHES: usize = 32;
+
+/// A retroreflector that is seen by way of a mirror is lit by way of it too, and no light sampling finds that: its highlight is drawn
+/// from this often, down to this depth.
+const SPLIT_DRAWS: u32 = 8;
+const LAST_SPLIT_DEPTH: u32 = 2;
 
 /// A path shorter than this is never ended by roulette.
 const ROULETTE_DEPTH: u32 = 4;
@@ -350,23 +355,33 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let follow_highlight = point.has_highlight() && !lights_suffice;
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
         let follow_diffuse = point.has_diffuse() && segment.ambient_bounces > 0 && !alone;
+        let highlight_draws = if !follow_highlight {
+            0
+        } else if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
+            SPLIT_DRAWS
+        } else {
+            1
+        };
         let set = self.next_set;
-        self.next_set += 1;
-        let direct =
-            DirectSampler { point: at, primitive, follow_highlight, follow_diffuse, peak: point.peak(), travelled };
+        self.next_set += highlight_draws.max(1);
+        let peak = point.peak();
+        let direct = DirectSampler { point: at, primitive, highlight_draws, follow_diffuse, peak, travelled };
         let light = direct.sample(self, point);
         for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
             *sum += share * light;
         }
-        if !follow_highlight && !follow_diffuse {
-            return;
+        for draw in 0..highlight_draws {
+            let u = self.sampler.take(DimensionSet::render(set + draw));
+            if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
+                let share = f64::from(highlight_draws);
+                self.scatter(segment, at, primitive, peak, drawn.split(share), segment.ambient_bounces, travelled);
+            }
         }
-        let u = self.sampler.take(DimensionSet::render(set));
-        if follow_highlight && let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
-            self.scatter(segment, at, primitive, point, drawn, segment.ambient_bounces, travelled);
-        }
-        if follow_diffuse && let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
-            self.scatter(segment, at, primitive, point, drawn, segment.ambient_bounces - 1, travelled);
+        if follow_diffuse {
+            let u = self.sampler.take(DimensionSet::render(set));
+            if let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
+                self.scatter(segment, at, primitive, peak, drawn, segment.ambient_bounces - 1, travelled);
+            }
         }
     }
 
@@ -375,7 +390,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         segment: &Segment<BANDS>,
         at: DVec3,
         primitive: Option<PrimitiveId>,
-        point: &LitPoint<'_, BANDS>,
+        peak: Peak,
         drawn: Drawn<BANDS>,
         ambient_bounces: u32,
         travelled: f64,
@@ -387,7 +402,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 density,
                 receiver: at,
                 direction: drawn.direction,
-                peak: point.peak(),
+                peak,
                 primitive,
                 length: 0.0,
                 mirrors: [None; MAX_CHAIN],
