@@ -70,7 +70,7 @@ impl Failure {
     /// Prints the message and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
         if !self.message.is_empty() {
-            let _ = io::stderr().write_all(self.message.as_bytes());
+            say(&self.message);
         }
         ExitCode::from(match self.kind {
             FailureKind::Success => 0,
@@ -89,6 +89,11 @@ fn with_prefix(message: &str) -> String {
 pub(crate) fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+/// Says something on standard error. Nobody may be listening, which is no failure.
+pub(crate) fn say(text: &str) {
+    let _ = io::stderr().write_all(text.as_bytes());
 }
 
 /// Diagnostics as text, the most serious ones kept when there are too many.

@@ -2,7 +2,7 @@
 
 use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
-use crate::failure::{Failure, Outcome, reason, render};
+use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::plugins::{Models, PluginOptions};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
@@ -21,7 +21,7 @@ pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
     let mut sources = SourceMap::default();
     match CameraFile::read(path, &bytes, &mut sources, &loader) {
         Ok(file) => {
-            eprint!("{}", render(&file.warnings, &sources));
+            say(&render(&file.warnings, &sources));
             Ok(file)
         }
         Err(errors) => Err(Failure::diagnostics(&errors, &sources)),
@@ -127,7 +127,7 @@ fn valid_scene(inputs: Vec<Input>, reading: &Reading) -> Result<(ValidScene, Sou
             if reading.strict && !warnings.is_empty() {
                 return Err(Failure::diagnostics(&warnings, &sources));
             }
-            eprint!("{}", render(&warnings, &sources));
+            say(&render(&warnings, &sources));
             Ok((valid.scene, sources))
         }
         Err(errors) => Err(Failure::diagnostics(&errors, &sources)),
@@ -148,7 +148,7 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
 
 /// A header that says how the output was made.
 pub(crate) fn history() -> Header {
-    let mut header = Header::new("#?RADIANCE");
+    let mut header = Header::new("RADIANCE");
     let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     header.push_command(words.iter().map(String::as_str));
     header

@@ -1,5 +1,6 @@
 //! BRDF plugins for the renderer: where they are looked for, and their errors at the scene's tokens.
 
+use crate::failure::say;
 use radsight_brdf::Brdf;
 use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck, Token};
@@ -71,7 +72,7 @@ impl<'s> Models<'s> {
     fn warn(&self, diagnostic: &Diagnostic) {
         let text = diagnostic.render(self.sources);
         if self.said.borrow_mut().insert(text.clone()) {
-            eprint!("{text}");
+            say(&text);
         }
     }
 }
@@ -128,9 +129,9 @@ fn token_span(request: &ModelRequest<'_>, token: Token) -> Option<radsight_diag:
 pub(crate) fn report_faults(registry: Option<&Registry>) {
     let Some(registry) = registry else { return };
     for line in registry.take_messages() {
-        eprintln!("radsight: {line}");
+        say(&format!("radsight: {line}\n"));
     }
     for report in registry.fault_reports() {
-        eprintln!("radsight: warning: {report}");
+        say(&format!("radsight: warning: {report}\n"));
     }
 }

@@ -1,7 +1,7 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 use crate::args::Capture;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
 use crate::plugins::report_faults;
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
     let Planned { plan, registry } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
-    check_scene(&plan)?;
+    check_scene(&plan, &camera)?;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);
@@ -70,8 +70,9 @@ fn sensor_for<'c>(arguments: &Capture, camera: &'c CameraFile) -> Result<Option<
     }
 }
 
-fn check_scene(plan: &RenderPlan) -> Outcome {
-    if plan.surface_count() == 0 {
+fn check_scene(plan: &RenderPlan, camera: &CameraFile) -> Outcome {
+    let leds = camera.rig.as_ref().map_or(0, |rig| rig.leds as usize);
+    if plan.surface_count() <= leds {
         return Err(Failure::input("the scene is empty: nothing that a ray could hit"));
     }
     if !plan.has_emitters() {
@@ -82,7 +83,7 @@ fn check_scene(plan: &RenderPlan) -> Outcome {
 
 fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
     if plan.leaves_out_interreflection() {
-        eprintln!("radsight: note: light between diffuse surfaces is left out (-ab 0); -ab 8 follows it");
+        say("radsight: note: light between diffuse surfaces is left out (-ab 0); -ab 8 follows it\n");
     }
     let (center, _) = plan.bounding_sphere();
     let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
@@ -90,19 +91,19 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
         && let Some(number) = fresnel_number(camera, distance)
         && number < DIFFRACTION_MATTERS
     {
-        eprintln!(
-            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction widens the image more than geometry says"
-        );
+        say(&format!(
+            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction widens the image more than geometry says\n"
+        ));
     }
 }
 
 fn say_result(exposure: &Exposure, arguments: &Capture) {
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
-        eprintln!(
-            "radsight: note: the estimated error is {:.3} %, more than asked; no pixel takes more rays",
+        say(&format!(
+            "radsight: note: the estimated error is {:.3} %, more than asked; no pixel takes more rays\n",
             100.0 * error
-        );
+        ));
     }
 }
 

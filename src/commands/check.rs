@@ -1,8 +1,9 @@
 //! `radsight check`: every mistake of a scene.
 
 use crate::args::Check;
-use crate::failure::{Failure, Outcome, render};
+use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, scene_inputs};
+use crate::output::write_standard_output;
 use radsight_diag::{Diagnostic, Severity};
 use radsight_parse::{Read, ReadOptions, UnusedModifiers};
 
@@ -25,7 +26,6 @@ pub(crate) fn run(arguments: &Check) -> Outcome {
     if diagnostics.iter().any(fails) {
         return Err(Failure::diagnostics(&diagnostics, &sources));
     }
-    eprint!("{}", render(&diagnostics, &sources));
-    println!("{surfaces} surfaces, {modifiers} modifiers: no error");
-    Ok(())
+    say(&render(&diagnostics, &sources));
+    write_standard_output(format!("{surfaces} surfaces, {modifiers} modifiers: no error\n").as_bytes())
 }

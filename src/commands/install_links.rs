@@ -3,6 +3,7 @@
 use crate::args::InstallLinks;
 use crate::commands::RADIANCE_PROGRAMS;
 use crate::failure::{Failure, Outcome, reason};
+use crate::output::write_standard_output;
 use std::path::Path;
 
 /// Runs the command.
@@ -23,7 +24,7 @@ pub(crate) fn run(arguments: &InstallLinks) -> Outcome {
             Err(_) => {}
         }
         make_link(&program, &link).map_err(|error| fault(&link, &error))?;
-        println!("{}", link.display());
+        write_standard_output(format!("{}\n", link.display()).as_bytes())?;
     }
     Ok(())
 }

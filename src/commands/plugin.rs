@@ -1,7 +1,7 @@
 //! `radsight plugin`: list and check BRDF plugins.
 
 use crate::args::{Plugin, PluginCheck, PluginList};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, say};
 use crate::output::write_standard_output;
 use crate::plugins::{PluginOptions, search_path};
 use radsight_brdf_host::check::{self, CheckOptions, ChildCommand, Example};
@@ -41,7 +41,7 @@ fn list(arguments: &PluginList) -> Outcome {
             Err(
                 error @ (radsight_brdf_host::Error::WrongMajor { .. } | radsight_brdf_host::Error::WrongMagic { .. }),
             ) => {
-                eprintln!("radsight: warning: {error}");
+                say(&format!("radsight: warning: {error}\n"));
             }
             Err(_) => {}
         }
