@@ -16,16 +16,19 @@
 
 pub mod check;
 mod crash;
+mod describe;
 mod error;
 mod faults;
 mod instance;
 mod library;
 mod object_file;
+pub mod plot;
 mod registry;
 mod scratch;
 mod search;
 mod self_check;
 mod table;
+pub mod template;
 
 pub use crash::install_crash_messages;
 pub use error::Error;

@@ -6,17 +6,39 @@ use crate::Error;
 use std::io::Read;
 use std::path::Path;
 
-/// Whether the file can be a shared library for this machine.
+/// Whether the file can be a plugin for this machine: loading it would run its code, so strangers are turned away before.
 pub(crate) fn examine(path: &Path) -> Result<(), Error> {
+    let unreadable = |reason: std::io::Error| Error::Unreadable { path: path.to_owned(), reason: reason.to_string() };
+    let mut file = std::fs::File::open(path).map_err(unreadable)?;
     let mut head = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(4096).read_to_end(&mut head))
-        .map_err(|reason| Error::Unreadable { path: path.to_owned(), reason: reason.to_string() })?;
+    file.by_ref().take(4096).read_to_end(&mut head).map_err(unreadable)?;
+    identify_for_host(path, &head)?;
+    let names_entry = mentions_entry(head, file).map_err(unreadable)?;
+    if names_entry { Ok(()) } else { Err(Error::MissingEntry { path: path.to_owned() }) }
+}
+
+/// Whether the name of the exported constant occurs in a file, whose beginning was read already.
+fn mentions_entry(mut window: Vec<u8>, mut file: std::fs::File) -> std::io::Result<bool> {
+    const CHUNK_BYTES: u64 = 1 << 20;
+    let name = radsight_brdf_abi::ENTRY_SYMBOL;
+    loop {
+        if window.windows(name.len()).any(|part| part == name) {
+            return Ok(true);
+        }
+        // The name may lie across the end of a chunk.
+        window.drain(..window.len().saturating_sub(name.len()));
+        if file.by_ref().take(CHUNK_BYTES).read_to_end(&mut window)? == 0 {
+            return Ok(false);
+        }
+    }
+}
+
+fn identify_for_host(path: &Path, head: &[u8]) -> Result<(), Error> {
     let wrong = |found: String| {
         let expected = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
         Err(Error::WrongArchitecture { path: path.to_owned(), found, expected })
     };
-    match identify(&head) {
+    match identify(head) {
         Identity::Library { system, machine } if system == OWN_SYSTEM && machine == std::env::consts::ARCH => Ok(()),
         Identity::Library { system, machine } => wrong(format!("{machine} {system}")),
         Identity::Fat if OWN_SYSTEM == "macos" => Ok(()),

@@ -131,8 +131,9 @@ fn what_is_no_plugin_is_refused_with_the_reason() {
             message(&file("libpower.so", &elf)),
             format!("\"libpower.so\" was built for powerpc64 elf, this program needs {} linux", std::env::consts::ARCH)
         );
-        // Right in the head, nothing behind it.
+        // Right in the head, nothing behind it but the name.
         elf[18] = if cfg!(target_arch = "x86_64") { 62 } else { 183 };
+        elf.extend(b"radsight_brdf_entry\0");
         assert!(message(&file("libcut.so", &elf)).starts_with("cannot load plugin library \"libcut.so\": "));
     }
     let broken =
