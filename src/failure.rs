@@ -92,7 +92,11 @@ pub(crate) fn reason(error: &io::Error) -> String {
 }
 
 /// Says something on standard error. Nobody may be listening, which is no failure.
+///
+/// Messages quote what files and arguments say; nothing in those may speak to the terminal.
 pub(crate) fn say(text: &str) {
+    let speaks_to_terminal = |c: char| c.is_control() && c != '\n' && c != '\t';
+    let text = text.replace(speaks_to_terminal, "\u{fffd}");
     let _ = io::stderr().write_all(text.as_bytes());
 }
 
