@@ -10,7 +10,7 @@ mod surfaces;
 use crate::syntax::is_space;
 use crate::transform_words;
 use radsight_ir::{ModifierHandle, Scene, Transform};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt::{self, Display, Formatter, Write};
 
 /// Writes a whole scene.
@@ -93,6 +93,7 @@ impl Writer<'_> {
 fn unique_names(scene: &Scene) -> Vec<String> {
     let own: HashSet<&str> = scene.modifiers.items().iter().map(|modifier| scene.names.get(modifier.name)).collect();
     let mut taken: HashSet<String> = HashSet::new();
+    let mut last_number: HashMap<String, u64> = HashMap::new();
     let mut names = Vec::with_capacity(scene.modifiers.len());
     for modifier in scene.modifiers.items() {
         let own_name = scene.names.get(modifier.name).replace('\t', " ");
@@ -100,9 +101,15 @@ fn unique_names(scene: &Scene) -> Vec<String> {
         let name = if is_good {
             own_name
         } else {
-            let candidates = (2_u64..).map(|number| format!("{own_name}.{number}"));
-            let free = |name: &String| !taken.contains(name) && !own.contains(&**name);
-            candidates.into_iter().find(free).unwrap_or_default()
+            // Numbers go on where they ended, so that a name used a million times takes no longer for each.
+            let number = last_number.entry(own_name.clone()).or_insert(1);
+            loop {
+                *number += 1;
+                let candidate = format!("{own_name}.{number}");
+                if !taken.contains(&candidate) && !own.contains(&*candidate) {
+                    break candidate;
+                }
+            }
         };
         taken.insert(name.clone());
         names.push(name);
@@ -158,6 +165,18 @@ mod tests {
     use super::*;
     use crate::syntax::words;
     use proptest::prelude::*;
+    use radsight_ir::{Material, Modifier, ModifierKind, Rgb};
+
+    #[test]
+    fn modifiers_that_share_a_name_get_their_own() {
+        let mut scene = Scene::default();
+        for name in ["a", "a", "a.2", "a", "void", ""] {
+            let name = scene.names.add(name);
+            let kind = ModifierKind::Material(Material::Light { radiance: Rgb::WHITE });
+            scene.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        }
+        assert_eq!(unique_names(&scene), ["a", "a.3", "a.2", "a.4", "void.2", ".2"]);
+    }
 
     proptest! {
         #[test]
