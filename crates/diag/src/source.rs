@@ -42,6 +42,8 @@ struct Source {
     name: String,
     text: Arc<[u8]>,
     included_at: Option<Span>,
+    /// Where the lines began, once the text is forgotten.
+    line_starts: Vec<u32>,
 }
 
 /// All the texts that were read.
@@ -54,7 +56,7 @@ impl SourceMap {
     /// Adds a text. `included_at` is the place that asked for it: a `!xform` line, a function file's name, and so on.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<[u8]>>, included_at: Option<Span>) -> SourceId {
         let id = SourceId(u32::try_from(self.sources.len()).expect("fewer than 2^32 files are read"));
-        self.sources.push(Source { name: name.into(), text: text.into(), included_at });
+        self.sources.push(Source { name: name.into(), text: text.into(), included_at, line_starts: Vec::new() });
         id
     }
 
@@ -83,14 +85,26 @@ impl SourceMap {
         self.sources[source.0 as usize].included_at
     }
 
-    /// Replaces the bytes kept for a text, to save memory once it was parsed. Spans into it then print without their line.
+    /// Drops the bytes of a text, to save memory once it was parsed. Spans into it then print without their line, and
+    /// with columns in bytes.
     pub fn forget_text(&mut self, source: SourceId) {
-        self.sources[source.0 as usize].text = Arc::from(&b""[..]);
+        let source = &mut self.sources[source.0 as usize];
+        if source.line_starts.is_empty() {
+            let ends = source.text.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+            let starts = ends.map(|(at, _)| u32::try_from(at + 1).unwrap_or(u32::MAX));
+            source.line_starts = std::iter::once(0).chain(starts).collect();
+        }
+        source.text = Arc::from(&b""[..]);
     }
 
     /// Line and column where the span begins.
     #[must_use]
     pub fn position(&self, span: Span) -> Position {
+        let line_starts = &self.sources[span.source.0 as usize].line_starts;
+        if let Some(line) = line_starts.partition_point(|start| *start <= span.start).checked_sub(1) {
+            let column = 1 + span.start - line_starts[line];
+            return Position { line: u32::try_from(line + 1).unwrap_or(u32::MAX), column };
+        }
         let text = self.text(span.source);
         let start = (span.start as usize).min(text.len());
         let line_start = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
@@ -107,5 +121,22 @@ impl SourceMap {
         let first = text[..start].iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
         let last = text[first..].iter().position(|&byte| byte == b'\n').map_or(text.len(), |at| first + at);
         (String::from_utf8_lossy(&text[first..last]).trim_end_matches('\r').to_owned(), first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_forgotten_text_keeps_its_lines_and_columns() {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a", &b"one\ntwo three\n"[..], None);
+        let span = sources.span(file, 8, 13);
+        let before = sources.position(span);
+        sources.forget_text(file);
+        sources.forget_text(file);
+        assert!(sources.text(file).is_empty());
+        assert_eq!((sources.position(span), before), (Position { line: 2, column: 5 }, before));
     }
 }
