@@ -55,21 +55,23 @@ impl Color {
             return None;
         }
         let step = (last - first) / (samples.len() - 1) as f64;
-        let at = |nm: f64| -> f64 {
+        let at = |nm: f64| -> Option<f64> {
             let place = (nm - first) / step;
-            if place < -1e-3 || place > (samples.len() - 1) as f64 + 1e-3 {
-                return 0.0;
+            let end = (samples.len() - 1) as f64;
+            if place < -1e-3 || place > end + 1e-3 {
+                return None;
             }
             let index = (place.max(0.0) as usize).min(samples.len() - 2);
             let fraction = (place - index as f64).clamp(0.0, 1.0);
-            samples[index] * (1.0 - fraction) + samples[index + 1] * fraction
+            Some(samples[index] * (1.0 - fraction) + samples[index + 1] * fraction)
         };
-        // Fine spectra are averaged over each step, coarse ones interpolated.
-        let finer = (f64::from(STEP_NM) / step).round().max(1.0) as i32;
+        // Fine spectra are averaged over each step, as far as they go; coarse ones are interpolated.
+        let finer = (f64::from(STEP_NM) / step).round().clamp(1.0, 1000.0) as i32;
         let values = std::array::from_fn(|index| {
             let centre = f64::from(FIRST_NM + STEP_NM * index as i32);
             let offsets = (0..finer).map(|part| (f64::from(part) - f64::from(finer - 1) / 2.0) * step);
-            offsets.map(|offset| at(centre + offset)).sum::<f64>() / f64::from(finer)
+            let parts: Vec<f64> = offsets.filter_map(|offset| at(centre + offset)).collect();
+            if at(centre).is_some() { parts.iter().sum::<f64>() / parts.len().max(1) as f64 } else { 0.0 }
         });
         Color::of_spectrum(values)
     }
