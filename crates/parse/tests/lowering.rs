@@ -200,3 +200,13 @@ fn generated_text_goes_through_xform_in_its_place() {
     let largest = scene.vertices.iter().map(|vertex| vertex.x).fold(f64::MIN, f64::max);
     assert_eq!(largest, 3.0);
 }
+
+#[test]
+fn a_long_text_is_forgotten_but_not_where_its_lines_are() {
+    let text = format!("# a comment\nvoid {BALL}");
+    let options = ReadOptions { longest_kept_text: 10, ..ReadOptions::default() };
+    let read = read_with(&text, &MemoryLoader::default(), &options);
+    let span = read.scene.surfaces.items()[0].span.unwrap();
+    assert!(read.sources.text(span.source).is_empty());
+    assert_eq!(read.sources.position(span).line, 2);
+}

@@ -28,6 +28,9 @@ pub struct ReadOptions {
     pub tolerance: Tolerance,
     /// Materials to be replaced by models from shared libraries, as `--brdf` gives them. Default: none.
     pub brdf: Vec<BrdfReplacement>,
+    /// Texts with more bytes are forgotten once they were read, unless a message is about them; later messages about them
+    /// then have line and column, but do not show the line. Default: 16 MiB.
+    pub longest_kept_text: usize,
     /// The most surfaces that a scene may have; more is an error instead of an exhausted machine. Default: 50 million.
     pub most_surfaces: usize,
 }
@@ -38,6 +41,7 @@ impl Default for ReadOptions {
             unused: UnusedModifiers::Skip,
             tolerance: Tolerance::AsRadiance,
             brdf: Vec::new(),
+            longest_kept_text: 16 << 20,
             most_surfaces: 50_000_000,
         }
     }

@@ -35,6 +35,8 @@ pub(super) struct Reader<'a> {
     pub(super) is_unsupported: bool,
     /// A limit was hit: nothing more is read.
     pub(super) is_stopped: bool,
+    /// Texts to be forgotten in the end.
+    pub(super) long_texts: Vec<SourceId>,
     /// Reused for the placed arguments of surfaces.
     pub(super) placed: Vec<f64>,
 }
@@ -84,6 +86,7 @@ impl<'a> Reader<'a> {
             replacements: options.brdf.clone(),
             is_unsupported: false,
             is_stopped: false,
+            long_texts: Vec::new(),
             placed: Vec::new(),
         }
     }
@@ -112,6 +115,9 @@ impl<'a> Reader<'a> {
     /// Reads a text from its start to its end.
     pub(super) fn walk(&mut self, here: Here<'_>) {
         let text = Arc::clone(self.sources.text(here.source));
+        if text.len() > self.options.longest_kept_text {
+            self.long_texts.push(here.source);
+        }
         let mut items = match Items::new(&text) {
             Ok(items) => items,
             Err(error) => return self.log.push(error.diagnostic(here.source)),
@@ -222,6 +228,11 @@ impl<'a> Reader<'a> {
     pub(super) fn finish(mut self) -> Read {
         self.lower_modifiers();
         let Log { diagnostics, omitted, .. } = self.log;
+        for source in self.long_texts {
+            if !diagnostics.iter().any(|diagnostic| diagnostic.span.is_some_and(|span| span.source == source)) {
+                self.sources.forget_text(source);
+            }
+        }
         Read { scene: self.scene, sources: self.sources, diagnostics, omitted }
     }
 }
