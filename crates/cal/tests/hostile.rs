@@ -56,8 +56,13 @@ fn spoil(text: &str, changes: &[(u32, u8, u8)]) -> Vec<u8> {
 const PROGRAM: &str = "a = if(Dx, b, v(1)); b : 2*PI; f(x,y) = if(x-y, f(x-.3,y)+1, g(sqrt,x)); g(h,x) = h(x)^2;
     v = select(2, a, b, noise3(Px,Py,1)); v0 = arg(1)+max(1,2,Dz)/3; $1 = a*b; $2 = rand(v0)-$1;";
 
+/// How many texts each test tries; `RADSIGHT_FUZZ_CASES` asks for more.
+fn cases() -> u32 {
+    std::env::var("RADSIGHT_FUZZ_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(3000)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_bytes_do_no_harm(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {

@@ -11,8 +11,10 @@ use std::path::PathBuf;
 
 /// Real arguments: the first chooses among kinds in some files.
 fn real_arguments(first: &str, count: usize) -> String {
+    // An index of refraction, or something smaller.
+    let second = if first == ".4" { "1.5" } else { ".3" };
     format!(
-        "arg(n) = if(n-.5, select(n, {first}, .3, .2, .7, .5, .1, .62, .8, .55, .9, .35, .7, .6, .2, .45, .1, .75,
+        "arg(n) = if(n-.5, select(n, {first}, {second}, .2, .7, .5, .1, .62, .8, .55, .9, .35, .7, .6, .2, .45, .1, .75,
          .4, .3, .95, .6, .55, .85, .05, .65), {count}); PI : 3.14159265358979323846;"
     )
 }
@@ -20,7 +22,8 @@ fn real_arguments(first: &str, count: usize) -> String {
 /// What some files want to be defined before, or by their users.
 const WANTED: &str = "MF : 2; SALT = 20+$40; SAZI = 30+$41; x1 = 1; x2 = 2+$40; x3 = 4; y1 = .3; y2 = $41; y3 = -.2;
     nrows = 4; ncols = 8; W(i,j) = 1+.1*i-.03*j; w : 2; h : 1.5; d : .1; MONTH = 1+floor(mod($40,12)); DAY = 7; TIME = 9.5+mod($41,3);
-    Tn = .8; Rn = .1; bezier(p1,p2,p3,p4,t) : p1*(1-t)^3+p2*3*t*(1-t)^2+p3*3*t*t*(1-t)+p4*t^3;";
+    Tn = .8; Rn = .1; YEAR = 1990+floor(mod($42,40)); Tbin = 1+floor(mod($40*7,145)); Rbin = floor(mod($41*29,578));
+    A = 1+$40; B = 7*$41; C = $42; kbin = 1+floor(mod($41*31,145)); fprism_val(a,b,c) = a+10*b+100*c+Dx; bezier(p1,p2,p3,p4,t) : p1*(1-t)^3+p2*3*t*(1-t)^2+p3*3*t*t*(1-t)+p4*t^3;";
 /// Points of a patch, which hide the variables of a ray; and key frames of an animation.
 const POINTS: &str = "Px(i,j) = i+.1*j*j; Py(i,j) = j-.2*i*i; Pz(i,j) = .3*i*j;";
 const FRAMES: &str = "T(i) = select(i+1, 5, 1, 1.5, 2, 1, 3); t = mod($41,8); f(i) = i*i-2*i;";
