@@ -71,7 +71,7 @@ impl DirectSampler {
                 drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
             }
             let half = 2 * (index % 2);
-            let light = self.from_light(tracer, point, light, between, [drawn.1[half], drawn.1[half + 1]], 1.0);
+            let light = self.sample_light(tracer, point, light, between, [drawn.1[half], drawn.1[half + 1]], 1.0);
             for (sum, light) in sum.iter_mut().zip(light) {
                 *sum += light;
             }
@@ -104,7 +104,7 @@ impl DirectSampler {
                 let expected = DRAWN_LIGHTS as f64 * own / total;
                 let light = &plan.lights[index];
                 let between = Between::Anything;
-                let given = self.from_light(tracer, point, light, &between, [u[0], u[1]], expected);
+                let given = self.sample_light(tracer, point, light, &between, [u[0], u[1]], expected);
                 for (sum, given) in sum.iter_mut().zip(given) {
                     *sum += given;
                 }
@@ -115,7 +115,7 @@ impl DirectSampler {
     }
 
     /// What one place on one light gives; `expected` is how often the light is drawn on average.
-    fn from_light<const BANDS: usize>(
+    fn sample_light<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
         point: &LitPoint<'_, BANDS>,

@@ -11,7 +11,7 @@ use crate::light::LightForm;
 use crate::options::{BackFaces, Quantity};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
-use crate::shader::{Emitter, GlossyKind, Kind, Shader, bands};
+use crate::shader::{Appearance, Emitter, GlossyKind, Kind, Shader, bands};
 use crate::surface_light::{Drawn, LitPoint, colored, pane};
 use crate::tilt::Peak;
 use crate::view::Encounter;
@@ -230,67 +230,93 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 let next = self.passed_through(*segment, hit);
                 self.push(next);
             }
-            Kind::Emitter(emitter) => {
-                if !behind {
-                    let share = self.emission_share(segment, hit.surface, hit.distance, encounter.cosine);
-                    self.emit(segment, shader, emitter, &encounter, share);
-                }
+            Kind::Emitter(emitter) if !behind => {
+                let share = self.emission_share(segment, hit.surface, hit.distance, encounter.cosine);
+                self.emit(segment, shader, emitter, &encounter, share);
             }
-            Kind::Mirror { reflectance } => {
-                if !behind {
-                    let appearance =
-                        shader.appearance::<BANDS>(&self.plan.scene, &encounter, &mut self.workspace.scratch);
-                    let normal = shading_normal(&encounter, appearance.perturbation);
-                    self.note_normal(segment, normal);
-                    let own: [f64; BANDS] = bands(*reflectance);
-                    let weight = product(own, appearance.color);
-                    let mut direction = reflect(encounter.direction, normal);
-                    if direction.dot(encounter.normal) <= 0.0 {
-                        direction = reflect(encounter.direction, encounter.normal);
-                    }
-                    let straight = appearance.perturbation == DVec3::ZERO;
-                    self.specular(segment, hit, direction, weight, Passage::Mirror { straight }, travelled);
-                }
+            Kind::Mirror { reflectance } if !behind => {
+                self.shade_mirror(segment, hit, shader, bands(*reflectance), &encounter);
             }
+            // From behind, lights and mirrors are black.
+            Kind::Emitter(_) | Kind::Mirror { .. } => {}
             Kind::Glass { transmissivity, refractive_index } => {
-                let appearance = shader.appearance::<BANDS>(&self.plan.scene, &encounter, &mut self.workspace.scratch);
-                let normal = shading_normal(&encounter, appearance.perturbation);
-                self.note_normal(segment, normal);
-                let cosine = -encounter.direction.dot(normal);
-                let [reflected, transmitted] = pane(bands(*transmissivity), *refractive_index, cosine.max(1e-9));
-                let mut straight = encounter.direction;
-                if appearance.perturbation != DVec3::ZERO {
-                    let bent = straight + appearance.perturbation * (2.0 * (1.0 - refractive_index));
-                    straight = bent.normalize_or(straight);
-                }
-                let through = product(transmitted, appearance.color);
-                let undisturbed = straight == encounter.direction;
-                self.specular(segment, hit, straight, through, Passage::Pane { undisturbed }, travelled);
-                let back = reflect(encounter.direction, normal);
-                self.specular(segment, hit, back, reflected, Passage::Other, travelled);
+                self.shade_glass(segment, hit, shader, (bands(*transmissivity), *refractive_index), &encounter);
             }
             Kind::Glossy(glossy) | Kind::Retro(glossy) => {
+                let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let retro = matches!(shader.kind, Kind::Retro(_));
-                let appearance = shader.appearance::<BANDS>(&self.plan.scene, &encounter, &mut self.workspace.scratch);
-                let normal = shading_normal(&encounter, appearance.perturbation);
-                self.note_normal(segment, if retro { -encounter.direction } else { normal });
                 let color = colored(glossy, appearance.color);
                 let point = LitPoint::glossy(glossy, retro, color, -encounter.direction, encounter.normal, normal);
                 if point.mirror.iter().any(|band| *band > 0.0) {
                     let direction = point.mirror_direction();
-                    self.specular(segment, hit, direction, point.mirror, Passage::Other, travelled);
+                    self.specular(segment, hit, direction, point.mirror, Passage::Other);
                 }
                 self.light_and_scatter(segment, hit.point, Some(hit.primitive), &point, travelled);
             }
             Kind::Plugin(model) => {
-                let appearance = shader.appearance::<BANDS>(&self.plan.scene, &encounter, &mut self.workspace.scratch);
-                let normal = shading_normal(&encounter, appearance.perturbation);
-                self.note_normal(segment, normal);
+                let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let point = LitPoint::model(model.as_ref(), -encounter.direction, encounter.normal, normal);
                 let patterned = Segment { throughput: product(segment.throughput, appearance.color), ..*segment };
                 self.light_and_scatter(&patterned, hit.point, Some(hit.primitive), &point, travelled);
             }
         }
+    }
+
+    /// Patterns and textures, and the normal that they make.
+    fn appearance(
+        &mut self,
+        segment: &Segment<BANDS>,
+        shader: &Shader,
+        encounter: &Encounter,
+    ) -> (Appearance<BANDS>, DVec3) {
+        let appearance = shader.appearance(&self.plan.scene, encounter, &mut self.workspace.scratch);
+        let normal = match &shader.kind {
+            Kind::Retro(_) => encounter.normal,
+            _ => shading_normal(encounter, appearance.perturbation),
+        };
+        let seen_normal = if matches!(shader.kind, Kind::Retro(_)) { -encounter.direction } else { normal };
+        self.note_normal(segment, seen_normal);
+        (appearance, normal)
+    }
+
+    fn shade_mirror(
+        &mut self,
+        segment: &Segment<BANDS>,
+        hit: &Hit,
+        shader: &Shader,
+        reflectance: [f64; BANDS],
+        encounter: &Encounter,
+    ) {
+        let (appearance, normal) = self.appearance(segment, shader, encounter);
+        let mut direction = reflect(encounter.direction, normal);
+        if direction.dot(encounter.normal) <= 0.0 {
+            direction = reflect(encounter.direction, encounter.normal);
+        }
+        let straight = appearance.perturbation == DVec3::ZERO;
+        let weight = product(reflectance, appearance.color);
+        self.specular(segment, hit, direction, weight, Passage::Mirror { straight });
+    }
+
+    fn shade_glass(
+        &mut self,
+        segment: &Segment<BANDS>,
+        hit: &Hit,
+        shader: &Shader,
+        (transmissivity, refractive_index): ([f64; BANDS], f64),
+        encounter: &Encounter,
+    ) {
+        let (appearance, normal) = self.appearance(segment, shader, encounter);
+        let cosine = -encounter.direction.dot(normal);
+        let [reflected, transmitted] = pane(transmissivity, refractive_index, cosine.max(1e-9));
+        let mut onward = encounter.direction;
+        if appearance.perturbation != DVec3::ZERO {
+            let bent = onward + appearance.perturbation * (2.0 * (1.0 - refractive_index));
+            onward = bent.normalize_or(onward);
+        }
+        let undisturbed = onward == encounter.direction;
+        let through = product(transmitted, appearance.color);
+        self.specular(segment, hit, onward, through, Passage::Pane { undisturbed });
+        self.specular(segment, hit, reflect(encounter.direction, normal), reflected, Passage::Other);
     }
 
     fn note_normal(&mut self, segment: &Segment<BANDS>, normal: DVec3) {
@@ -309,8 +335,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         direction: DVec3,
         weight: [f64; BANDS],
         passage: Passage,
-        travelled: f64,
     ) {
+        let travelled = segment.travelled + hit.distance;
         let throughput = product(segment.throughput, weight);
         let mut link = segment.link;
         if let Some(link) = &mut link {
@@ -374,36 +400,28 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             let u = self.sampler.take(DimensionSet::render(set + draw));
             if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
                 let share = f64::from(highlight_draws);
-                self.scatter(segment, at, primitive, peak, drawn.split(share), segment.ambient_bounces, travelled);
+                self.scatter(segment, &direct, drawn.split(share), segment.ambient_bounces);
             }
         }
         if follow_diffuse {
             let u = self.sampler.take(DimensionSet::render(set));
             if let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
-                self.scatter(segment, at, primitive, peak, drawn, segment.ambient_bounces - 1, travelled);
+                self.scatter(segment, &direct, drawn, segment.ambient_bounces - 1);
             }
         }
     }
 
-    fn scatter(
-        &mut self,
-        segment: &Segment<BANDS>,
-        at: DVec3,
-        primitive: Option<PrimitiveId>,
-        peak: Peak,
-        drawn: Drawn<BANDS>,
-        ambient_bounces: u32,
-        travelled: f64,
-    ) {
+    /// Sends a drawn ray on from a lit point.
+    fn scatter(&mut self, segment: &Segment<BANDS>, from: &DirectSampler, drawn: Drawn<BANDS>, ambient_bounces: u32) {
         let throughput = product(segment.throughput, drawn.weight);
         let Some(throughput) = self.roulette(throughput, segment.depth + 1) else { return };
         let link = match drawn.density {
             Density::Continuous(density) => Some(Link {
                 density,
-                receiver: at,
+                receiver: from.point,
                 direction: drawn.direction,
-                peak,
-                primitive,
+                peak: from.peak,
+                primitive: from.primitive,
                 length: 0.0,
                 mirrors: [None; MAX_CHAIN],
                 passed: 0,
@@ -412,10 +430,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             Density::Delta => segment.link.map(|link| Link { broken: true, ..link }),
         };
         self.push(Segment {
-            ray: Ray { origin: at, direction: drawn.direction.normalize() },
-            from: primitive,
+            ray: Ray { origin: from.point, direction: drawn.direction.normalize() },
+            from: from.primitive,
             throughput,
-            travelled,
+            travelled: from.travelled,
             link,
             depth: segment.depth + 1,
             ambient_bounces,
