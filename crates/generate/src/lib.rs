@@ -7,6 +7,8 @@
 //! Guarantees: no panic on any argument; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the same arguments give the
 //! same bytes. An [`Error`] knows which argument it is about, and [`PipelineError`] where that argument stands in the line.
 //!
+//! `mksource` needs a renderer, so it is a function of its own, [`mksource()`], for the caller to offer as `extra`.
+//!
 //! This crate may not know the scene, the disk, the clock or the environment: files come from a
 //! [`Loader`], and `xform`, which needs the scene parser, comes from the caller as `extra`.
 //!
@@ -43,6 +45,7 @@ mod lamps;
 mod matching;
 mod mgf;
 mod mgf2rad;
+mod mksource;
 mod number_text;
 mod obj2rad;
 mod perez;
@@ -61,6 +64,7 @@ mod total;
 mod zcat;
 
 pub use error::Error;
+pub use mksource::{Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
 pub use text::MAX_OUTPUT_BYTES;
 
