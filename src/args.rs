@@ -33,7 +33,7 @@ pub(crate) enum Command {
     Rig(Rig),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),
-    /// BRDF plugins: list them, check one
+    /// BRDF plugins: start one, list them, check one, draw its lobe
     #[command(subcommand)]
     Plugin(Plugin),
     /// Makes links named after Radiance's programs
@@ -189,13 +189,30 @@ pub(crate) struct Calibrate {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Plugin {
+    /// Starts a plugin project that builds, with its test
+    New(PluginNew),
     /// Lists the plugins that are found, their models and parameters
     List(PluginList),
     /// Checks a plugin: loading, arguments, physics, sampling, crashes, leaks; each check in a process of its own
     Check(PluginCheck),
+    /// Draws the lobe of a model as SVG on standard output
+    Plot(PluginPlot),
     /// What each check runs
     #[command(hide = true)]
     CheckChild,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PluginNew {
+    /// Name of the plugin, and of the folder that is made
+    #[arg(value_name = "NAME")]
+    pub(crate) name: String,
+    /// In C, from the header alone
+    #[arg(long)]
+    pub(crate) c: bool,
+    /// The folder of radsight's sources, whose SDK a project in Rust uses [default: those that this program was built from]
+    #[arg(long, value_name = "DIR", conflicts_with = "c")]
+    pub(crate) sdk_path: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -222,6 +239,19 @@ pub(crate) struct PluginCheck {
     /// Print the report as JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// Look for plugins in this folder first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugin_path: Vec<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PluginPlot {
+    /// The library's file, or the name of one that is found
+    #[arg(value_name = "LIB")]
+    pub(crate) library: String,
+    /// The model with its parameters: MODEL or MODEL(number,…)
+    #[arg(value_name = "MODEL")]
+    pub(crate) model: String,
     /// Look for plugins in this folder first
     #[arg(long, value_name = "DIR")]
     pub(crate) plugin_path: Vec<PathBuf>,

@@ -26,15 +26,17 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Vec<OsString>) -> Outcome {
-    let own_name = arguments.first().and_then(|name| Path::new(name).file_stem()).and_then(|name| name.to_str());
-    // Called through a link with a Radiance program's name, it is that program.
-    if let Some(program) = own_name.and_then(commands::radiance_program) {
-        return program(&words(&arguments[1..])?);
+    let words = words(&arguments)?;
+    let own_name = words.first().and_then(|name| Path::new(name).file_stem()).and_then(|name| name.to_str());
+    // Called through a link with a Radiance program's name, it is that program; so it is when the name comes first.
+    let linked: Vec<String> = own_name.map(str::to_owned).into_iter().chain(words.iter().skip(1).cloned()).collect();
+    if let Some(outcome) = commands::run_radiance_program(&linked) {
+        return outcome;
     }
-    if let Some(program) = arguments.get(1).and_then(|name| name.to_str()).and_then(commands::radiance_program) {
-        return program(&words(&arguments[2..])?);
+    if let Some(outcome) = commands::run_radiance_program(words.get(1..).unwrap_or_default()) {
+        return outcome;
     }
-    let (render, rest) = render_args::take(&words(&arguments)?)?;
+    let (render, rest) = render_args::take(&words)?;
     match args::Program::try_parse_from(rest) {
         Ok(program) => commands::run(program, render),
         Err(error) => Err(Failure::from_clap(error)),

@@ -1,7 +1,7 @@
 //! `radsight install-links`: links by whose name the program becomes one of Radiance's.
 
 use crate::args::InstallLinks;
-use crate::commands::RADIANCE_PROGRAMS;
+use crate::commands::radiance_programs;
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_standard_output;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub(crate) fn run(arguments: &InstallLinks) -> Outcome {
     };
     std::fs::create_dir_all(folder).map_err(|error| fault(folder, &error))?;
     let program = std::env::current_exe().map_err(|error| fault(folder, &error))?;
-    for (name, _) in RADIANCE_PROGRAMS {
+    for name in radiance_programs() {
         let link = folder.join(name);
         match std::fs::symlink_metadata(&link) {
             Ok(found) if found.file_type().is_symlink() => {

@@ -9,21 +9,25 @@ mod pinhole;
 mod plugin;
 mod rig;
 mod rtrace;
+mod scene_program;
 mod sensor;
 
 use crate::args::{Command, Program};
 use crate::failure::Outcome;
 use radsight_render::RenderOptions;
 
-/// A program of Radiance's.
-type RadianceProgram = fn(&[String]) -> Outcome;
+/// The programs of Radiance's that radsight can stand in for.
+pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
+    std::iter::once("rtrace").chain(scene_program::names())
+}
 
-/// The programs that radsight can stand in for, by name.
-pub(crate) const RADIANCE_PROGRAMS: [(&str, RadianceProgram); 1] = [("rtrace", rtrace::run)];
-
-/// The stand-in for a program of Radiance's.
-pub(crate) fn radiance_program(name: &str) -> Option<RadianceProgram> {
-    RADIANCE_PROGRAMS.iter().find(|(known, _)| *known == name).map(|(_, program)| *program)
+/// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
+pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
+    let name = words.first()?.as_str();
+    if name == "rtrace" {
+        return Some(rtrace::run(&words[1..]));
+    }
+    scene_program::names().any(|known| known == name).then(|| scene_program::run(words))
 }
 
 /// Runs a subcommand.

@@ -1,11 +1,13 @@
-//! `radsight plugin`: list and check BRDF plugins.
+//! `radsight plugin`: start, list, check and plot BRDF plugins.
 
-use crate::args::{Plugin, PluginCheck, PluginList};
-use crate::failure::{Failure, Outcome, say};
-use crate::output::write_standard_output;
+use crate::args::{Plugin, PluginCheck, PluginList, PluginNew, PluginPlot};
+use crate::failure::{Failure, Outcome, reason, say};
+use crate::output::{write_file, write_standard_output};
 use crate::plugins::{PluginOptions, search_path};
-use radsight_brdf_host::check::{self, CheckOptions, ChildCommand, Example};
-use radsight_brdf_host::{Library, SearchPath};
+use radsight_brdf_host::check::{self, CHECK_BANDS, CheckOptions, ChildCommand, Example};
+use radsight_brdf_host::plot::{PlotOptions, svg};
+use radsight_brdf_host::template::{Language, new_project, own_sources};
+use radsight_brdf_host::{Label, Library, Registry, Request, SearchPath, SelfCheck};
 use radsight_parse::BrdfReplacement;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -16,11 +18,68 @@ const CHILD_WORDS: [&str; 2] = ["plugin", "check-child"];
 /// Runs the command.
 pub(crate) fn run(arguments: &Plugin) -> Outcome {
     match arguments {
+        Plugin::New(arguments) => new(arguments),
         Plugin::List(arguments) => list(arguments),
         Plugin::Check(arguments) => check(arguments),
+        Plugin::Plot(arguments) => plot(arguments),
         Plugin::CheckChild => check::child_main(&mut std::io::stdin().lock(), &mut std::io::stdout())
             .map_err(|error| Failure::write("the answer of a check", &error)),
     }
+}
+
+fn new(arguments: &PluginNew) -> Outcome {
+    let language = match (&arguments.sdk_path, arguments.c) {
+        (_, true) => Language::C,
+        (Some(folder), _) => Language::Rust { sources: absolute(folder)? },
+        (None, _) => Language::Rust {
+            sources: own_sources().ok_or_else(|| {
+                Failure::usage(
+                    "the sources of this program are not at hand: name their folder with --sdk-path, or use --c",
+                )
+            })?,
+        },
+    };
+    let files = new_project(&arguments.name, &language).map_err(|error| Failure::usage(error.to_string()))?;
+    let folder = Path::new(&arguments.name);
+    if folder.exists() {
+        return Err(Failure::input(format!("\"{}\" exists already", folder.display())));
+    }
+    for file in files {
+        let path = folder.join(&file.path);
+        let parent = path.parent().unwrap_or(folder);
+        std::fs::create_dir_all(parent)
+            .map_err(|error| Failure::fault(format!("cannot make \"{}\": {}", parent.display(), reason(&error))))?;
+        write_file(&path.to_string_lossy(), file.text.as_bytes())?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+fn absolute(folder: &Path) -> Result<PathBuf, Failure> {
+    folder
+        .canonicalize()
+        .map_err(|error| Failure::usage(format!("option \"--sdk-path\" \"{}\": {}", folder.display(), reason(&error))))
+}
+
+fn plot(arguments: &PluginPlot) -> Outcome {
+    let library = library_file(&arguments.library, &arguments.plugin_path)?;
+    let registry = Registry::new(search(&arguments.plugin_path), SelfCheck::Off);
+    let wrong = |error: radsight_brdf_host::Error| Failure::input(error.to_string());
+    let library = registry.library_file(&library).map_err(wrong)?;
+    let example = parse_model(&arguments.model)?;
+    let label = Label { material: example.model.clone(), place: String::new() };
+    let request = Request {
+        library: library.name(),
+        model: &example.model,
+        words: &example.words,
+        numbers: &example.numbers,
+        bands: &CHECK_BANDS,
+        label: &label,
+        folder: None,
+    };
+    let made = registry.instantiate_from(library.clone(), &request).map_err(wrong)?;
+    let title = format!("{}: {example}", library.name());
+    write_standard_output(svg(made.brdf.as_ref(), &PlotOptions::new(title, CHECK_BANDS.len())).as_bytes())
 }
 
 fn list(arguments: &PluginList) -> Outcome {
@@ -31,12 +90,7 @@ fn list(arguments: &PluginList) -> Outcome {
         match Library::load(&path) {
             Ok(library) => {
                 text.push_str(&format!("{name}  ({})\n", path.display()));
-                for model in library.models() {
-                    text.push_str(&format!("  {}: {}\n", model.name, model.summary));
-                    for line in model.usage(&name).lines() {
-                        text.push_str(&format!("    {line}\n"));
-                    }
-                }
+                text.push_str(&library.describe());
             }
             Err(
                 error @ (radsight_brdf_host::Error::WrongMajor { .. } | radsight_brdf_host::Error::WrongMagic { .. }),

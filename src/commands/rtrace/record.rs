@@ -65,7 +65,11 @@ impl<'o> Writer<'o> {
                     self.numbers_out(&[distance(traced.map(|traced| traced.effective_distance))], out);
                 }
                 Field::FirstDistance => self.numbers_out(&[distance(hit.map(|hit| hit.distance))], out),
-                Field::Point => self.numbers_out(&vector(hit.map(|hit| hit.point).or(Some(input.origin))), out),
+                Field::Point => {
+                    // What is infinitely far away has no place; Radiance gives the ray's origin.
+                    let near = hit.filter(|hit| hit.distance < NOWHERE);
+                    self.numbers_out(&near.map_or(input.origin, |hit| hit.point).to_array(), out);
+                }
                 Field::PerturbedNormal => self.numbers_out(&vector(hit.map(|hit| hit.perturbed_normal)), out),
                 Field::Normal => self.numbers_out(&vector(hit.map(|hit| hit.normal)), out),
                 Field::Surface => name_out(hit.map(|hit| scene.surface_name(hit.surface)), out),

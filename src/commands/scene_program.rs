@@ -1,0 +1,105 @@
+//! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
+
+use crate::disk::{Commands, DiskLoader};
+use crate::failure::{Failure, Outcome, say};
+use crate::input::{read, read_standard_input, scene_inputs};
+use crate::output::{write_file, write_standard_output};
+use radsight_generate::{Error, Output};
+use radsight_parse::{ReadOptions, bounds, xform};
+use std::io::{IsTerminal, stdin};
+
+/// Programs of the shell that scenes call too, but that nobody wants replaced.
+const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
+
+/// The names of the programs.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    let generators = radsight_generate::names().iter().copied().filter(|name| !OF_THE_SHELL.contains(name));
+    generators.chain(["xform", "getbbox"])
+}
+
+/// Runs a program; `argv[0]` is its name.
+pub(crate) fn run(argv: &[String]) -> Outcome {
+    let name = argv[0].as_str();
+    if name == "getbbox" {
+        return getbbox(&argv[1..]);
+    }
+    // Only what is piped in is input: a generator that is typed at a terminal must not wait for it.
+    let input = if stdin().is_terminal() { None } else { Some(read_standard_input()?) };
+    let loader = DiskLoader::new(Commands::Refused);
+    let made = match name {
+        "xform" => xform(argv, input.as_deref(), &loader),
+        _ => radsight_generate::run(argv, input.as_deref(), &loader),
+    };
+    finish(name, made)
+}
+
+fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
+    let output = made.map_err(|error| Failure::input(format!("{name}: {error}")))?;
+    for warning in &output.warnings {
+        say(&format!("{name}: warning - {warning}\n"));
+    }
+    for (file, bytes) in &output.files {
+        write_file(file, bytes)?;
+    }
+    write_standard_output(&output.standard_output)
+}
+
+fn getbbox(words: &[String]) -> Outcome {
+    let header = words.first().is_none_or(|word| word != "-h");
+    let files: Vec<String> = words.iter().filter(|word| *word != "-h" && *word != "-w").cloned().collect();
+    if let Some(option) = files.iter().find(|word| word.starts_with('-') && *word != "-") {
+        return Err(Failure::usage(format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files")));
+    }
+    let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
+    let read = read(scene_inputs(&files, None)?, Commands::Refused, &ReadOptions::default());
+    if read.has_errors() {
+        return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
+    }
+    let Some(bounds) = bounds(&read.scene) else {
+        return Err(Failure::input("getbbox: the scene has no surface with a place"));
+    };
+    let mut text = String::new();
+    if header {
+        text.push_str("     xmin      xmax      ymin      ymax      zmin      zmax\n");
+    }
+    let (low, high) = (bounds.low, bounds.high);
+    let columns = [low.x, high.x, low.y, high.y, low.z, high.z].map(|value| format!("{:>9}", general(value)));
+    text.push_str(&columns.join(" "));
+    text.push('\n');
+    write_standard_output(text.as_bytes())
+}
+
+/// A number as C's `%g` writes it.
+fn general(value: f64) -> String {
+    let scientific = format!("{value:.5e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trimmed = |digits: &str| match digits.contains('.') {
+        true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => digits.to_owned(),
+    };
+    if (-4..6).contains(&exponent) {
+        return trimmed(&format!("{value:.*}", (5 - exponent).max(0) as usize));
+    }
+    let sign = if exponent < 0 { '-' } else { '+' };
+    format!("{}e{sign}{:02}", trimmed(mantissa), exponent.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_look_as_c_prints_them() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.0175, "0.0175"),
+            (-0.0005, "-0.0005"),
+            (1e-5, "1e-05"),
+            (1234567.0, "1.23457e+06"),
+            (100.0, "100"),
+        ] {
+            assert_eq!(general(value), text);
+        }
+    }
+}
