@@ -81,7 +81,7 @@ impl Error {
 }
 
 impl From<std::fmt::Error> for Error {
-    /// The only writer that this crate formats into is [`Text`](crate::text::Text), which fails when it is full.
+    /// The only writer that this crate formats into is a text that fails when it is full.
     fn from(_: std::fmt::Error) -> Self {
         Error::OutputTooLarge { limit_bytes: crate::MAX_OUTPUT_BYTES }
     }

@@ -64,7 +64,7 @@ mod total;
 mod zcat;
 
 pub use error::Error;
-pub use mksource::{Surrounding, mksource};
+pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
 pub use text::MAX_OUTPUT_BYTES;
 

@@ -25,14 +25,14 @@ const MOST_ATTEMPTS: usize = 100;
 /// The radiance in W/(sr·m²), red, green and blue, that comes from a direction (a unit vector that points away from the scene).
 pub type Surrounding<'a> = dyn Fn([f64; 3]) -> [f64; 3] + 'a;
 
+/// Opens the octree of a name, or the one on standard input.
+pub type OpenSurrounding<'o, 'a> = dyn Fn(Option<&str>) -> Result<Box<Surrounding<'a>>, Error> + 'o;
+
 /// Runs the command. `open` is given the octree's name, if there is one, and gives its surrounding.
 ///
 /// # Errors
 /// When the arguments are wrong, or the octree cannot be opened.
-pub fn mksource<'a>(
-    argv: &[String],
-    open: &dyn Fn(Option<&str>) -> Result<Box<Surrounding<'a>>, Error>,
-) -> Result<Output, Error> {
+pub fn mksource(argv: &[String], open: &OpenSurrounding<'_, '_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(argv, USAGE);
     let (mut samples, mut threshold, mut largest) = (262_144i64, 0.0, 15.0f64);
     while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
@@ -194,8 +194,7 @@ impl SampleMap {
         let lowest_level = threshold.log2().round() as i32;
         let mut spot = Spot { centre: first.direction, radius: (first.solid_angle / PI).sqrt(), light };
         let step = 3.0 * spot.radius;
-        loop {
-            let Some(centre) = self.weighted_direction(&spot, step, lowest_level) else { break };
+        while let Some(centre) = self.weighted_direction(&spot, step, lowest_level) {
             let way = angle(centre, spot.centre);
             let part = if way > step { step / way } else { 1.0 };
             let moved = std::array::from_fn(|axis| spot.centre[axis] + part * (centre[axis] - spot.centre[axis]));
