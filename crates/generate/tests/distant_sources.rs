@@ -5,7 +5,7 @@ mod oracle;
 use std::process::{Command, Stdio};
 
 use oracle::{Radiance, words};
-use radsight_generate::{Error, mksource};
+use radsight_generate::{Error, Surrounding, mksource};
 
 /// Two round lights on a dim background: direction, radius in degrees, radiance.
 const LIGHTS: [([f64; 3], f64, [f64; 3]); 2] =
@@ -34,7 +34,7 @@ fn sources(text: &str) -> Vec<([f64; 3], f64, [f64; 3])> {
         .collect()
 }
 
-fn open<'a>(_: Option<&str>) -> Result<Box<dyn Fn([f64; 3]) -> [f64; 3] + 'a>, Error> {
+fn open(_: Option<&str>) -> Result<Box<Surrounding<'static>>, Error> {
     Ok(Box::new(surrounding))
 }
 
@@ -93,7 +93,7 @@ fn the_real_program_finds_the_same_lights() {
 
 #[test]
 fn a_dark_surrounding_has_no_sources() {
-    let dark = |_: Option<&str>| -> Result<Box<dyn Fn([f64; 3]) -> [f64; 3]>, Error> { Ok(Box::new(|_| [0.0; 3])) };
+    let dark = |_: Option<&str>| -> Result<Box<Surrounding<'static>>, Error> { Ok(Box::new(|_| [0.0; 3])) };
     let output = mksource(&words("mksource -d 1000"), &dark).unwrap();
     assert_eq!(String::from_utf8(output.standard_output).unwrap(), "# mksource -d 1000\n");
     let message = mksource(&words("mksource -d 2"), &dark).unwrap_err().to_string();
