@@ -3,13 +3,13 @@
 use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, reason, render, say};
-use crate::plugins::{Models, PluginOptions};
+use crate::plugins::{Models, PluginOptions, report_faults};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_ir::{Material, ModifierKind, ValidScene};
 use radsight_loader::Loader;
-use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, read_scene};
+use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
 use radsight_render::{NoModels, RenderOptions, RenderPlan};
 use std::io::{self, Read as _};
@@ -76,7 +76,8 @@ impl Reading {
     pub(crate) fn read_options(&self) -> Result<ReadOptions, Failure> {
         let brdf: Result<Vec<_>, _> = self.brdf.iter().map(|text| BrdfReplacement::parse(text)).collect();
         let brdf = brdf.map_err(|reason| Failure::usage(format!("option \"--brdf\": {reason}")))?;
-        Ok(ReadOptions { brdf, ..ReadOptions::default() })
+        let tolerance = if self.strict { Tolerance::Strict } else { Tolerance::AsRadiance };
+        Ok(ReadOptions { brdf, tolerance, ..ReadOptions::default() })
     }
 
     fn plugin_options(&self) -> PluginOptions {
@@ -89,6 +90,17 @@ pub(crate) struct Planned {
     pub(crate) plan: RenderPlan,
     /// The plugins in use, to be asked for their faults in the end.
     pub(crate) registry: Option<Registry>,
+    /// For messages about the scene.
+    pub(crate) sources: SourceMap,
+}
+
+/// What is to be said when all rays were traced: what plugins did wrongly, and the error of a material that cannot be used.
+pub(crate) fn conclude(plan: &RenderPlan, registry: Option<&Registry>, sources: &SourceMap) -> Outcome {
+    report_faults(registry);
+    match plan.unusable_met() {
+        Some(error) => Err(Failure::diagnostics(&[error], sources)),
+        None => Ok(()),
+    }
 }
 
 /// Reads and validates a scene and plans its rendering. Warnings are printed, errors end the work.
@@ -108,11 +120,12 @@ pub(crate) fn plan(
     let failed = |errors: Vec<Diagnostic>| Failure::diagnostics(&errors, &sources);
     if !has_plugins {
         let plan = RenderPlan::new(scene, render_options, &NoModels).map_err(failed)?;
-        return Ok(Planned { plan, registry: None });
+        return Ok(Planned { plan, registry: None, sources });
     }
     let models = Models::new(&reading.plugin_options(), paths, &sources);
     let plan = RenderPlan::new(scene, render_options, &models).map_err(failed)?;
-    Ok(Planned { plan, registry: Some(models.into_registry()) })
+    let registry = Some(models.into_registry());
+    Ok(Planned { plan, registry, sources })
 }
 
 fn valid_scene(inputs: Vec<Input>, reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {

@@ -2,9 +2,8 @@
 
 use crate::args::Capture;
 use crate::failure::{Failure, Outcome, say};
-use crate::input::{Planned, history, plan, read_camera, use_threads};
+use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
-use crate::plugins::report_faults;
 use crate::progress::Bar;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
@@ -29,7 +28,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         check_writable(path)?;
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
-    let Planned { plan, registry } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
+    let Planned { plan, registry, sources } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
     check_scene(&plan, &camera)?;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
@@ -41,7 +40,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
     };
     bar.finish();
-    report_faults(registry.as_ref());
+    conclude(renderer.plan(), registry.as_ref(), &sources)?;
     say_result(&exposure, arguments);
     write(arguments, &camera.camera, sensor, &exposure)
 }

@@ -5,12 +5,16 @@ use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, scene_inputs};
 use crate::output::write_standard_output;
 use radsight_diag::{Diagnostic, Severity};
-use radsight_parse::{Read, ReadOptions, UnusedModifiers};
+use radsight_parse::{Read, ReadOptions, Tolerance, UnusedModifiers};
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Check) -> Outcome {
     let commands = arguments.reading.commands();
-    let options = ReadOptions { unused: UnusedModifiers::Lower, ..arguments.reading.read_options()? };
+    let options = ReadOptions {
+        unused: UnusedModifiers::Lower,
+        tolerance: Tolerance::Strict,
+        ..arguments.reading.read_options()?
+    };
     let Read { scene, sources, mut diagnostics, .. } = read(scene_inputs(&arguments.scenes, None)?, commands, &options);
     let surfaces = scene.surfaces.len();
     let modifiers = scene.modifiers.len();

@@ -168,13 +168,7 @@ fn compile_material(
             let request = ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
             models.model(&request).map(Kind::Plugin)
         }
-        Material::Unusable { reason } => {
-            let error = Diagnostic::error(reason.clone());
-            Err(match modifier.span {
-                Some(span) => error.at(span),
-                None => error,
-            })
-        }
+        Material::Unusable { .. } => Ok(Kind::Unusable),
         _ => Err(not_yet("this type of material", modifier.span)),
     }
 }

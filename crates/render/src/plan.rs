@@ -10,8 +10,8 @@ use crate::reach::{Reach, Receiver};
 use crate::shader::{Kind, Shader, Step};
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
-use radsight_ir::{Shape, Surface, SurfaceHandle, ValidScene};
-use std::sync::Arc;
+use radsight_ir::{Material, ModifierKind, Shape, Surface, SurfaceHandle, ValidScene};
+use std::sync::{Arc, OnceLock};
 
 /// A scene made ready for rays.
 #[derive(Debug)]
@@ -32,6 +32,8 @@ pub struct RenderPlan {
     /// Whether anything lets light through, so that a shadow ray goes on after a hit.
     pub(crate) see_through: bool,
     pub(crate) bands: usize,
+    /// The first surface with an unusable material that a ray met.
+    pub(crate) unusable_met: OnceLock<SurfaceHandle>,
     decisions: Vec<Decision>,
 }
 
@@ -90,10 +92,28 @@ impl RenderPlan {
             reach,
             see_through,
             bands,
+            unusable_met: OnceLock::new(),
             decisions: Vec::new(),
         };
         plan.decisions = plan.decide();
         Ok(plan)
+    }
+
+    /// The error of a ray that met a surface whose material cannot be used; what was traced is then worthless.
+    #[must_use]
+    pub fn unusable_met(&self) -> Option<Diagnostic> {
+        let surface = *self.unusable_met.get()?;
+        let name = self.scene.surface_name(surface);
+        let (_, modifier) = self
+            .scene
+            .chain(self.scene.surfaces[surface].modifier)
+            .find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(Material::Unusable { .. })))?;
+        let ModifierKind::Material(Material::Unusable { reason }) = &modifier.kind else { return None };
+        let error = Diagnostic::error(format!("a ray met \"{name}\", whose material cannot be used: {reason}"));
+        Some(match modifier.span {
+            Some(span) => error.at(span),
+            None => error,
+        })
     }
 
     /// How many bands are traced: one for a grey scene, else red, green and blue.

@@ -43,6 +43,8 @@ pub(crate) enum Kind {
     },
     /// A reflectance model from elsewhere.
     Plugin(Arc<dyn Brdf>),
+    /// Something is wrong with it: the picture is worthless once a ray meets it.
+    Unusable,
 }
 
 /// A plastic or a metal.
@@ -133,7 +135,7 @@ impl Shader {
     /// Whether every band is the same, whatever the encounter.
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
-            Kind::Transparent => Rgb::WHITE,
+            Kind::Transparent | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Emitter(emitter) => emitter.radiance,
             Kind::Glossy(glossy) | Kind::Retro(glossy) => glossy.color,

@@ -37,7 +37,7 @@ pub struct FirstHit {
     pub distance: f64,
     /// The point.
     pub point: DVec3,
-    /// Unit geometric normal, turned to the ray's side.
+    /// Unit geometric normal, the way the surface faces, which may be away from the ray.
     pub normal: DVec3,
     /// Unit normal with textures.
     pub perturbed_normal: DVec3,
@@ -217,7 +217,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             self.first_hit = Some(FirstHit {
                 distance: travelled,
                 point: hit.point,
-                normal: encounter.normal,
+                normal: hit.front,
                 perturbed_normal: encounter.normal,
                 surface: hit.surface,
             });
@@ -239,6 +239,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             }
             // From behind, lights and mirrors are black.
             Kind::Emitter(_) | Kind::Mirror { .. } => {}
+            Kind::Unusable => {
+                let _ = self.plan.unusable_met.set(hit.surface);
+            }
             Kind::Glass { transmissivity, refractive_index } => {
                 self.shade_glass(segment, hit, shader, (bands(*transmissivity), *refractive_index), &encounter);
             }

@@ -5,8 +5,7 @@ mod rays;
 mod record;
 
 use crate::failure::{Failure, Outcome};
-use crate::input::{Planned, history, plan, use_threads};
-use crate::plugins::report_faults;
+use crate::input::{Planned, conclude, history, plan, use_threads};
 use options::Options;
 use radsight_ir::ValidScene;
 use radsight_render::{Ray, Renderer, Traced};
@@ -25,7 +24,7 @@ const CHUNK: usize = 512;
 pub(crate) fn run(words: &[String]) -> Outcome {
     let options = Options::parse(words)?;
     use_threads(options.threads)?;
-    let Planned { plan, registry } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
     let renderer = Renderer::new(plan);
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
@@ -52,8 +51,8 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         }
         ended?;
         if rays.is_empty() {
-            report_faults(registry.as_ref());
-            return out.flush().map_err(failed);
+            out.flush().map_err(failed)?;
+            return conclude(renderer.plan(), registry.as_ref(), &sources);
         }
     }
 }
