@@ -142,7 +142,7 @@ impl<'a> Linker<'a> {
                 self.expr(body, inner);
                 self.push(Op::Negate);
             }
-            Expr::Binary(operator, left, right) => self.binary(body, operator, left, right),
+            Expr::Binary(..) => self.binary(body, node),
             Expr::Call { callee, first, count } => {
                 let arguments = body.arguments(first, count);
                 match callee {
@@ -197,31 +197,46 @@ impl<'a> Linker<'a> {
         self.push(Op::Variable(variable));
     }
 
-    fn binary(&mut self, body: &'a Body, operator: Operator, left: Node, right: Node) {
-        match operator {
-            Operator::Divide => {
+    /// Operators, with a loop along their left operands: a sum may have any number of terms.
+    fn binary(&mut self, body: &'a Body, node: Node) {
+        let mut rights = Vec::new();
+        let mut leftmost = node;
+        while let Expr::Binary(operator, left, right) = body.expr(leftmost) {
+            let mut guard = 0;
+            match operator {
                 // The divisor comes first: if it is zero, the dividend is not evaluated.
-                self.expr(body, right);
-                let guard = self.push(Op::DivideGuard(0));
-                self.expr(body, left);
-                self.push(Op::Divide);
-                self.image.code[guard] = Op::DivideGuard(self.here());
-            }
-            Operator::Power => {
+                Operator::Divide => {
+                    self.expr(body, right);
+                    guard = self.push(Op::DivideGuard(0));
+                }
                 // The exponent comes first, as in Radiance's own programs; it matters for faults only.
-                self.push(Op::Clear);
-                self.expr(body, right);
-                self.expr(body, left);
-                self.push(Op::Power);
+                Operator::Power => {
+                    self.push(Op::Clear);
+                    self.expr(body, right);
+                }
+                Operator::Add | Operator::Subtract | Operator::Multiply => {}
             }
-            Operator::Add | Operator::Subtract | Operator::Multiply => {
-                self.expr(body, left);
-                self.expr(body, right);
-                self.push(match operator {
-                    Operator::Add => Op::Add,
-                    Operator::Subtract => Op::Subtract,
-                    _ => Op::Multiply,
-                });
+            rights.push((operator, right, guard));
+            leftmost = left;
+        }
+        self.expr(body, leftmost);
+        while let Some((operator, right, guard)) = rights.pop() {
+            match operator {
+                Operator::Divide => {
+                    self.push(Op::Divide);
+                    self.image.code[guard] = Op::DivideGuard(self.here());
+                }
+                Operator::Power => {
+                    self.push(Op::Power);
+                }
+                Operator::Add | Operator::Subtract | Operator::Multiply => {
+                    self.expr(body, right);
+                    self.push(match operator {
+                        Operator::Add => Op::Add,
+                        Operator::Subtract => Op::Subtract,
+                        _ => Op::Multiply,
+                    });
+                }
             }
         }
     }

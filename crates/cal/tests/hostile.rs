@@ -128,7 +128,12 @@ fn nest_deeply() {
             assert!(error.contains("nested more than"), "{error}");
         }
     }
-    assert!(within(SOON, &format!("a = {}1;", "1+".repeat(200_000))).is_ok());
+    for operator in ["+", "-", "*", "/"] {
+        for operand in ["1", "Dx", "2*Dx"] {
+            let long = format!("{operand}{operator}").repeat(200_000);
+            assert!(within(SOON, &format!("a = {long}1;")).is_ok(), "{operand}{operator}");
+        }
+    }
 }
 
 #[test]
@@ -152,6 +157,22 @@ fn expressions_that_double_at_each_step_stay_small() {
     assert!(within(SOON, &(variables + "a = v59;")).is_ok());
     // 2^59 calls are too many at run time; but compiling must end too.
     assert_eq!(within(SOON, &(functions + "a = f59(Dx);")), Err(FaultKind::TooLong.to_string()));
+}
+
+#[test]
+fn much_that_branches_share_compiles_soon() {
+    let mut text = "v0 = Dx; v1 = Dy;".to_owned();
+    for index in 2..300 {
+        let (before, earlier) = (index - 1, index - 2);
+        text +=
+            &format!("v{index} = if(Dx-{index}, sin(v{before}), if(Dy-v{earlier}, exp(-v{before}), cos(v{earlier})));");
+    }
+    let all: String = (0..300).map(|index| format!("+if(Dz-.{index},v{index},0)")).collect();
+    assert!(within(SOON, &format!("{text} a = 0{all};")).is_ok());
+    let wide: String = (0..5000)
+        .map(|index| format!("+if(Dz-.{index:04},sin(Dx*{index}),if(Dx-.{index:04},sin(Dx*{index}),0))"))
+        .collect();
+    assert!(within(SOON, &format!("a = 0{wide};")).is_ok());
 }
 
 #[test]
