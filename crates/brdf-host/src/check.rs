@@ -102,9 +102,14 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
     }
     report.outcomes.push(first);
     for model in chosen {
+        let mut finite = true;
         for stage in Stage::OF_A_MODEL {
-            let (response, duration) = perform(&request(stage, model));
+            let (response, duration) = match finite || !stage.needs_finite_values() {
+                true => perform(&request(stage, model)),
+                false => (Response::skip("values are not finite"), Duration::ZERO),
+            };
             let unusable = response.unusable;
+            finite &= stage != Stage::Finite || response.findings.is_empty();
             report.outcomes.push(Outcome::new(stage, Some(model), response, duration));
             if unusable {
                 // No instance can be made: every further check would say so again.

@@ -12,42 +12,31 @@ pub(crate) struct Breadcrumb {
 }
 
 impl Breadcrumb {
-    pub(crate) fn for_library(library: &str) -> Self {
-        Breadcrumb { text: format!("plugin \"{library}\"").into() }
+    pub(crate) fn for_library(library: &str, activity: &str) -> Self {
+        Breadcrumb { text: format!("plugin \"{library}\", function {activity}").into() }
     }
 
-    pub(crate) fn for_model(library: &str, model: &str, material: &str, place: &str) -> Self {
-        Breadcrumb {
-            text: format!("plugin \"{library}\", model \"{model}\", material \"{material}\" ({place})").into(),
-        }
+    pub(crate) fn for_model(library: &str, model: &str, material: &str, place: &str, activity: &str) -> Self {
+        let text =
+            format!("plugin \"{library}\", model \"{model}\", material \"{material}\" ({place}), function {activity}");
+        Breadcrumb { text: text.into() }
     }
 }
-
-/// What the thread is doing in a plugin.
-#[derive(Clone, Copy)]
-struct Current {
-    text: *const u8,
-    length: usize,
-    activity: &'static str,
-}
-
-const NOTHING: Current = Current { text: std::ptr::null(), length: 0, activity: "" };
 
 thread_local! {
     // Constant and without a destructor: reading it in a signal handler is a plain memory access.
-    static CURRENT: Cell<Current> = const { Cell::new(NOTHING) };
+    static CURRENT: Cell<*const Breadcrumb> = const { Cell::new(std::ptr::null()) };
 }
 
 /// Puts the breadcrumb away when it is dropped.
-pub(crate) struct Trail {
-    before: Current,
+struct Trail {
+    before: *const Breadcrumb,
 }
 
-/// Marks the thread as being inside `activity` of a plugin. The breadcrumb must outlive the result.
+/// Marks the thread as being inside a plugin. The result must be dropped in the same thread, as all local values are.
 #[inline]
-pub(crate) fn enter<'a>(breadcrumb: &'a Breadcrumb, activity: &'static str) -> impl Drop + use<'a> {
-    let now = Current { text: breadcrumb.text.as_ptr(), length: breadcrumb.text.len(), activity };
-    Trail { before: CURRENT.replace(now) }
+pub(crate) fn enter<'a>(breadcrumb: &'a Breadcrumb) -> impl Drop + use<'a> {
+    Trail { before: CURRENT.replace(std::ptr::from_ref(breadcrumb)) }
 }
 
 impl Drop for Trail {
@@ -107,12 +96,9 @@ mod unix {
 
     extern "C" fn handler(signal: c_int, _info: *mut siginfo_t, _context: *mut c_void) {
         let index = SIGNALS.iter().position(|(known, _)| *known == signal).unwrap_or(0);
-        let current = CURRENT.get();
-        if !current.text.is_null() {
-            say(b"radsight: crash in ");
-            // SAFETY: the breadcrumb outlives the call that it marks.
-            say(unsafe { std::slice::from_raw_parts(current.text, current.length) });
-            for part in [", function ", current.activity, ": ", SIGNALS[index].1, "\n"] {
+        // SAFETY: the breadcrumb outlives the call that it marks.
+        if let Some(breadcrumb) = unsafe { CURRENT.get().as_ref() } {
+            for part in ["radsight: crash in ", &breadcrumb.text, ": ", SIGNALS[index].1, "\n"] {
                 say(part.as_bytes());
             }
         }

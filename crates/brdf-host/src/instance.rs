@@ -38,7 +38,9 @@ pub struct PluginBrdf {
     destroy: Option<abi::DestroyFn>,
     scratch_bytes: u64,
     scratch_bytes_per_direction: u64,
-    breadcrumb: Breadcrumb,
+    in_eval: Breadcrumb,
+    in_sample: Breadcrumb,
+    in_destroy: Breadcrumb,
     faults: Faults,
 }
 
@@ -79,8 +81,9 @@ impl PluginBrdf {
         bands: &[Band],
         label: Label,
     ) -> Result<PluginBrdf, Error> {
-        let breadcrumb = Breadcrumb::for_model(library.name(), &model.name, &label.material, &label.place);
-        let made = call_create(&library, &model, index, arguments, bands, &breadcrumb)?;
+        let breadcrumb =
+            |activity| Breadcrumb::for_model(library.name(), &model.name, &label.material, &label.place, activity);
+        let made = call_create(&library, &model, index, arguments, bands, &breadcrumb("create"))?;
         let broken = |what: &str| Error::BrokenRule {
             library: library.name().to_owned(),
             what: format!("create of \"{}\" {what}", model.name),
@@ -99,6 +102,9 @@ impl PluginBrdf {
                 delta: has(flags::DELTA),
                 transmission: has(flags::TRANSMISSION),
             },
+            in_eval: breadcrumb("eval_pdf"),
+            in_sample: breadcrumb("sample"),
+            in_destroy: breadcrumb("destroy"),
             model,
             label,
             bands: bands.len(),
@@ -108,7 +114,6 @@ impl PluginBrdf {
             destroy: made.destroy,
             scratch_bytes: made.scratch_bytes,
             scratch_bytes_per_direction: made.scratch_bytes_per_direction,
-            breadcrumb,
             faults: Faults::default(),
             library,
         })
@@ -175,7 +180,7 @@ impl PluginBrdf {
     fn call_eval(&self, outgoing: DVec3, incident: [&[f64]; 3], values: &mut [f64], pdfs: &mut [f64]) -> abi::Status {
         let count = pdfs.len();
         debug_assert!(incident.iter().all(|axis| axis.len() == count) && values.len() == count * self.bands);
-        let _trail = crash::enter(&self.breadcrumb, "eval_pdf");
+        let _trail = crash::enter(&self.in_eval);
         with_scratch(self.scratch_bytes, self.scratch_bytes_per_direction, count, |scratch| {
             let call = abi::Eval {
                 struct_size: size_of::<abi::Eval>() as u32,
@@ -198,7 +203,7 @@ impl PluginBrdf {
     fn call_sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, Drawn) {
         let mut drawn = Drawn { incident: [f64::NAN; 3], pdf: f64::NAN, kind: sample_kind::ABSORBED };
         let [incident_x, incident_y, incident_z] = drawn.incident.each_mut().map(std::ptr::from_mut);
-        let _trail = crash::enter(&self.breadcrumb, "sample");
+        let _trail = crash::enter(&self.in_sample);
         let status = with_scratch(self.scratch_bytes, self.scratch_bytes_per_direction, 1, |scratch| {
             let call = abi::Sample {
                 struct_size: size_of::<abi::Sample>() as u32,
@@ -228,9 +233,8 @@ impl PluginBrdf {
         values.fill(f64::NAN);
         pdfs.fill(f64::NAN);
         if let [single] = incident {
-            let axes = single.to_array();
-            let [x, y, z] = axes.each_ref().map(std::slice::from_ref);
-            return self.call_eval(outgoing, [x, y, z], values, pdfs);
+            let axes = [&single.x, &single.y, &single.z].map(std::slice::from_ref);
+            return self.call_eval(outgoing, axes, values, pdfs);
         }
         if incident.is_empty() {
             return self.call_eval(outgoing, [&[]; 3], values, pdfs);
@@ -280,7 +284,7 @@ impl Drop for PluginBrdf {
     fn drop(&mut self) {
         let Some(destroy) = self.destroy else { return };
         let _one_thread = self.library.one_thread();
-        let _trail = crash::enter(&self.breadcrumb, "destroy");
+        let _trail = crash::enter(&self.in_destroy);
         // SAFETY: made by `create`, destroyed once, and no call is under way since we are the last owner.
         unsafe { destroy(self.data) };
     }
@@ -424,7 +428,7 @@ fn call_create(
     })?;
     let status = {
         let _one_thread = library.one_thread();
-        let _trail = crash::enter(breadcrumb, "create");
+        let _trail = crash::enter(breadcrumb);
         // SAFETY: all pointers lead to structures and arrays of the lengths stated, and live until the call returns.
         unsafe { create(index, &raw const call, &raw mut made) }
     };

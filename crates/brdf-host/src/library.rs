@@ -16,7 +16,6 @@ pub struct Library {
     entry: abi::Entry,
     models: Vec<ModelInfo>,
     host: Box<LibraryHost>,
-    breadcrumb: Breadcrumb,
     /// Held during functions that are marked [one thread].
     one_thread: Mutex<()>,
 }
@@ -66,13 +65,14 @@ impl Library {
         object_file::examine(path)?;
         let name = search::library_name(path)
             .unwrap_or_else(|| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default());
-        let breadcrumb = Breadcrumb::for_library(&name);
         let entry = {
-            let _trail = crash::enter(&breadcrumb, "load");
+            let breadcrumb = Breadcrumb::for_library(&name, "load");
+            let _trail = crash::enter(&breadcrumb);
             load_entry(path)?
         };
         let models = {
-            let _trail = crash::enter(&breadcrumb, "describe");
+            let breadcrumb = Breadcrumb::for_library(&name, "describe");
+            let _trail = crash::enter(&breadcrumb);
             read_models(&name, &entry)?
         };
         let host = Box::new(LibraryHost {
@@ -86,7 +86,7 @@ impl Library {
             },
             messages: Mutex::default(),
         });
-        Ok(Library { name, path: path.to_owned(), entry, models, host, breadcrumb, one_thread: Mutex::default() })
+        Ok(Library { name, path: path.to_owned(), entry, models, host, one_thread: Mutex::default() })
     }
 
     /// Its bare name.
@@ -135,7 +135,8 @@ impl Library {
     #[must_use]
     pub fn extension(&self, name: &CStr, revision: u32) -> *const c_void {
         let Some(extension) = self.entry.extension else { return std::ptr::null() };
-        let _trail = crash::enter(&self.breadcrumb, "extension");
+        let breadcrumb = Breadcrumb::for_library(&self.name, "extension");
+        let _trail = crash::enter(&breadcrumb);
         // SAFETY: any thread may call it, with a C string.
         unsafe { extension(name.as_ptr(), revision) }
     }

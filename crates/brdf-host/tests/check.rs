@@ -34,7 +34,7 @@ fn failed_stages(report: &Report) -> Vec<Stage> {
 fn the_built_in_models_pass() {
     let report = check::run(&options(&workspace_plugin("radsight-plugin-builtin")));
     assert!(report.passed(), "{}", report.text());
-    assert_eq!(report.outcomes.len(), 17, "{}", report.text());
+    assert_eq!(report.outcomes.len(), 19, "{}", report.text());
     let json: serde_json::Value = serde_json::from_str(&report.json()).unwrap();
     assert_eq!((json["passed"].as_bool(), json["seed"].as_u64()), (Some(true), Some(1)));
     assert_eq!(json["outcomes"][0]["check"], "load");
@@ -47,7 +47,7 @@ fn an_honest_plugin_in_c_passes() {
     let report = check::run(&options(&library));
     assert!(report.passed(), "{}", report.text());
     assert!(report.text().contains("(seed 1)\n  load                   ok"), "{}", report.text());
-    assert!(report.text().ends_with("9 passed, 0 failed, 0 skipped\n"), "{}", report.text());
+    assert!(report.text().ends_with("10 passed, 0 failed, 0 skipped\n"), "{}", report.text());
 }
 
 #[test]

@@ -73,5 +73,5 @@ fn the_plugin_passes_its_checks() {
     let report = check::run_in_process(&library, vec![example("merl", "made.binary"), example("rgl", "made.bsdf")], 1);
     let _ = std::fs::remove_dir_all(&folder);
     assert!(report.passed(), "{}", report.text());
-    assert_eq!(report.outcomes.len(), 17, "{}", report.text());
+    assert_eq!(report.outcomes.len(), 19, "{}", report.text());
 }

@@ -2,7 +2,7 @@
 
 use super::example::{Example, made_up};
 use super::{CHECK_BANDS, probe};
-use crate::self_check::check_options;
+use crate::self_check::{SelfCheck, check_options, self_check};
 use crate::{Band, Label, Library, PluginBrdf, Request as Instantiation};
 use radsight_brdf::check::{self, Check, Effort};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,8 @@ pub enum Stage {
     Arguments,
     /// 1,000 times create and destroy, and no memory lost.
     Lifecycle,
+    /// What the quick check says that every scene makes.
+    SelfCheck,
     /// Finite and non-negative numbers.
     Finite,
     /// Batch equals single; independent of order and threads.
@@ -35,7 +37,7 @@ pub enum Stage {
 
 impl Stage {
     /// Those that concern one model, in the order of reporting.
-    pub const OF_A_MODEL: [Stage; 8] = [
+    pub const OF_A_MODEL: [Stage; 9] = [
         Stage::Arguments,
         Stage::Lifecycle,
         Stage::Finite,
@@ -44,6 +46,7 @@ impl Stage {
         Stage::Reciprocity,
         Stage::Energy,
         Stage::Sampling,
+        Stage::SelfCheck,
     ];
 
     /// For reports.
@@ -53,6 +56,7 @@ impl Stage {
             Stage::Load => "load",
             Stage::Arguments => "bad arguments",
             Stage::Lifecycle => "create and destroy",
+            Stage::SelfCheck => "self-check at load",
             Stage::Finite => "finite values",
             Stage::Purity => "batch, order, threads",
             Stage::Isotropy => "isotropy",
@@ -89,6 +93,10 @@ pub(super) struct Response {
 }
 
 impl Response {
+    pub(super) fn skip(reason: &str) -> Self {
+        Response { skipped: Some(reason.to_owned()), ..Response::default() }
+    }
+
     pub(super) fn failure(finding: impl Into<String>) -> Self {
         Response { findings: vec![finding.into()], ..Response::default() }
     }
@@ -116,6 +124,7 @@ pub(super) fn perform(request: &Request) -> Response {
     let mut response = match request.stage {
         Stage::Arguments => probe::arguments(&library, index, &examples, given),
         Stage::Lifecycle => probe::lifecycle(&library, &examples),
+        Stage::SelfCheck => at_load(&library, &examples),
         stage => physics(&library, stage, &examples, request.seed),
     };
     response.notes.extend(library.take_messages().into_iter().map(|message| format!("it says: {}", message.text)));
@@ -177,6 +186,24 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], seed: u64
         response.findings.extend(findings.into_iter().map(|finding| format!("{example}: {}", finding.message)));
     }
     response
+}
+
+/// What a scene with these parameters would be told.
+fn at_load(library: &Arc<Library>, examples: &[Example]) -> Response {
+    let mut response = Response::default();
+    for example in examples {
+        let Ok(brdf) = instantiate(library, example, &CHECK_BANDS[..1]) else { continue };
+        let findings = self_check(&brdf, SelfCheck::Warn);
+        response.findings.extend(findings.into_iter().map(|finding| format!("{example}: {finding}")));
+    }
+    response
+}
+
+impl Stage {
+    /// Those that make no sense when values are not finite: all they find follows from it.
+    pub(super) fn needs_finite_values(self) -> bool {
+        matches!(self, Stage::Isotropy | Stage::Reciprocity | Stage::Energy | Stage::Sampling | Stage::SelfCheck)
+    }
 }
 
 fn not_claimed(stage: Stage, options: &check::CheckOptions) -> Option<String> {

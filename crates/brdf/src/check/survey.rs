@@ -1,6 +1,6 @@
 //! Integrals and samples of one outgoing direction, cell by cell.
 
-use super::{CheckOptions, Hemispheres, Partition, Random};
+use super::{CheckOptions, Effort, Hemispheres, Partition, Random};
 use crate::{Brdf, BrdfSample, Density};
 use glam::DVec3;
 
@@ -36,10 +36,16 @@ const SUSPECT: f64 = 4.0;
 const NOTABLE: f64 = 5e-4;
 /// … if a grid that is twice as fine differs by more than this.
 const UNSTEADY: f64 = 5e-5;
-/// At most so many, the worst first.
-const MOST_SUSPECTS: usize = 400;
-/// How much finer, in both directions.
-const REFINEMENT: usize = 16;
+
+impl Effort {
+    /// How much finer such cells are integrated, in both directions, and how many at most, the worst first.
+    fn refinement(self) -> (usize, usize) {
+        match self {
+            Effort::Quick => (8, 40),
+            Effort::Thorough => (16, 400),
+        }
+    }
+}
 
 impl Survey {
     /// Integrates and draws; `look` sees each sample that has a density, with its number.
@@ -71,14 +77,15 @@ impl Survey {
             survey.set(cell, &integral);
         });
         survey.draw(brdf, outgoing, &partition, &mut Random::new(options.seed, stream), samples, &mut look);
-        for cell in survey.notable() {
+        let (refinement, most) = options.effort.refinement();
+        for cell in survey.notable(most) {
             let finer = integrator.integrate_cell(&partition, cell, 2);
             if survey.distance(cell, &finer) > UNSTEADY {
-                survey.set(cell, &integrator.integrate_cell(&partition, cell, REFINEMENT));
+                survey.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
             }
         }
-        for cell in survey.suspects() {
-            survey.set(cell, &integrator.integrate_cell(&partition, cell, REFINEMENT));
+        for cell in survey.suspects(most) {
+            survey.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
         }
         survey
     }
@@ -101,12 +108,15 @@ impl Survey {
     }
 
     /// Cells that hold much of the light or of the samples.
-    fn notable(&self) -> Vec<usize> {
+    fn notable(&self, most: usize) -> Vec<usize> {
         let share = |cell: usize| {
             let albedo = self.albedos[cell * self.bands..][..self.bands].iter().copied().fold(0.0, f64::max);
             albedo.max(self.probabilities[cell]).max(self.counts[cell] / self.samples)
         };
-        (0..self.counts.len()).filter(|&cell| share(cell) > NOTABLE).collect()
+        let mut cells: Vec<usize> = (0..self.counts.len()).filter(|&cell| share(cell) > NOTABLE).collect();
+        cells.sort_by(|&a, &b| share(b).total_cmp(&share(a)));
+        cells.truncate(10 * most);
+        cells
     }
 
     fn draw(
@@ -143,14 +153,14 @@ impl Survey {
     }
 
     /// Cells where counts and quadrature disagree, the worst first.
-    fn suspects(&self) -> Vec<usize> {
+    fn suspects(&self, most: usize) -> Vec<usize> {
         let off = |cell: &usize| {
             let (count, expected) = (self.counts[*cell], self.probabilities[*cell] * self.samples);
             (count - expected).abs() / expected.min(count).max(1.0).sqrt()
         };
         let mut cells: Vec<usize> = (0..self.counts.len()).filter(|cell| off(cell) > SUSPECT).collect();
         cells.sort_by(|a, b| off(b).total_cmp(&off(a)));
-        cells.truncate(MOST_SUSPECTS);
+        cells.truncate(most);
         cells
     }
 }
