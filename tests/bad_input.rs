@@ -194,7 +194,9 @@ fn a_material_with_a_wrong_number_of_arguments_that_a_surface_wears() {
     let bench = Bench::with_scene("void plastic white 0 0 4 1 1 1 0\nwhite sphere ball 0 0 4 0 0 0 .1\n");
     let run = bench.run(&[&["capture", "camera.toml", "bad.rad"], &QUICK[..]].concat(), b"");
     assert_eq!(run.code, INPUT);
-    assert!(run.messages.contains("error: plastic \"white\" has 4 real arguments, expected 5"), "{}", run.messages);
+    let message =
+        "error: a ray met \"ball\", whose material cannot be used: plastic \"white\" has 4 real arguments, expected 5";
+    assert!(run.messages.contains(message), "{}", run.messages);
 }
 
 #[test]

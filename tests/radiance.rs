@@ -344,6 +344,24 @@ fn patterns_and_textures() {
 }
 
 #[test]
+fn patterns_from_tables() {
+    let folder = Folder::new();
+    let even = folder.file("even.dat", "2\n-1 1 3\n-1 2 4\n.1 .2 .3 .4\n.5 .9 .6 .2\n.3 .7 .8 .4\n");
+    let uneven = folder.file("uneven.dat", "1\n0 0 4\n-1 -.2 .3 2\n.2 .9 .4 .7\n");
+    let light = "void light bright 0 0 3 1000 2000 3000\nbright sphere l 0 0 4 .2 -.5 2 .02\n";
+    let patterns = [
+        format!("void brightdata p 5 noop {even} . Px Py 0 0\n"),
+        format!("void brightdata p 8 noop {uneven} . Px+.1*Py -rz 20 -s 1.5 0 0\n"),
+        format!("void colordata p 9 noop noop noop {even} {even} {even} . Py Px 0 0\n"),
+    ];
+    for pattern in patterns {
+        let scene = format!("{pattern}p plastic floor 0 0 5 .6 .5 .4 0 0\n{FLOOR}{light}");
+        let places = [[0.0, 0.0], [0.13, 0.37], [0.5, -0.2], [-0.7, 0.6], [0.9, 1.1]];
+        same_radiance(&pattern, &scene, &from_eye(&places), 100, 0.01);
+    }
+}
+
+#[test]
 fn arrays_of_copies() {
     let folder = Folder::new();
     let thing = folder.file("thing.rad", "void plastic grey 0 0 5 .5 .5 .5 0 0\ngrey sphere ball 0 0 4 0 0 0 .2\ngrey cylinder post 0 0 7 0 0 0 0 0 -.5 .1\n");
