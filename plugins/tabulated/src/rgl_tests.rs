@@ -3,7 +3,6 @@
 use super::*;
 use radsight_brdf_sdk::Ggx;
 
-const SIZE: usize = 48;
 const FACETS: Ggx = Ggx { roughness: 0.35 };
 const COLOUR: [f32; 3] = [0.9, 0.5, 0.2];
 
@@ -13,7 +12,7 @@ fn field(name: &str, shape: &[usize], numbers: Vec<f32>) -> Field {
 }
 
 /// Writes fields as RGL does.
-pub(crate) fn write(fields: &[Field]) -> Vec<u8> {
+fn write(fields: &[Field]) -> Vec<u8> {
     let header: usize =
         18 + fields.iter().map(|field| 2 + field.name.len() + 2 + 1 + 8 + 8 * field.shape.len()).sum::<usize>();
     let mut bytes = b"tensor_file\0\x01\0".to_vec();
@@ -33,9 +32,10 @@ pub(crate) fn write(fields: &[Field]) -> Vec<u8> {
     bytes
 }
 
-fn unit_grid() -> impl Iterator<Item = (f64, f64)> {
-    let at = |k: usize| k as f64 / (SIZE - 1) as f64;
-    (0..SIZE).flat_map(move |row| (0..SIZE).map(move |column| (at(column), at(row))))
+/// Points of a grid with `size` rows and columns.
+fn unit_grid(size: usize) -> impl Iterator<Item = (f64, f64)> {
+    let at = move |k: usize| k as f64 / (size - 1) as f64;
+    (0..size).flat_map(move |row| (0..size).map(move |column| (at(column), at(row))))
 }
 
 fn half_vector(x: f64, y: f64) -> DVec3 {
@@ -44,11 +44,12 @@ fn half_vector(x: f64, y: f64) -> DVec3 {
 }
 
 /// GGX as an isotropic measurement: what the facets do not explain is `G₂/G₁(o)` times a colour.
-pub(crate) fn ggx_file() -> Vec<u8> {
-    let theta: Vec<f32> = (0..24).map(|k| (FRAC_PI_2 * 0.98 * f64::from(k) / 23.0) as f32).collect();
+fn ggx_file(size: usize, angles: u32) -> Vec<u8> {
+    let theta: Vec<f32> =
+        (0..angles).map(|k| (FRAC_PI_2 * 0.98 * f64::from(k) / f64::from(angles - 1)) as f32).collect();
     let outgoing = |theta: f32| DVec3::new(f64::from(theta).sin(), 0.0, f64::from(theta).cos());
-    let ndf = unit_grid().map(|(x, y)| FACETS.density(half_vector(x, y)) as f32).collect();
-    let sigma = unit_grid()
+    let ndf = unit_grid(size).map(|(x, y)| FACETS.density(half_vector(x, y)) as f32).collect();
+    let sigma = unit_grid(size)
         .map(|(x, _)| {
             let theta = (FRAC_PI_2 * x * x).min(1.57);
             let o = DVec3::new(theta.sin(), 0.0, theta.cos());
@@ -62,10 +63,10 @@ pub(crate) fn ggx_file() -> Vec<u8> {
             let half = half_vector(x, y);
             (FACETS.density(half) * half.dot(o).max(0.0) * x * half.x.hypot(half.y) + 1e-4) as f32
         };
-        let grid: Vec<f32> = unit_grid().map(density).collect();
-        let warp = Warp::new(Grids::new(grid.clone(), 1, SIZE, SIZE).unwrap());
+        let grid: Vec<f32> = unit_grid(size).map(density).collect();
+        let warp = Warp::new(Grids::new(grid.clone(), 1, size, size).unwrap());
         vndf.extend(grid);
-        let shading: Vec<f32> = unit_grid()
+        let shading: Vec<f32> = unit_grid(size)
             .map(|(u, v)| {
                 let (x, y) = warp.sample(&ONLY, (u, v));
                 let half = half_vector(x, y);
@@ -82,11 +83,11 @@ pub(crate) fn ggx_file() -> Vec<u8> {
     write(&[
         field("phi_i", &[1], vec![0.0]),
         field("theta_i", &[directions], theta),
-        field("ndf", &[SIZE, SIZE], ndf),
-        field("sigma", &[SIZE, SIZE], sigma),
-        field("vndf", &[1, directions, SIZE, SIZE], vndf),
+        field("ndf", &[size, size], ndf),
+        field("sigma", &[size, size], sigma),
+        field("vndf", &[1, directions, size, size], vndf),
         field("luminance", &[1, directions, 2, 2], vec![1.0; 4 * directions]),
-        field("rgb", &[1, directions, 3, SIZE, SIZE], rgb),
+        field("rgb", &[1, directions, 3, size, size], rgb),
     ])
 }
 
@@ -98,7 +99,7 @@ const RGB: [Band; 3] = [
 
 #[test]
 fn a_known_model_comes_back_from_its_tables() {
-    let measurement = Measurement::read(&ggx_file(), &RGB, 1.0).unwrap();
+    let measurement = Measurement::read(&ggx_file(48, 24), &RGB, 1.0).unwrap();
     for (outgoing, incident) in [
         (DVec3::new(0.0, 0.3, 0.9), DVec3::new(0.05, -0.2, 0.9)),
         (DVec3::new(0.6, 0.1, 0.7), DVec3::new(-0.5, 0.1, 0.8)),
@@ -118,7 +119,7 @@ fn a_known_model_comes_back_from_its_tables() {
 
 #[test]
 fn damaged_files_are_refused_in_words() {
-    let whole = ggx_file();
+    let whole = ggx_file(48, 24);
     let refusal = |bytes: &[u8]| Measurement::read(bytes, &RGB, 1.0).err().unwrap();
     assert_eq!(refusal(b"MERL"), "it is no RGL file: it does not begin with \"tensor_file\"");
     assert_eq!(refusal(&whole[..40]), "it ends in its table of contents, at byte 40");
@@ -134,4 +135,12 @@ fn spectra_are_averaged_over_a_band() {
     let shares = channel_shares(&[400.0, 500.0, 600.0], &Band { centre_m: 525e-9, low_m: 522e-9, high_m: 528e-9 });
     assert_eq!(shares.len(), 2);
     assert!((shares[0].1 - 0.75).abs() < 1e-6 && shares[0].0 == 1, "{shares:?}");
+}
+
+/// Not a test: writes the file of the example scene.
+#[test]
+#[ignore = "writes into the sources"]
+fn write_the_example_file() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/example.bsdf");
+    std::fs::write(path, ggx_file(20, 9)).unwrap();
 }

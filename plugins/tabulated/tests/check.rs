@@ -70,7 +70,9 @@ fn the_plugin_passes_its_checks() {
     };
     write_merl(&folder.join("made.binary"));
     write_rgl(&folder.join("made.bsdf"));
-    let report = check::run_in_process(&library, vec![example("merl", "made.binary"), example("rgl", "made.bsdf")], 1);
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/example.bsdf");
+    let examples = vec![example("merl", "made.binary"), example("rgl", "made.bsdf"), example("rgl", beside)];
+    let report = check::run_in_process(&library, examples, 1);
     let _ = std::fs::remove_dir_all(&folder);
     assert!(report.passed(), "{}", report.text());
     assert_eq!(report.outcomes.len(), 19, "{}", report.text());
