@@ -23,8 +23,8 @@ impl std::fmt::Display for Example {
     }
 }
 
-/// Parameters from the table alone: middle, low end, high end, and two at random. Optional ones have their defaults in the
-/// first. None for a model that needs a word which cannot be made up.
+/// Parameters from the table alone: middle, the middle with each other choice, low end, high end, and some at random. Optional ones
+/// have their defaults in the first. None for a model that needs a word which cannot be made up.
 pub(crate) fn made_up(model: &ModelInfo, seed: u64) -> Vec<Example> {
     let words: Option<Vec<String>> = model.parameters.iter().filter_map(made_up_word).collect();
     let Some(words) = words else { return Vec::new() };
@@ -45,14 +45,17 @@ pub(crate) fn made_up(model: &ModelInfo, seed: u64) -> Vec<Example> {
         })
         .collect()
     };
-    let mut examples: Vec<Example> = [0.5, 0.01, 1.0, -1.0, -1.0]
-        .into_iter()
-        .map(|share| Example { model: model.name.clone(), words: words.clone(), numbers: place(share, &mut random) })
-        .collect();
+    let mut example =
+        |share: f64| Example { model: model.name.clone(), words: words.clone(), numbers: place(share, &mut random) };
+    let mut examples = vec![example(0.5)];
     examples.extend(other_choices(model, &examples[0]));
+    examples.extend([0.01, 1.0].into_iter().chain([-1.0; RANDOM]).map(example));
     examples.dedup();
     examples
 }
+
+/// Examples at random. A plugin may refuse some, as wrong together.
+const RANDOM: usize = 8;
 
 /// The first example with each other word of each choice.
 fn other_choices(model: &ModelInfo, first: &Example) -> Vec<Example> {

@@ -102,6 +102,9 @@ impl Response {
     }
 }
 
+/// So many made-up sets of parameters are checked; all that the user gives are.
+const MOST_MADE_UP: usize = 6;
+
 /// Performs one check in this process.
 pub(super) fn perform(request: &Request) -> Response {
     let library = match Library::load(&request.library) {
@@ -121,11 +124,12 @@ pub(super) fn perform(request: &Request) -> Response {
         let reason = format!("its words cannot be made up: give parameters for \"{usage}\"");
         return Response { skipped: Some(reason), unusable: true, ..Response::default() };
     }
+    let most = if given { usize::MAX } else { MOST_MADE_UP };
     let mut response = match request.stage {
         Stage::Arguments => probe::arguments(&library, index, &examples, given),
         Stage::Lifecycle => probe::lifecycle(&library, &examples),
-        Stage::SelfCheck => at_load(&library, &examples),
-        stage => physics(&library, stage, &examples, request.seed),
+        Stage::SelfCheck => at_load(&library, &examples, most),
+        stage => physics(&library, stage, &examples, most, request.seed),
     };
     response.notes.extend(library.take_messages().into_iter().map(|message| format!("it says: {}", message.text)));
     response
@@ -160,7 +164,7 @@ pub(super) fn instantiate(
 }
 
 /// The statistical checks, with every example that the plugin accepts.
-fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], seed: u64) -> Response {
+fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], most: usize, seed: u64) -> Response {
     let check: Check = match stage {
         Stage::Finite => check::finite,
         Stage::Purity => check::purity,
@@ -170,13 +174,7 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], seed: u64
         _ => check::sampling,
     };
     let mut response = Response::default();
-    for example in examples {
-        // One that refuses three bands, or this combination of made-up numbers, is the business of `probe::arguments`.
-        let Ok(brdf) =
-            instantiate(library, example, &CHECK_BANDS).or_else(|_| instantiate(library, example, &CHECK_BANDS[..1]))
-        else {
-            continue;
-        };
+    for (example, brdf) in accepted(library, examples, most) {
         let options = check_options(&brdf, Effort::Thorough, seed);
         response.skipped = not_claimed(stage, &options);
         if response.skipped.is_some() {
@@ -188,11 +186,24 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], seed: u64
     response
 }
 
+/// Instances of the first examples that the plugin accepts. One that refuses three bands, or a combination of made-up numbers, is the
+/// business of `probe::arguments`.
+fn accepted<'a>(
+    library: &'a Arc<Library>,
+    examples: &'a [Example],
+    most: usize,
+) -> impl Iterator<Item = (&'a Example, PluginBrdf)> + 'a {
+    let in_bands = |example, count: usize| instantiate(library, example, &CHECK_BANDS[..count]).ok();
+    let instances = examples.iter().filter_map(move |example| {
+        Some((example, in_bands(example, CHECK_BANDS.len()).or_else(|| in_bands(example, 1))?))
+    });
+    instances.take(most)
+}
+
 /// What a scene with these parameters would be told.
-fn at_load(library: &Arc<Library>, examples: &[Example]) -> Response {
+fn at_load(library: &Arc<Library>, examples: &[Example], most: usize) -> Response {
     let mut response = Response::default();
-    for example in examples {
-        let Ok(brdf) = instantiate(library, example, &CHECK_BANDS[..1]) else { continue };
+    for (example, brdf) in accepted(library, examples, most) {
         let findings = self_check(&brdf, SelfCheck::Warn);
         response.findings.extend(findings.into_iter().map(|finding| format!("{example}: {finding}")));
     }
