@@ -26,7 +26,7 @@ pub(crate) struct Capture {
     #[arg(value_name = "FIGURE", default_values = ["t8", "t9", "t10", "t11", "t13", "t14"])]
     pub(crate) figures: Vec<Figure>,
     /// Rays a pixel of radsight's captures
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [4, 8, 16, 32, 64, 128, 256],
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1, 2, 4, 8, 16, 32, 64, 128, 256],
           value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) samples: Vec<u32>,
     /// Errors that radsight is asked for, as shares of the mean exposure
