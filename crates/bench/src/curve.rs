@@ -32,11 +32,6 @@ impl Curve {
         Curve { points }
     }
 
-    /// The most accurate run: (error, time in s).
-    pub(crate) fn best(&self) -> Option<(f64, f64)> {
-        self.points.last().copied()
-    }
-
     /// The time to an error, on straight lines between runs in logarithms of both.
     pub(crate) fn time_to(&self, error: f64) -> TimeTo {
         let Some(next) = self.points.iter().position(|point| point.0 <= error) else { return TimeTo::NotReached };

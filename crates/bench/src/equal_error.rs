@@ -28,6 +28,9 @@ pub(crate) fn report(runs: &[Run], figures: &[Figure]) -> String {
     table.to_text()
 }
 
+/// An error above this share of the one with fewer rays is mostly bias, and there is nothing to extrapolate.
+const STALLED: f64 = 0.9;
+
 /// (error, processor time in s); the error is the one as measured, for both programs.
 fn point(run: &Run) -> (f64, f64) {
     (run.accuracy.error, run.cost.processor)
@@ -38,23 +41,37 @@ fn compare(table: &mut Table, figure: Figure, options: RadianceOptions, peer: &[
         table.push(row(figure, options, error, time, ours, ""));
     }
     let wanted = figure.wanted_error();
-    if let Some((error, time)) = Curve::new(peer.iter().copied()).best().filter(|(error, _)| *error > wanted) {
-        let extrapolated = time * (error / wanted).powi(2);
-        table.push(row(figure, options, wanted, extrapolated, ours, "  extrapolated, time ~ 1/error²"));
+    let [.., (earlier, _), (error, time)] = *peer else { return };
+    if error <= wanted {
+        return;
     }
+    if error > STALLED * earlier {
+        let cells = [figure.to_string(), options.to_string(), format!("{:.2}", 100.0 * wanted)];
+        let unknown = std::iter::repeat_n("-".to_owned(), 5);
+        let note = "not reached: more rays hardly lower rtrace's error".to_owned();
+        table.push(cells.into_iter().chain(unknown).chain([note]).collect());
+        return;
+    }
+    let extrapolated = time * (error / wanted).powi(2);
+    table.push(row(figure, options, wanted, extrapolated, ours, "extrapolated, time ~ 1/error²"));
 }
 
 fn row(figure: Figure, options: RadianceOptions, error: f64, time: f64, ours: &[Curve; 2], note: &str) -> Vec<String> {
     let mut row = vec![figure.to_string(), options.to_string(), format!("{:.2}", 100.0 * error), format!("{time:.2}")];
     for curve in ours {
         row.extend(match curve.time_to(error) {
-            TimeTo::Interpolated(own) => [format!("{own:.3}"), format!("{:.0}", time / own)],
-            TimeTo::AtMost(own) => [format!("<{own:.3}"), format!(">{:.0}", time / own)],
+            TimeTo::Interpolated(own) => [format!("{own:.3}"), ratio(time / own)],
+            TimeTo::AtMost(own) => [format!("<{own:.3}"), format!(">{}", ratio(time / own))],
             TimeTo::NotReached => ["-".to_owned(), "-".to_owned()],
         });
     }
     row.push(note.to_owned());
     row
+}
+
+/// With one decimal where that matters.
+fn ratio(value: f64) -> String {
+    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
 }
 
 #[cfg(test)]
@@ -84,5 +101,14 @@ mod tests {
         assert_eq!(rows[1][5..], ["2.00", "200.00", "1.000", "200", "-", "-"]);
         assert_eq!(rows[2][5..9], ["0.50", "3200.00", "-", "-"]);
         assert!(text.lines().nth(3).is_some_and(|line| line.contains("extrapolated")), "{text}");
+    }
+
+    #[test]
+    fn an_error_that_stalls_is_not_extrapolated() {
+        let peer =
+            |samples, error| run(Setting::Radiance(RadianceOptions::Defaults, samples), error, f64::from(samples));
+        let text = report(&[run(Setting::Samples(4), 0.5, 0.5), peer(1, 0.812), peer(2, 0.811)], &[Figure::T10]);
+        let last = text.lines().last().unwrap_or_default();
+        assert!(last.contains("0.50") && last.contains("not reached") && !last.contains("extrapolated"), "{text}");
     }
 }
