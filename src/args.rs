@@ -162,7 +162,7 @@ pub(crate) struct Shift {
 
 #[derive(Args, Debug)]
 pub(crate) struct Sensor {
-    /// Camera file with a [sensor]
+    /// Camera file with a `[sensor]` table
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
     /// Chooses the sensor's noise
@@ -172,7 +172,7 @@ pub(crate) struct Sensor {
 
 #[derive(Args, Debug)]
 pub(crate) struct Rig {
-    /// Camera file with a [rig]
+    /// Camera file with a `[rig]` table
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
 }
