@@ -4,7 +4,7 @@ use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{read, read_standard_input, scene_inputs};
 use crate::output::{write_file, write_standard_output};
-use radsight_generate::{Error, Output};
+use radsight_generate::{Error, Output, padded};
 use radsight_parse::{ReadOptions, bounds, xform};
 use std::io::{IsTerminal, stdin};
 
@@ -63,26 +63,10 @@ fn getbbox(words: &[String]) -> Outcome {
         text.push_str("     xmin      xmax      ymin      ymax      zmin      zmax\n");
     }
     let (low, high) = (bounds.low, bounds.high);
-    let columns = [low.x, high.x, low.y, high.y, low.z, high.z].map(|value| format!("{:>9}", general(value)));
+    let columns = [low.x, high.x, low.y, high.y, low.z, high.z].map(|value| padded(value, 9, 6).to_string());
     text.push_str(&columns.join(" "));
     text.push('\n');
     write_standard_output(text.as_bytes())
-}
-
-/// A number as C's `%g` writes it.
-fn general(value: f64) -> String {
-    let scientific = format!("{value:.5e}");
-    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trimmed = |digits: &str| match digits.contains('.') {
-        true => digits.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => digits.to_owned(),
-    };
-    if (-4..6).contains(&exponent) {
-        return trimmed(&format!("{value:.*}", (5 - exponent).max(0) as usize));
-    }
-    let sign = if exponent < 0 { '-' } else { '+' };
-    format!("{}e{sign}{:02}", trimmed(mantissa), exponent.abs())
 }
 
 #[cfg(test)]
@@ -99,7 +83,7 @@ mod tests {
             (1234567.0, "1.23457e+06"),
             (100.0, "100"),
         ] {
-            assert_eq!(general(value), text);
+            assert_eq!(padded(value, 0, 6).to_string(), text);
         }
     }
 }

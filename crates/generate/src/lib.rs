@@ -66,7 +66,7 @@ mod zcat;
 pub use error::Error;
 pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
-pub use text::MAX_OUTPUT_BYTES;
+pub use text::{General, MAX_OUTPUT_BYTES, padded};
 
 use radsight_loader::Loader;
 

@@ -96,7 +96,7 @@ pub(crate) fn is_space(character: char) -> bool {
 
 /// A number as C's `%{width}.{precision}g` prints it.
 #[derive(Clone, Copy)]
-pub(crate) struct General {
+pub struct General {
     value: f64,
     width: usize,
     precision: usize,
@@ -113,7 +113,8 @@ pub(crate) fn general(value: f64, precision: usize) -> General {
 }
 
 /// `%{width}.{precision}g`.
-pub(crate) fn padded(value: f64, width: usize, precision: usize) -> General {
+#[must_use]
+pub fn padded(value: f64, width: usize, precision: usize) -> General {
     General { value, width, precision }
 }
 
@@ -321,6 +322,7 @@ mod tests {
         }
         assert_eq!(wide(0.5).to_string(), "               0.5");
         assert_eq!(general(1_234_567.0, 6).to_string(), "1.23457e+06");
+        assert_eq!(padded(1_234_567.0, 12, 6).to_string(), " 1.23457e+06");
     }
 
     #[test]

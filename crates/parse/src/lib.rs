@@ -29,7 +29,6 @@ mod bounds;
 mod commands;
 mod kind;
 mod lower;
-mod number_text;
 mod placement;
 mod signature;
 pub mod syntax;

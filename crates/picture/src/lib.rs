@@ -58,6 +58,7 @@ pub use header::{Assignment, Header};
 pub use image::Image;
 pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
 pub use npy::{read_npy, write_npy, write_npy_f64};
+pub use number::scientific;
 pub use pfm::{read_pfm, write_pfm};
 pub use picture::{Encoding, PartialPicture, Picture};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};

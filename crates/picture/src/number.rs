@@ -102,7 +102,8 @@ impl LowercasePrefix for [u8] {
 }
 
 /// `%.{digits}e`.
-pub(crate) fn scientific(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn scientific(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return not_finite(value);
     }

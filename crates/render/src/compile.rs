@@ -1,6 +1,6 @@
 //! From chains of modifiers to shaders.
 
-use crate::plan::{ModelRequest, ModelSource, has_place};
+use crate::plan::{ModelRequest, ModelSource};
 use crate::recognise::turns_the_normal_to_the_viewer;
 use crate::shader::{Emitter, Function, GlossyKind, Kind, Shader, Step};
 use radsight_diag::{Diagnostic, Span};
@@ -37,7 +37,7 @@ fn compile_for(
     let mut errors = Vec::new();
     let mut shader_of = Vec::with_capacity(scene.surfaces.len());
     for surface in scene.surfaces.items() {
-        if let Some(error) = unsupported_shape(scene, surface) {
+        if let Some(error) = unsupported_shape(surface) {
             errors.push(error);
         }
         let index = *by_modifier.entry(surface.modifier).or_insert_with(|| {
@@ -53,14 +53,11 @@ fn compile_for(
     if errors.is_empty() { Ok((shaders, shader_of)) } else { Err(errors) }
 }
 
-fn unsupported_shape(scene: &ValidScene, surface: &Surface) -> Option<Diagnostic> {
+fn unsupported_shape(surface: &Surface) -> Option<Diagnostic> {
     let kind = match surface.shape {
         Shape::Mesh(_) => "mesh",
         Shape::Instance(_) => "instance",
-        _ => {
-            debug_assert!(matches!(surface.shape, Shape::Source(_)) || has_place(scene, surface));
-            return None;
-        }
+        _ => return None,
     };
     Some(not_yet(&format!("a surface of type \"{kind}\""), surface.span))
 }

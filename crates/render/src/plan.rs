@@ -1,7 +1,7 @@
 //! What a scene needs, decided once before the first ray.
 
 use crate::compile::compile_shaders;
-use crate::geometry::{self, Geometry};
+use crate::geometry::Geometry;
 use crate::light::{Light, LightId};
 use crate::lighting::collect_lights;
 use crate::options::{RenderOptions, Skipping};
@@ -10,7 +10,7 @@ use crate::reach::{Reach, Receiver};
 use crate::shader::{Kind, Shader, Step};
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
-use radsight_ir::{Material, ModifierKind, Shape, Surface, SurfaceHandle, ValidScene};
+use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
 use std::sync::{Arc, OnceLock};
 
 /// A scene made ready for rays.
@@ -146,12 +146,6 @@ impl RenderPlan {
         self.geometry.bounding_sphere()
     }
 
-    /// How many sampled lights there are, images in mirrors included.
-    #[must_use]
-    pub fn light_count(&self) -> usize {
-        self.lights.len()
-    }
-
     /// Whether some surface reflects diffusely and could light another one, but no interreflection is followed.
     #[must_use]
     pub fn leaves_out_interreflection(&self) -> bool {
@@ -284,9 +278,4 @@ fn collect_sky(scene: &ValidScene, visible: impl Fn(SurfaceHandle) -> bool, ligh
         .collect();
     sky.sort_by_key(|sky| !lights.iter().any(|light| light.surface == sky.surface));
     sky
-}
-
-/// Re-exported for the compile step: whether a surface has a finite place.
-pub(crate) fn has_place(scene: &ValidScene, surface: &Surface) -> bool {
-    geometry::bounds(scene, surface.shape).is_some()
 }

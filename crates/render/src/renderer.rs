@@ -46,16 +46,17 @@ impl Renderer {
         })
     }
 
-    /// Answers a batch of rays on all threads; the first has number `first_index`.
+    /// Answers a batch of rays on all threads; the first has number `first_index`. A gap has its number and no answer.
     #[must_use]
-    pub fn trace_all(&self, first_index: u64, rays: &[Ray]) -> Vec<Traced> {
+    pub fn trace_all(&self, first_index: u64, rays: &[Option<Ray>]) -> Vec<Option<Traced>> {
         rays.par_chunks(CHUNK)
             .enumerate()
             .map_init(
                 || self.worker(),
                 |worker, (chunk, rays)| {
                     let first = first_index + (chunk * CHUNK) as u64;
-                    rays.iter().zip(first..).map(|(ray, index)| worker.trace(index, ray)).collect::<Vec<_>>()
+                    let trace = |(ray, index): (&Option<Ray>, u64)| ray.as_ref().map(|ray| worker.trace(index, ray));
+                    rays.iter().zip(first..).map(trace).collect::<Vec<_>>()
                 },
             )
             .flatten_iter()

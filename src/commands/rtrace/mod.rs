@@ -8,17 +8,13 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, conclude, history, plan, use_threads};
 use options::Options;
 use radsight_ir::ValidScene;
-use radsight_render::{Ray, Renderer, Traced};
-use rayon::prelude::*;
-use rays::{InputRay, RayReader};
+use radsight_render::{Ray, Renderer};
+use rays::RayReader;
 use record::Writer;
 use std::io::{self, BufWriter, Write};
 
 /// Rays that are traced at a time: enough for all threads, small enough to stream.
 const RAYS_AT_A_TIME: usize = 1 << 15;
-
-/// Rays that one thread takes at a time.
-const CHUNK: usize = 512;
 
 /// Runs the program.
 pub(crate) fn run(words: &[String]) -> Outcome {
@@ -39,7 +35,8 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     loop {
         // A wrong ray ends the stream; the rays before it are answered first.
         let ended = reader.read(if options.unbuffered { 1 } else { RAYS_AT_A_TIME }, &mut rays);
-        let traced = trace(&renderer, first_index, &rays);
+        let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
+        let traced = renderer.trace_all(first_index, &to_trace);
         first_index += rays.len() as u64;
         bytes.clear();
         for (ray, traced) in rays.iter().zip(traced) {
@@ -55,21 +52,6 @@ pub(crate) fn run(words: &[String]) -> Outcome {
             return conclude(renderer.plan(), registry.as_ref(), &sources);
         }
     }
-}
-
-fn trace(renderer: &Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Option<Traced>> {
-    rays.par_chunks(CHUNK)
-        .enumerate()
-        .map_init(
-            || renderer.worker(),
-            |worker, (chunk, rays)| {
-                let first = first_index + (chunk * CHUNK) as u64;
-                let trace = |(ray, index): (&InputRay, u64)| ray.ray.map(|ray: Ray| worker.trace(index, &ray));
-                rays.iter().zip(first..).map(trace).collect::<Vec<_>>()
-            },
-        )
-        .flatten_iter()
-        .collect()
 }
 
 fn header(writer: &Writer<'_>) -> Vec<u8> {

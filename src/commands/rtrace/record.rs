@@ -5,9 +5,13 @@ use super::options::Field;
 use super::rays::InputRay;
 use glam::DVec3;
 use radsight_ir::SurfaceHandle;
+use radsight_picture::scientific;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::Traced;
 use std::io::Write;
+
+/// Digits after the point of a number in text.
+const DIGITS: usize = 6;
 
 /// What Radiance writes for a distance to nothing.
 const NOWHERE: f64 = 1e10;
@@ -86,7 +90,7 @@ impl<'o> Writer<'o> {
         match self.format {
             NumberFormat::Ascii => {
                 for value in values {
-                    out.extend_from_slice(scientific(*value).as_bytes());
+                    out.extend_from_slice(scientific(*value, DIGITS).as_bytes());
                     out.push(b'\t');
                 }
             }
@@ -107,29 +111,14 @@ fn modifier_name(scene: &Scene, surface: SurfaceHandle) -> &str {
     scene.modifier_name(scene.surfaces[surface].modifier)
 }
 
-/// A number as C's `%e` writes it: six digits, an exponent of at least two.
-fn scientific(value: f64) -> String {
-    let text = format!("{value:.6e}");
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => {
-            let (sign, digits) = match exponent.strip_prefix('-') {
-                Some(digits) => ('-', digits),
-                None => ('+', exponent),
-            };
-            format!("{mantissa}e{sign}{digits:0>2}")
-        }
-        None => text,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn numbers_look_as_c_prints_them() {
-        assert_eq!(scientific(0.05), "5.000000e-02");
-        assert_eq!(scientific(-1e10), "-1.000000e+10");
-        assert_eq!(scientific(1e-123), "1.000000e-123");
+        assert_eq!(scientific(0.05, DIGITS), "5.000000e-02");
+        assert_eq!(scientific(-1e10, DIGITS), "-1.000000e+10");
+        assert_eq!(scientific(1e-123, DIGITS), "1.000000e-123");
     }
 }

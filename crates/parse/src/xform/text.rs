@@ -2,11 +2,10 @@
 
 use super::arguments::{Copy, Event, visit_copies};
 use crate::commands::{DirectoryLoader, command_line, directory_of};
-use crate::number_text::{short, wide};
 use crate::syntax::{Item, Items, Primitive, Word, is_space};
 use crate::{Kind, placement::Placement};
 use radsight_diag::SourceMap;
-use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output};
+use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output, padded};
 use radsight_loader::{FileKind, LoadError, Loader};
 use std::io::Write;
 
@@ -232,21 +231,21 @@ fn write_reals(out: &mut Vec<u8>, kind: Kind, reals: &[f64]) -> std::io::Result<
             write_rows(out, &[3].repeat(reals.len().div_ceil(3)), reals)
         }
         Kind::Mist | Kind::Dielectric => {
-            reals.iter().try_for_each(|value| write!(out, " {}", short(*value)))?;
+            reals.iter().try_for_each(|value| write!(out, " {}", padded(*value, 12, 6)))?;
             out.push(b'\n');
             Ok(())
         }
         Kind::Interface => {
             for side in reals.chunks(4) {
                 out.push(b'\n');
-                side.iter().try_for_each(|value| write!(out, " {}", short(*value)))?;
+                side.iter().try_for_each(|value| write!(out, " {}", padded(*value, 12, 6)))?;
             }
             out.push(b'\n');
             Ok(())
         }
         Kind::Spotlight => write_rows_after_count(out, &[4, 3], reals),
         _ => {
-            reals.iter().try_for_each(|value| write!(out, " {}", wide(*value)))?;
+            reals.iter().try_for_each(|value| write!(out, " {}", padded(*value, 18, 12)))?;
             out.push(b'\n');
             Ok(())
         }
@@ -263,7 +262,7 @@ fn write_rows_after_count(out: &mut Vec<u8>, rows: &[usize], reals: &[f64]) -> s
     let mut rest = reals;
     for &length in rows {
         let (row, after) = rest.split_at(length.min(rest.len()));
-        row.iter().try_for_each(|value| write!(out, " {}", wide(*value)))?;
+        row.iter().try_for_each(|value| write!(out, " {}", padded(*value, 18, 12)))?;
         out.push(b'\n');
         rest = after;
     }

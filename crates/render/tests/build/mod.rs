@@ -84,8 +84,8 @@ pub(crate) fn values(
     let valid = scene.0.clone().validate().expect("the test's scene is valid");
     let plan = RenderPlan::new(valid.scene, options, &NoModels).expect("the test's scene can be rendered");
     let ray = Ray::new(origin, direction).expect("the test's ray is one");
-    let traced = Renderer::new(plan).trace_all(0, &vec![ray; count]);
-    traced.iter().map(|traced| traced.value[0]).collect()
+    let traced = Renderer::new(plan).trace_all(0, &vec![Some(ray); count]);
+    traced.iter().map(|traced| traced.expect("every ray is answered").value[0]).collect()
 }
 
 /// The mean of [`values`].
