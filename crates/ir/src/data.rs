@@ -1,6 +1,6 @@
 //! Tables, pictures, fonts and meshes that primitives refer to.
 
-use crate::{ModifierHandle, Rgb};
+use crate::{Cube, ModifierHandle, Rgb};
 use glam::DVec3;
 
 /// One axis of a [`DataGrid`].
@@ -78,11 +78,13 @@ pub struct Glyph {
 pub struct Mesh {
     /// For messages and for writing back.
     pub file: String,
+    /// What the file says that the triangles lie in, mesh coordinates.
+    pub cube: Cube,
     /// Positions, mesh coordinates.
     pub vertices: Vec<DVec3>,
-    /// Unit vertex normals, or none.
+    /// Unit vertex normals, as many as vertices or none at all; those of vertices without a normal are zero.
     pub normals: Vec<DVec3>,
-    /// Local coordinates, or none.
+    /// Local coordinates, as many as vertices or none at all.
     pub uvs: Vec<[f64; 2]>,
     /// Triangles.
     pub triangles: Vec<MeshTriangle>,
@@ -91,7 +93,7 @@ pub struct Mesh {
 /// A triangle of a [`Mesh`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshTriangle {
-    /// Indices into `vertices`, and into `normals` and `uvs` where the flags below say so.
+    /// Indices into `vertices`, and into `normals` and `uvs` where the flags below say so. Counter-clockwise seen from the front.
     pub vertices: [u32; 3],
     /// Whether all three vertices have normals.
     pub smooth: bool,

@@ -46,7 +46,9 @@ pub use material::{
 };
 pub use names::{NameId, Names};
 pub use pattern::{Mixture, MixtureAmount, Pattern, Spectrum, TextPattern, Texture};
-pub use scene::{Instance, Modifier, ModifierHandle, ModifierKind, OctreeScene, Scene, SurfaceHandle, ValidScene};
+pub use scene::{
+    Cube, Instance, Modifier, ModifierHandle, ModifierKind, OctreeScene, Scene, SurfaceHandle, ValidScene,
+};
 pub use surface::{Cone, Facing, MeshInstance, Ring, Shape, SolidAngle, Source, Sphere, Surface};
 pub use transform::Transform;
 pub use validate::Validated;

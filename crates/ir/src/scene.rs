@@ -6,6 +6,7 @@ use crate::{
 };
 use glam::DVec3;
 use radsight_diag::Span;
+use std::sync::Arc;
 
 /// Names a modifier.
 pub type ModifierHandle = Handle<Modifier>;
@@ -38,13 +39,24 @@ pub enum ModifierKind {
     Mixture(Mixture),
 }
 
+/// A cube along the axes, scene units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cube {
+    /// The corner with the smallest coordinates.
+    pub origin: DVec3,
+    /// Length of an edge.
+    pub size: f64,
+}
+
 /// A whole scene that other scenes place.
 #[derive(Clone, Debug)]
 pub struct OctreeScene {
     /// For messages and for writing back.
     pub file: String,
-    /// Its content.
-    pub scene: Scene,
+    /// What the file says that its surfaces lie in; Radiance sees nothing of them outside.
+    pub cube: Cube,
+    /// Its content; shared by all the scenes that place it.
+    pub scene: Arc<Scene>,
 }
 
 /// A placed [`OctreeScene`].

@@ -6,6 +6,7 @@ use crate::{
 };
 use glam::DVec3;
 use radsight_diag::Diagnostic;
+use std::collections::HashSet;
 
 /// A valid scene, and what is suspect about it.
 #[derive(Clone, Debug)]
@@ -25,35 +26,44 @@ impl Scene {
     /// # Errors
     /// All that is wrong, each with its place in the scene text.
     pub fn validate(self) -> Result<Validated, Vec<Diagnostic>> {
-        let mut found = Findings { scene: &self, errors: Vec::new(), warnings: Vec::new() };
-        for (handle, modifier) in self.modifiers.iter() {
-            found.check_modifier(handle, modifier);
+        let (mut errors, mut warnings) = (Vec::new(), Vec::new());
+        // Scenes that others place are shared: each is checked once.
+        let mut seen = HashSet::new();
+        let mut waiting = vec![&self];
+        while let Some(scene) = waiting.pop() {
+            let found = Findings::of(scene);
+            errors.extend(found.errors);
+            warnings.extend(found.warnings);
+            let octrees = scene.octrees.items().iter().rev();
+            waiting
+                .extend(octrees.map(|octree| &*octree.scene).filter(|inner| seen.insert(std::ptr::from_ref(*inner))));
         }
-        for surface in self.surfaces.items() {
-            found.check_surface(surface);
-        }
-        let Findings { errors, mut warnings, .. } = found;
-        let mut all_errors = errors;
-        let mut scene = self;
-        let octrees = std::mem::take(&mut scene.octrees);
-        for (_, octree) in octrees.iter() {
-            match octree.scene.clone().validate() {
-                Ok(inner) => warnings.extend(inner.warnings),
-                Err(inner) => all_errors.extend(inner),
-            }
-        }
-        scene.octrees = octrees;
-        if all_errors.is_empty() { Ok(Validated { scene: ValidScene(scene), warnings }) } else { Err(all_errors) }
+        if errors.is_empty() { Ok(Validated { scene: ValidScene(self), warnings }) } else { Err(errors) }
     }
 }
 
 struct Findings<'a> {
     scene: &'a Scene,
+    /// By the index of the mesh.
+    sound_meshes: Vec<bool>,
     errors: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
 }
 
-impl Findings<'_> {
+impl<'a> Findings<'a> {
+    /// What is wrong with a scene, but not with those that it places.
+    fn of(scene: &'a Scene) -> Self {
+        let sound_meshes = scene.meshes.items().iter().map(mesh_is_sound).collect();
+        let mut found = Findings { scene, sound_meshes, errors: Vec::new(), warnings: Vec::new() };
+        for (handle, modifier) in scene.modifiers.iter() {
+            found.check_modifier(handle, modifier);
+        }
+        for surface in scene.surfaces.items() {
+            found.check_surface(surface);
+        }
+        found
+    }
+
     fn error(&mut self, span: Option<radsight_diag::Span>, message: String) {
         self.errors.push(at(Diagnostic::error(message), span));
     }
@@ -113,7 +123,7 @@ impl Findings<'_> {
             Shape::Mesh(handle) => scene.mesh_instances.get(handle).map(|placed| {
                 placed.to_scene.scale > 0.0
                     && placed.to_scene.translation.is_finite()
-                    && scene.meshes.get(placed.mesh).is_some_and(mesh_is_sound)
+                    && self.sound_meshes.get(placed.mesh.index()) == Some(&true)
             }),
             Shape::Instance(handle) => scene.instances.get(handle).map(|placed| {
                 placed.to_scene.scale > 0.0
@@ -164,7 +174,8 @@ fn mesh_is_sound(mesh: &crate::Mesh) -> bool {
                 && (!triangle.smooth || index < mesh.normals.len())
                 && (!triangle.textured || index < mesh.uvs.len())
         })
-    }) && mesh.vertices.iter().all(|vertex| vertex.is_finite())
+    }) && mesh.vertices.iter().chain(&mesh.normals).all(|vertex| vertex.is_finite())
+        && mesh.uvs.as_flattened().iter().all(|coordinate| coordinate.is_finite())
 }
 
 fn is_unit(direction: DVec3) -> bool {

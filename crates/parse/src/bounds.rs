@@ -1,7 +1,7 @@
 //! The box around a scene, as Radiance computes it.
 
 use glam::DVec3;
-use radsight_ir::{Cone, Mesh, Ring, Scene, Shape, Sphere, Transform};
+use radsight_ir::{Cone, Cube, Ring, Scene, Shape, Sphere, Transform};
 
 /// How much larger than the scene the cube of `oconv` is, on each side: Radiance's own margin.
 const CUBE_MARGIN: f64 = 1e-5;
@@ -13,15 +13,6 @@ pub struct Bounds {
     pub low: DVec3,
     /// The corner with the largest coordinates.
     pub high: DVec3,
-}
-
-/// A cube along the axes, scene units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cube {
-    /// The corner with the smallest coordinates.
-    pub origin: DVec3,
-    /// Length of an edge.
-    pub size: f64,
 }
 
 /// The box that real `getbbox` prints; `None` for a scene without local surfaces.
@@ -43,11 +34,11 @@ pub fn bounds(scene: &Scene) -> Option<Bounds> {
             Shape::Source(_) => {}
             Shape::Mesh(handle) => {
                 let placed = &scene.mesh_instances[handle];
-                all.add_cube(mesh_cube(&scene.meshes[placed.mesh]), &placed.to_scene);
+                all.add_cube(&scene.meshes[placed.mesh].cube, &placed.to_scene);
             }
             Shape::Instance(handle) => {
                 let placed = &scene.instances[handle];
-                all.add_cube(cube(&scene.octrees[placed.octree].scene), &placed.to_scene);
+                all.add_cube(&scene.octrees[placed.octree].cube, &placed.to_scene);
             }
         }
     }
@@ -58,13 +49,6 @@ pub fn bounds(scene: &Scene) -> Option<Bounds> {
 #[must_use]
 pub fn cube(scene: &Scene) -> Option<Cube> {
     bounds(scene).map(|bounds| bounds.cube(CUBE_MARGIN))
-}
-
-/// The cube of a mesh file.
-fn mesh_cube(mesh: &Mesh) -> Option<Cube> {
-    let mut all = Bounds::EMPTY;
-    mesh.vertices.iter().for_each(|vertex| all.add(*vertex));
-    all.low.cmple(all.high).all().then(|| all.cube(CUBE_MARGIN))
 }
 
 impl Bounds {
@@ -98,11 +82,10 @@ impl Bounds {
         self.add(center + reach);
     }
 
-    fn add_cube(&mut self, cube: Option<Cube>, to_scene: &Transform) {
-        let Some(Cube { origin, size }) = cube else { return };
+    fn add_cube(&mut self, cube: &Cube, to_scene: &Transform) {
         for corner in 0..8 {
-            let offset = [1, 2, 4].map(|bit| if corner & bit == 0 { 0.0 } else { size });
-            self.add(to_scene.point(origin + DVec3::from_array(offset)));
+            let offset = [1, 2, 4].map(|bit| if corner & bit == 0 { 0.0 } else { cube.size });
+            self.add(to_scene.point(cube.origin + DVec3::from_array(offset)));
         }
     }
 

@@ -36,7 +36,7 @@ mod transform_words;
 mod write;
 mod xform;
 
-pub use bounds::{Bounds, Cube, bounds, cube};
+pub use bounds::{Bounds, bounds, cube};
 pub use kind::{Kind, Role};
 pub use lower::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, UnusedModifiers, read_scene};
 pub use write::write_scene;
