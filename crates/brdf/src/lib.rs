@@ -16,12 +16,18 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod ashikhmin;
 pub mod check;
+mod gaussian_transmission;
 mod lambert;
 mod ward;
+mod ward_anisotropic;
 
+pub use ashikhmin::AshikhminShirley;
+pub use gaussian_transmission::GaussianTransmission;
 pub use lambert::Lambert;
 pub use ward::WardIsotropic;
+pub use ward_anisotropic::WardAnisotropic;
 
 use glam::DVec3;
 
