@@ -117,32 +117,66 @@ pub struct BsdfData {
 }
 
 impl Axis {
-    /// The cell that holds `at`, and the weights of its two ends: linear within the grid and one cell beyond it, then falling
-    /// off as one over the distance, as Radiance does.
+    /// The cell that holds `at`, and the weights of its two ends.
     fn cell(&self, at: f64) -> (usize, f64, f64) {
         let last_cell = self.count().saturating_sub(2);
-        let (cell, x) = match self {
+        match self {
             Axis::Regular { first, last, count } => {
-                let x = (at - first) / (last - first) * (*count as f64 - 1.0);
-                ((x.max(0.0) as usize).min(last_cell), x)
+                regular_cell((at - first) / (last - first) * (*count as f64 - 1.0), *count)
             }
             Axis::Irregular(points) => {
                 let rising = points[points.len() - 1] > points[0];
                 let after = points.partition_point(|point| if rising { *point <= at } else { *point >= at });
                 let cell = after.saturating_sub(1).min(last_cell);
-                (cell, cell as f64 + (at - points[cell]) / (points[cell + 1] - points[cell]))
+                let x = cell as f64 + (at - points[cell]) / (points[cell + 1] - points[cell]);
+                let (low, high) = end_weights(x, cell);
+                (cell, low, high)
             }
-        };
-        let position = cell as f64;
-        if x > position + 2.0 {
-            let near = 1.0 / (position - 1.0 - x);
-            (cell, near, -2.0 * near)
-        } else if x < position - 1.0 {
-            let far = 1.0 / (x - position);
-            (cell, -2.0 * far, far)
-        } else {
-            (cell, position + 1.0 - x, x - position)
         }
+    }
+}
+
+/// The cell that holds `x`, counted in points from the first of `count`, and the weights of its two ends.
+fn regular_cell(x: f64, count: usize) -> (usize, f64, f64) {
+    let cell = (x.max(0.0) as usize).min(count.saturating_sub(2));
+    let (low, high) = end_weights(x, cell);
+    (cell, low, high)
+}
+
+/// The weights of the two ends of a cell: linear within the grid and one cell beyond it, then falling off as one over the
+/// distance, as Radiance does.
+fn end_weights(x: f64, cell: usize) -> (f64, f64) {
+    let position = cell as f64;
+    if x > position + 2.0 {
+        let near = 1.0 / (position - 1.0 - x);
+        (near, -2.0 * near)
+    } else if x < position - 1.0 {
+        let far = 1.0 / (x - position);
+        (-2.0 * far, far)
+    } else {
+        (position + 1.0 - x, x - position)
+    }
+}
+
+impl PictureData {
+    /// The colour at (u, v) by linear interpolation between pixels.
+    #[must_use]
+    pub fn value(&self, u: f64, v: f64) -> [f64; 3] {
+        let position = |at: f64, extent: f64, count: usize| at / extent * (count as f64 - 1.0);
+        let (column, left, right) = regular_cell(position(u, self.extent[0], self.width), self.width);
+        let (row, low, high) = regular_cell(position(v, self.extent[1], self.height), self.height);
+        let mut sum = [0.0; 3];
+        for (column, across) in [(column, left), (column + 1, right)] {
+            for (row, along) in [(row, low), (row + 1, high)] {
+                // A picture of one row or column has the same value all over that way.
+                let from_top = self.height - 1 - row.min(self.height - 1);
+                let pixel = self.pixels[from_top * self.width + column.min(self.width - 1)];
+                for (sum, value) in sum.iter_mut().zip(pixel) {
+                    *sum += across * along * f64::from(value);
+                }
+            }
+        }
+        sum
     }
 }
 
@@ -187,6 +221,16 @@ mod tests {
         let axes = vec![Axis::Regular { first: 0.0, last: 1.0, count: 2 }];
         let grid = DataGrid { file: String::new(), axes, values: vec![1.0, 1.0] };
         assert!((grid.value(&[3.0]) - 0.25).abs() < 0.5 && grid.value(&[1000.0]).abs() < 2e-3);
+    }
+
+    #[test]
+    fn a_picture_is_upright_and_as_wide_as_it_says() {
+        let pixels = [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 5.0], [1.0, 0.0, 5.0]].to_vec();
+        let picture = PictureData { file: String::new(), width: 2, height: 2, extent: [1.0, 2.0], pixels };
+        assert_eq!(picture.value(0.0, 0.0), [0.0, 0.0, 5.0]);
+        assert_eq!(picture.value(0.25, 1.5), [0.25, 0.75, 1.25]);
+        let dot = PictureData { width: 1, height: 1, pixels: vec![[3.0; 3]], ..picture };
+        assert_eq!(dot.value(0.3, 7.0), [3.0; 3]);
     }
 
     #[test]

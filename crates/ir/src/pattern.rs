@@ -58,14 +58,15 @@ pub struct TextPattern {
     pub font: Handle<Font>,
     /// Lines of character codes.
     pub lines: Vec<Vec<u8>>,
-    /// Upper left corner.
+    /// Upper left corner of the first character, scene units.
     pub origin: DVec3,
-    /// From one character to the next.
+    /// From one character to the next, scene units.
     pub right: DVec3,
-    /// From one line to the next.
+    /// From one line to the next, scene units; not along `right`.
     pub down: DVec3,
-    /// Spacing between characters; zero is the font's own.
-    pub spacing: f64,
+    /// Space between characters, in cells: above zero lines keep the columns of their words, below zero they do not, zero sets
+    /// each character into a whole cell. With any of them cells are as narrow as the font's characters; `None` keeps them square.
+    pub spacing: Option<f64>,
     /// Multiplier where there is ink.
     pub foreground: Rgb,
     /// Multiplier elsewhere.

@@ -197,6 +197,5 @@ fn spectrum_numbers(spectrum: &Spectrum) -> Vec<f64> {
 
 fn text_arguments(text: &TextPattern, colors: &[f64]) -> Arguments {
     let frame = [text.origin, text.right, text.down].map(|vector| vector.to_array()).concat();
-    let spacing = if text.spacing == 0.0 { &[][..] } else { &[text.spacing] };
-    Arguments { strings: text.words.clone(), reals: [&frame, colors, spacing].concat() }
+    Arguments { strings: text.words.clone(), reals: [&frame, colors, text.spacing.as_slice()].concat() }
 }
