@@ -1,65 +1,96 @@
 //! From chains of modifiers to shaders.
 
 use crate::plan::{ModelRequest, ModelSource};
+use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
-use crate::shader::{Emitter, Function, GlossyKind, Kind, Shader, Step};
+use crate::shader::{Emitter, Function, GlossyKind, Home, Kind, Shader, Step};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
-    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Scene, Shape, Substitute, Surface, Texture,
-    ValidScene,
+    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Scene, Substitute, Texture, ValidScene,
 };
-use std::collections::HashMap;
 
-/// One shader for each modifier that surfaces name, its index for each surface, and the number of bands to trace.
+/// The shader of each modifier that surfaces of a scene name, and those of the scenes that it places.
+#[derive(Debug)]
+pub(crate) struct ShaderTable {
+    /// By modifier, `void` first.
+    of_modifier: Vec<ShaderId>,
+    /// By octree handle.
+    pub(crate) octrees: Vec<ShaderTable>,
+}
+
+impl ShaderTable {
+    /// The shader of a modifier that a surface or a triangle of the scene has.
+    #[inline]
+    pub(crate) fn of(&self, modifier: Option<ModifierHandle>) -> ShaderId {
+        self.of_modifier[modifier.map_or(0, |handle| handle.index() + 1)]
+    }
+}
+
+/// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
 ///
 /// Models from elsewhere are first made for three bands. If the whole scene then proves to be grey, they are made again for one.
 pub(crate) fn compile_shaders(
     scene: &ValidScene,
     models: &dyn ModelSource,
-) -> Result<(Vec<Shader>, Vec<u32>, usize), Vec<Diagnostic>> {
-    let (shaders, shader_of) = compile_for(scene, models, 3)?;
+) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
+    let (shaders, table) = compile_for(scene, models, 3)?;
     if !shaders.iter().all(Shader::is_grey) {
-        return Ok((shaders, shader_of, 3));
+        return Ok((shaders, table, 3));
     }
     if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {
-        return Ok((shaders, shader_of, 1));
+        return Ok((shaders, table, 1));
     }
-    compile_for(scene, models, 1).map(|(shaders, shader_of)| (shaders, shader_of, 1))
+    compile_for(scene, models, 1).map(|(shaders, table)| (shaders, table, 1))
 }
 
 fn compile_for(
-    scene: &ValidScene,
+    scene: &Scene,
     models: &dyn ModelSource,
     bands: usize,
-) -> Result<(Vec<Shader>, Vec<u32>), Vec<Diagnostic>> {
-    let mut shaders = Vec::new();
-    let mut by_modifier: HashMap<Option<ModifierHandle>, u32> = HashMap::new();
-    let mut errors = Vec::new();
-    let mut shader_of = Vec::with_capacity(scene.surfaces.len());
-    for surface in scene.surfaces.items() {
-        if let Some(error) = unsupported_shape(surface) {
-            errors.push(error);
-        }
-        let index = *by_modifier.entry(surface.modifier).or_insert_with(|| {
-            let shader = compile(scene, surface.modifier, models, bands).unwrap_or_else(|error| {
-                errors.push(error);
-                Shader { steps: Vec::new(), kind: Kind::Transparent }
-            });
-            shaders.push(shader);
-            (shaders.len() - 1) as u32
-        });
-        shader_of.push(index);
-    }
-    if errors.is_empty() { Ok((shaders, shader_of)) } else { Err(errors) }
+) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
+    let mut compiler = Compiler { models, bands, shaders: Vec::new(), errors: Vec::new() };
+    let table = compiler.compile_scene(scene, &Home::default());
+    let Compiler { shaders, errors, .. } = compiler;
+    if errors.is_empty() { Ok((shaders, table)) } else { Err(errors) }
 }
 
-fn unsupported_shape(surface: &Surface) -> Option<Diagnostic> {
-    let kind = match surface.shape {
-        Shape::Mesh(_) => "mesh",
-        Shape::Instance(_) => "instance",
-        _ => return None,
-    };
-    Some(not_yet(&format!("a surface of type \"{kind}\""), surface.span))
+struct Compiler<'a> {
+    models: &'a dyn ModelSource,
+    bands: usize,
+    shaders: Vec<Shader>,
+    errors: Vec<Diagnostic>,
+}
+
+/// What stands in the table for a modifier that nothing names.
+const NO_SHADER: ShaderId = ShaderId(u32::MAX);
+
+impl Compiler<'_> {
+    fn compile_scene(&mut self, scene: &Scene, home: &Home) -> ShaderTable {
+        let mut of_modifier = vec![NO_SHADER; scene.modifiers.len() + 1];
+        let of_surfaces = scene.surfaces.items().iter().map(|surface| surface.modifier);
+        let of_triangles =
+            scene.meshes.items().iter().flat_map(|mesh| &mesh.triangles).map(|triangle| triangle.modifier);
+        for modifier in of_surfaces.chain(of_triangles) {
+            let place = &mut of_modifier[modifier.map_or(0, |handle| handle.index() + 1)];
+            if *place == NO_SHADER {
+                *place = self.compile_chain(scene, home, modifier);
+            }
+        }
+        let octrees = scene.octrees.iter().map(|(handle, octree)| {
+            let home = Home(home.0.iter().copied().chain([handle]).collect());
+            self.compile_scene(&octree.scene, &home)
+        });
+        ShaderTable { octrees: octrees.collect(), of_modifier }
+    }
+
+    fn compile_chain(&mut self, scene: &Scene, home: &Home, modifier: Option<ModifierHandle>) -> ShaderId {
+        let (steps, kind) = compile(scene, modifier, self.models, self.bands).unwrap_or_else(|error| {
+            self.errors.push(error);
+            (Vec::new(), Kind::Transparent)
+        });
+        self.shaders.push(recognised(Shader { steps, kind, home: home.clone(), modifier }));
+        ShaderId((self.shaders.len() - 1) as u32)
+    }
 }
 
 fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
@@ -75,7 +106,7 @@ fn compile(
     first: Option<ModifierHandle>,
     models: &dyn ModelSource,
     bands: usize,
-) -> Result<Shader, Diagnostic> {
+) -> Result<(Vec<Step>, Kind), Diagnostic> {
     let mut steps = Vec::new();
     let mut material = None;
     for (handle, modifier) in scene.chain(first) {
@@ -94,9 +125,9 @@ fn compile(
             }
         }
     }
-    let Some((handle, material)) = material else { return Ok(Shader { steps: Vec::new(), kind: Kind::Transparent }) };
+    let Some((handle, material)) = material else { return Ok((Vec::new(), Kind::Transparent)) };
     let kind = compile_material(scene, handle, material, models, bands)?;
-    Ok(recognised(Shader { steps, kind }))
+    Ok((steps, kind))
 }
 
 /// The paper's construction becomes its lobe, which is sampled exactly.

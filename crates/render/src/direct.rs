@@ -3,7 +3,7 @@
 use crate::geometry::RayFrame;
 use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::plan::RenderPlan;
-use crate::ray::{PrimitiveId, Ray};
+use crate::ray::{Crossing, PrimitiveId, Ray};
 use crate::reach::Between;
 use crate::shader::{Kind, bands};
 use crate::surface_light::{Densities, LitPoint, pane};
@@ -166,14 +166,7 @@ impl DirectSampler {
         let ray = light.real_ray(self.point, sample.direction);
         let distant = matches!(light.form, LightForm::Distant { .. });
         let encounter = if distant {
-            Encounter {
-                direction: ray.direction,
-                normal: -ray.direction,
-                point: ray.direction,
-                total_distance: f64::MAX,
-                distance: f64::MAX,
-                cosine: 1.0,
-            }
+            Encounter::distant(ray.direction)
         } else {
             let normal = light.mirrors.iter().fold(sample.normal, |normal, mirror| mirror.image_of_direction(normal));
             let total = self.travelled + sample.distance;
@@ -198,24 +191,25 @@ impl DirectSampler {
             let geometry = &tracer.plan.geometry;
             let frame = RayFrame::new(&ray);
             let scene = &tracer.plan.scene;
-            let Some(distance) = geometry.intersect(scene, mirror.primitive, &ray, &frame, from, left) else {
+            let Some(crossing) = geometry.intersect(scene, mirror.member, &ray, &frame, from, left) else {
                 return [0.0; BANDS];
             };
+            let distance = crossing.distance;
             if ray.direction.dot(mirror.normal) >= 0.0 {
                 return [0.0; BANDS];
             }
             let reflectance = self.mirror_reflectance(tracer, mirror, &ray, distance);
             through = product(through, reflectance);
-            let clear = self.segment(tracer, &ray, from, distance, mirror.primitive, &Between::Anything);
+            let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &Between::Anything);
             through = product(through, clear);
             ray = Ray { origin: ray.at(distance), direction: mirror.image_of_direction(ray.direction) };
-            from = Some(mirror.primitive);
+            from = Some(crossing.primitive);
             left -= distance;
             if through.iter().all(|band| *band == 0.0) {
                 return through;
             }
         }
-        let target = light.primitive.unwrap_or(PrimitiveId(u32::MAX));
+        let target = light.primitive.unwrap_or(PrimitiveId::NONE);
         product(through, self.segment(tracer, &ray, from, left, target, between))
     }
 
@@ -250,17 +244,20 @@ impl DirectSampler {
         let end = distance * (1.0 - 1e-9);
         let travelled = self.travelled;
         let scratch = &mut tracer.workspace.scratch;
-        let mut block = |primitive: PrimitiveId, surface, at: f64| {
-            if primitive == target {
+        let mut block = |crossing: Crossing| {
+            if crossing.primitive == target {
                 return false;
             }
-            let shader = plan.shader(surface);
             if !plan.see_through {
                 through = [0.0; BANDS];
                 return true;
             }
-            let hit = plan.geometry.surface_at(&plan.scene, primitive, ray.at(at));
-            let behind = ray.direction.dot(hit.1) > 0.0;
+            let hit = plan.geometry.hit(&plan.scene, &plan.shader_table, ray, crossing);
+            let shader = plan.shader_at(hit.shader);
+            if matches!(shader.kind, Kind::Transparent) {
+                return false;
+            }
+            let behind = ray.direction.dot(hit.front) > 0.0;
             if behind && plan.options.back_faces == crate::BackFaces::Invisible {
                 return false;
             }
@@ -268,7 +265,7 @@ impl DirectSampler {
                 through = [0.0; BANDS];
                 return true;
             };
-            let encounter = Encounter::new(ray, hit.0, hit.1, at, travelled + at);
+            let encounter = Encounter::at(ray, &hit, travelled + hit.distance);
             let pattern = shader.appearance::<BANDS>(&plan.scene, &encounter, scratch);
             let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
             through = product(through, product(transmitted, pattern.color));
@@ -279,10 +276,8 @@ impl DirectSampler {
             Between::Nothing => {}
             Between::Few(list) => {
                 let frame = RayFrame::new(ray);
-                for primitive in list {
-                    if let Some(at) = plan.geometry.intersect(&plan.scene, *primitive, ray, &frame, from, end)
-                        && block(*primitive, plan.geometry.surface_of(*primitive), at)
-                    {
+                for member in list {
+                    if plan.geometry.any_of_member(&plan.scene, *member, (ray, &frame), from, end, &mut block) {
                         break;
                     }
                 }

@@ -2,7 +2,7 @@
 
 use crate::geometry;
 use crate::lens::Overlap;
-use crate::ray::{PrimitiveId, Ray};
+use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::tilt::{DiskTilt, Peak, exponential, exponential_density};
 use earcut::Earcut;
 use glam::DVec3;
@@ -48,7 +48,7 @@ const PARALLEL: f64 = 1.0 - 1e-12;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror {
     pub(crate) surface: SurfaceHandle,
-    pub(crate) primitive: PrimitiveId,
+    pub(crate) member: MemberId,
     pub(crate) point: DVec3,
     pub(crate) normal: DVec3,
 }

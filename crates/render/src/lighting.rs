@@ -15,8 +15,8 @@ pub(crate) fn collect_lights<'a>(
     relays: u32,
 ) -> Vec<Light> {
     let mut primitive_of = vec![None; scene.surfaces.len()];
-    for (primitive, handle) in geometry.surfaces() {
-        primitive_of[handle.index()] = Some(primitive);
+    for (member, handle) in geometry.members() {
+        primitive_of[handle.index()] = geometry.is_plain(member).then(|| member.primitive());
     }
     let mut lights: Vec<Light> = scene
         .surfaces
@@ -101,9 +101,9 @@ fn collect_mirrors<'a>(
     shader: &impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<Mirror> {
     geometry
-        .surfaces()
+        .members()
         .filter(|(_, handle)| matches!(shader(*handle).kind, Kind::Mirror { .. }))
-        .filter_map(|(primitive, surface)| {
+        .filter_map(|(member, surface)| {
             let shape = scene.surfaces[surface].shape;
             let normal = flat_normal(scene, shape)?;
             let point = match shape {
@@ -111,7 +111,7 @@ fn collect_mirrors<'a>(
                 Shape::Ring(ring) => scene.rings[ring].center,
                 _ => return None,
             };
-            Some(Mirror { surface, primitive, point, normal })
+            Some(Mirror { surface, member, point, normal })
         })
         .collect()
 }

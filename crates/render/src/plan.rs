@@ -1,13 +1,14 @@
 //! What a scene needs, decided once before the first ray.
 
-use crate::compile::compile_shaders;
+use crate::compile::{ShaderTable, compile_shaders};
 use crate::geometry::Geometry;
 use crate::light::{Light, LightId};
 use crate::lighting::collect_lights;
 use crate::options::{RenderOptions, Skipping};
-use crate::ray::PrimitiveId;
+use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Kind, Shader, Step};
+use crate::trace::FirstHit;
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
@@ -20,8 +21,8 @@ pub struct RenderPlan {
     pub(crate) options: RenderOptions,
     pub(crate) geometry: Geometry,
     pub(crate) shaders: Vec<Shader>,
-    /// Index into `shaders`, by surface.
-    pub(crate) shader_of: Vec<u32>,
+    /// Which of them each modifier is.
+    pub(crate) shader_table: ShaderTable,
     pub(crate) lights: Vec<Light>,
     /// The lights, real and mirrored, of each surface that has any, sorted by surface.
     pub(crate) lights_of: Vec<(SurfaceHandle, LightId)>,
@@ -33,7 +34,7 @@ pub struct RenderPlan {
     pub(crate) see_through: bool,
     pub(crate) bands: usize,
     /// The first surface with an unusable material that a ray met.
-    pub(crate) unusable_met: OnceLock<SurfaceHandle>,
+    pub(crate) unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
     decisions: Vec<Decision>,
 }
 
@@ -65,15 +66,18 @@ impl RenderPlan {
         options: RenderOptions,
         models: &dyn ModelSource,
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
-        let (shaders, shader_of, bands) = compile_shaders(&scene, models)?;
-        let shader = |handle: SurfaceHandle| &shaders[shader_of[handle.index()] as usize];
-        let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent));
+        let (shaders, shader_table, bands) = compile_shaders(&scene, models)?;
+        let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
+        let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
+            .map_err(|error| vec![error])?;
         let lights = collect_lights(&scene, &geometry, shader, options.mirror_relays);
         let mut lights_of: Vec<_> =
             lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
         lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
         let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
-        let see_through = scene.surfaces.iter().any(|(handle, _)| matches!(shader(handle).kind, Kind::Glass { .. }))
+        let see_through = shaders.iter().any(|shader| matches!(shader.kind, Kind::Glass { .. }))
+            || geometry
+                .holds_void(&scene, &shader_table, &|id| matches!(shaders[id.0 as usize].kind, Kind::Transparent))
             || options.back_faces == crate::BackFaces::Invisible;
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {
@@ -85,7 +89,7 @@ impl RenderPlan {
             options,
             geometry,
             shaders,
-            shader_of,
+            shader_table,
             lights,
             lights_of,
             sky,
@@ -102,11 +106,13 @@ impl RenderPlan {
     /// The error of a ray that met a surface whose material cannot be used; what was traced is then worthless.
     #[must_use]
     pub fn unusable_met(&self) -> Option<Diagnostic> {
-        let surface = *self.unusable_met.get()?;
+        let (surface, shader) = *self.unusable_met.get()?;
         let name = self.scene.surface_name(surface);
-        let (_, modifier) = self
-            .scene
-            .chain(self.scene.surfaces[surface].modifier)
+        let shader = &self.shaders[shader.0 as usize];
+        let (_, modifier) = shader
+            .home
+            .scene(&self.scene)
+            .chain(shader.modifier)
             .find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(Material::Unusable { .. })))?;
         let ModifierKind::Material(Material::Unusable { reason }) = &modifier.kind else { return None };
         let error = Diagnostic::error(format!("a ray met \"{name}\", whose material cannot be used: {reason}"));
@@ -137,7 +143,7 @@ impl RenderPlan {
     /// Whether any surface emits.
     #[must_use]
     pub fn has_emitters(&self) -> bool {
-        self.scene.surfaces.iter().any(|(handle, _)| matches!(self.shader(handle).kind, Kind::Emitter(_)))
+        self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Emitter(_)))
     }
 
     /// Centre and radius of a sphere around all surfaces that have a place, scene units.
@@ -150,11 +156,22 @@ impl RenderPlan {
     #[must_use]
     pub fn leaves_out_interreflection(&self) -> bool {
         self.options.ambient_bounces == 0
-            && self.geometry.surfaces().any(|(primitive, handle)| {
+            && self.geometry.members().any(|(member, handle)| {
                 matches!(&self.shader(handle).kind, Kind::Glossy(glossy)
                     if glossy.specularity < 1.0 && !glossy.color.is_black())
-                    && !self.reach.receiver(primitive).is_some_and(|receiver| receiver.sees_only_lights)
+                    && !self.reach.receiver(member.primitive()).is_some_and(|receiver| receiver.sees_only_lights)
             })
+    }
+
+    /// The names of the surface at which a ray ended and of its modifier, as Radiance tells them: those within an instance or a mesh,
+    /// unless a modifier of their own overrides what is within.
+    #[must_use]
+    pub fn names_at(&self, hit: &FirstHit) -> [&str; 2] {
+        if hit.primitive == PrimitiveId::NONE {
+            let modifier = self.scene.surfaces[hit.surface].modifier;
+            return [self.scene.surface_name(hit.surface), self.scene.modifier_name(modifier)];
+        }
+        self.geometry.names(&self.scene, hit.primitive)
     }
 
     /// The scene.
@@ -164,7 +181,17 @@ impl RenderPlan {
     }
 
     pub(crate) fn shader(&self, surface: SurfaceHandle) -> &Shader {
-        &self.shaders[self.shader_of[surface.index()] as usize]
+        self.shader_at(self.shader_table.of(self.scene.surfaces[surface].modifier))
+    }
+
+    /// The first surface along a ray, `from` excluded where it is flat.
+    #[inline]
+    pub(crate) fn first_hit(&self, ray: &Ray, from: Option<PrimitiveId>) -> Option<Hit> {
+        self.geometry.first_hit(&self.scene, &self.shader_table, ray, from)
+    }
+
+    pub(crate) fn shader_at(&self, id: ShaderId) -> &Shader {
+        &self.shaders[id.0 as usize]
     }
 
     pub(crate) fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {

@@ -1,7 +1,8 @@
 //! Rays, and where they end.
 
+use crate::view::Placed;
 use glam::DVec3;
-use radsight_ir::SurfaceHandle;
+use radsight_ir::{SurfaceHandle, Transform};
 
 /// A half line. The direction is a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,19 +30,62 @@ impl Ray {
     pub fn at(&self, distance: f64) -> DVec3 {
         self.origin + self.direction * distance
     }
+
+    /// The same ray in the coordinates of something that `to_scene` places; distances along it are those here over its scale.
+    #[inline]
+    pub(crate) fn seen_from(&self, to_scene: &Transform) -> Ray {
+        let to_local = to_scene.rotation.transpose();
+        Ray {
+            origin: to_local * (self.origin - to_scene.translation) / to_scene.scale,
+            direction: to_local * self.direction,
+        }
+    }
 }
 
-/// Names a primitive of the geometry: a surface, or one triangle of a mesh.
+/// Names a surface of one scene that has a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PrimitiveId(pub(crate) u32);
+pub(crate) struct MemberId(pub(crate) u32);
 
-/// Where a ray meets a surface.
+impl MemberId {
+    /// The primitive that a surface is which holds no others.
+    pub(crate) fn primitive(self) -> PrimitiveId {
+        PrimitiveId(u64::from(self.0))
+    }
+}
+
+/// Names what a ray can hit: a surface of the scene, a triangle of a mesh, a surface of a scene that is placed in it. Each copy has
+/// a name of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PrimitiveId(pub(crate) u64);
+
+impl PrimitiveId {
+    /// Names nothing.
+    pub(crate) const NONE: PrimitiveId = PrimitiveId(u64::MAX);
+}
+
+/// Names a shader of the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ShaderId(pub(crate) u32);
+
+/// Where a ray crosses a primitive.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// Along the ray, scene units.
+    pub(crate) distance: f64,
+    pub(crate) primitive: PrimitiveId,
+}
+
+/// Where a ray meets a surface, with all that its shading asks for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit {
     pub(crate) distance: f64,
     pub(crate) primitive: PrimitiveId,
+    /// The surface of the whole scene: a mesh or an instance where the ray hits something within one.
     pub(crate) surface: SurfaceHandle,
+    pub(crate) shader: ShaderId,
     pub(crate) point: DVec3,
     /// Unit, on the surface's front side, whatever side the ray comes from.
     pub(crate) front: DVec3,
+    /// What only meshes and instances have.
+    pub(crate) placed: Option<Placed>,
 }

@@ -4,9 +4,9 @@
 //! no shadow ray is needed; if few do, only those are tested. A flat surface that has nothing but lights in front of it needs no ray to
 //! find light by way of other surfaces. All tests are conservative: what is left out cannot change the picture.
 
-use crate::geometry::{self, Geometry};
+use crate::geometry::{Geometry, flat_normal};
 use crate::light::{Light, LightForm};
-use crate::ray::PrimitiveId;
+use crate::ray::{MemberId, PrimitiveId};
 use crate::shader::{Kind, Shader};
 use glam::DVec3;
 use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
@@ -29,7 +29,7 @@ pub(crate) enum Between {
     /// Nothing.
     Nothing,
     /// At most these.
-    Few(Vec<PrimitiveId>),
+    Few(Vec<MemberId>),
     /// Anything.
     Anything,
 }
@@ -69,13 +69,14 @@ impl Reach {
             return Reach::everything();
         }
         let bodies: Vec<Body> = geometry
-            .surfaces()
-            .map(|(primitive, handle)| Body::new(scene, primitive, handle, &shader(handle).kind, lights))
+            .members()
+            .map(|(member, handle)| Body::new(scene, geometry, member, &shader(handle).kind, lights))
             .collect();
         let (_, radius) = geometry.bounding_sphere();
         let tolerance = IN_PLANE * radius;
         let receivers = bodies
             .iter()
+            .take_while(|body| geometry.is_plain(body.member))
             .map(|body| Receiver {
                 between: lights.iter().map(|light| between(body, light, &bodies, tolerance)).collect(),
                 sees_only_lights: !unsampled_sky && sees_only_lights(body, &bodies, lights, tolerance),
@@ -120,7 +121,7 @@ impl Reach {
 
 /// A surface as the tests see it.
 struct Body {
-    primitive: PrimitiveId,
+    member: MemberId,
     surface: SurfaceHandle,
     /// Points whose convex hull holds the surface.
     hull: Vec<DVec3>,
@@ -132,16 +133,17 @@ struct Body {
 }
 
 impl Body {
-    fn new(scene: &Scene, primitive: PrimitiveId, surface: SurfaceHandle, kind: &Kind, lights: &[Light]) -> Body {
+    fn new(scene: &Scene, geometry: &Geometry, member: MemberId, kind: &Kind, lights: &[Light]) -> Body {
+        let surface = geometry.surface_of(member);
         let shape = scene.surfaces[surface].shape;
-        let hull = hull(scene, shape);
-        let plane = geometry::flat_normal(scene, shape).map(|normal| (normal, hull[0]));
+        let hull = hull(scene, geometry, shape);
+        let plane = flat_normal(scene, shape).map(|normal| (normal, hull[0]));
         let is_light = lights.iter().any(|light| light.surface == surface && light.max_distance.is_infinite());
         let highlight = match kind {
             Kind::Glossy(glossy) | Kind::Retro(glossy) => 4.0 * PI * glossy.roughness * glossy.roughness,
             _ => 0.0,
         };
-        Body { primitive, surface, hull, plane, is_light, highlight }
+        Body { member, surface, hull, plane, is_light, highlight }
     }
 
     /// Lowest and highest value of a linear function over the surface.
@@ -158,7 +160,7 @@ fn range(points: &[DVec3], axis: DVec3) -> (f64, f64) {
 }
 
 /// Points whose convex hull holds a surface.
-fn hull(scene: &Scene, shape: Shape) -> Vec<DVec3> {
+fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     match shape {
         Shape::Polygon { start, count } => scene.vertices[start as usize..][..count as usize].to_vec(),
         Shape::Ring(handle) => {
@@ -167,7 +169,7 @@ fn hull(scene: &Scene, shape: Shape) -> Vec<DVec3> {
             let corner = |a: f64, b: f64| ring.center + (x * a + y * b) * ring.outer_radius;
             vec![corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0), corner(1.0, -1.0)]
         }
-        shape => geometry::bounds(scene, shape).map_or(Vec::new(), |bounds| bounds.corners().to_vec()),
+        shape => geometry.bounds(scene, shape).map_or(Vec::new(), |bounds| bounds.corners().to_vec()),
     }
 }
 
@@ -188,12 +190,12 @@ fn between(body: &Body, light: &Light, bodies: &[Body], tolerance: f64) -> Betwe
     let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
     axes.extend(body.plane.map(|(normal, _)| normal));
     axes.extend(source.plane.map(|(normal, _)| normal));
-    let blockers: Vec<PrimitiveId> = bodies
+    let blockers: Vec<MemberId> = bodies
         .iter()
         .filter(|other| other.surface != light.surface)
-        .filter(|other| other.primitive != body.primitive || body.plane.is_none())
+        .filter(|other| other.member != body.member || body.plane.is_none())
         .filter(|other| !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance)))
-        .map(|other| other.primitive)
+        .map(|other| other.member)
         .collect();
     match blockers.len() {
         0 => Between::Nothing,

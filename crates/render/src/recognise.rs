@@ -56,5 +56,7 @@ fn trial_encounter(trial: u32) -> Encounter {
         total_distance: scale * (1.0 + coordinate(8)),
         distance: scale * coordinate(8),
         cosine: cosine.abs(),
+        behind: false,
+        placed: None,
     }
 }

@@ -4,7 +4,7 @@ use crate::view::{Encounter, View};
 use glam::DVec3;
 use radsight_brdf::Brdf;
 use radsight_cal::{Program, Scratch};
-use radsight_ir::{DataGrid, FunctionCall, Handle, Rgb, Scene, Transform};
+use radsight_ir::{DataGrid, FunctionCall, Handle, ModifierHandle, OctreeScene, Rgb, Scene, Transform};
 use std::sync::Arc;
 
 /// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
@@ -16,6 +16,23 @@ pub(crate) struct Shader {
     /// In the order in which Radiance applies them.
     pub(crate) steps: Vec<Step>,
     pub(crate) kind: Kind,
+    /// Where its chain of modifiers stands, with all that the handles in here name.
+    pub(crate) home: Home,
+    /// The first modifier of its chain; `None` for `void`.
+    pub(crate) modifier: Option<ModifierHandle>,
+}
+
+/// Names the scene whose modifiers a shader comes from: the scenes that lead to it, from the outermost inwards. Empty for the whole
+/// scene itself.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Home(pub(crate) Arc<[Handle<OctreeScene>]>);
+
+impl Home {
+    /// The scene, from the whole one.
+    #[inline]
+    pub(crate) fn scene<'s>(&self, whole: &'s Scene) -> &'s Scene {
+        self.0.iter().fold(whole, |scene, octree| &scene.octrees[*octree].scene)
+    }
 }
 
 /// The material.
@@ -103,7 +120,7 @@ impl Function {
     }
 
     fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
-        View { encounter, to_function: self.to_function.as_ref() }
+        View::new(encounter, self.to_function.as_ref())
     }
 }
 
@@ -112,7 +129,7 @@ impl Function {
 pub(crate) struct Appearance<const BANDS: usize> {
     /// Multiplies the material's colour.
     pub(crate) color: [f64; BANDS],
-    /// Added to the unit normal.
+    /// Added to the unit normal on the side from which the ray comes.
     pub(crate) perturbation: DVec3,
 }
 
@@ -125,9 +142,15 @@ impl Shader {
         encounter: &Encounter,
         scratch: &mut Scratch,
     ) -> Appearance<BANDS> {
-        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: DVec3::ZERO };
-        for step in &self.steps {
-            step.apply(scene, encounter, scratch, &mut appearance);
+        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: encounter.perturbation() };
+        if !self.steps.is_empty() {
+            let scene = self.home.scene(scene);
+            for step in &self.steps {
+                step.apply(scene, encounter, scratch, &mut appearance);
+            }
+        }
+        if encounter.behind {
+            appearance.perturbation = -appearance.perturbation;
         }
         appearance
     }
@@ -209,7 +232,8 @@ impl Step {
             Step::Texture(function) => {
                 let mut vector = [0.0; 3];
                 if function.program.eval_all(&[], &function.view(encounter), scratch, &mut vector).is_ok() {
-                    appearance.perturbation += function.to_scene.direction(DVec3::from_array(vector));
+                    let added = function.to_scene.direction(DVec3::from_array(vector));
+                    appearance.perturbation += encounter.direction_to_scene(added);
                 }
             }
         }

@@ -41,8 +41,9 @@ pub struct FirstHit {
     pub normal: DVec3,
     /// Unit normal with textures.
     pub perturbed_normal: DVec3,
-    /// The surface.
+    /// The surface of the whole scene: a mesh or an instance where the ray ends within one.
     pub surface: SurfaceHandle,
+    pub(crate) primitive: PrimitiveId,
 }
 
 /// What a ray brings.
@@ -186,10 +187,14 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     fn follow(&mut self, mut segment: Segment<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let Some(hit) = self.plan.geometry.first_hit(&self.plan.scene, &segment.ray, segment.from) else {
+            let Some(hit) = self.plan.first_hit(&segment.ray, segment.from) else {
                 return self.leave(&segment);
             };
-            let shader = self.plan.shader(hit.surface);
+            let shader = self.plan.shader_at(hit.shader);
+            if matches!(shader.kind, Kind::Transparent) {
+                segment = self.passed_through(segment, &hit);
+                continue;
+            }
             let behind = segment.ray.direction.dot(hit.front) > 0.0;
             if behind && self.plan.options.back_faces == BackFaces::Invisible {
                 segment = self.passed_through(segment, &hit);
@@ -212,7 +217,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     fn shade(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader, behind: bool) {
         let travelled = segment.travelled + hit.distance;
-        let encounter = Encounter::new(&segment.ray, hit.point, hit.front, hit.distance, travelled);
+        let encounter = Encounter::at(&segment.ray, hit, travelled);
         if segment.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit {
                 distance: travelled,
@@ -220,16 +225,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 normal: hit.front,
                 perturbed_normal: encounter.normal,
                 surface: hit.surface,
+                primitive: hit.primitive,
             });
         }
         if segment.direct_view {
             self.effective_distance = self.effective_distance.min(travelled);
         }
         match &shader.kind {
-            Kind::Transparent => {
-                let next = self.passed_through(*segment, hit);
-                self.push(next);
-            }
             Kind::Emitter(emitter) if !behind => {
                 let share = self.emission_share(segment, hit.surface, hit.distance, encounter.cosine);
                 self.emit(segment, shader, emitter, &encounter, share);
@@ -237,10 +239,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             Kind::Mirror { reflectance } if !behind => {
                 self.shade_mirror(segment, hit, shader, bands(*reflectance), &encounter);
             }
-            // From behind, lights and mirrors are black.
-            Kind::Emitter(_) | Kind::Mirror { .. } => {}
+            // From behind, lights and mirrors are black; what has no material was passed.
+            Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent => {}
             Kind::Unusable => {
-                let _ = self.plan.unusable_met.set(hit.surface);
+                let _ = self.plan.unusable_met.set((hit.surface, hit.shader));
             }
             Kind::Glass { transmissivity, refractive_index } => {
                 self.shade_glass(segment, hit, shader, (bands(*transmissivity), *refractive_index), &encounter);
@@ -474,14 +476,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let Some(sky) = found else { return };
         let shader = self.plan.shader(sky.surface);
         let Kind::Emitter(emitter) = &shader.kind else { return };
-        let encounter = Encounter {
-            direction,
-            normal: -direction,
-            point: direction,
-            total_distance: f64::MAX,
-            distance: f64::MAX,
-            cosine: 1.0,
-        };
+        let encounter = Encounter::distant(direction);
         if segment.depth == 0 {
             self.first_hit = Some(FirstHit {
                 distance: f64::INFINITY,
@@ -489,6 +484,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 normal: -direction,
                 perturbed_normal: -direction,
                 surface: sky.surface,
+                primitive: PrimitiveId::NONE,
             });
         }
         let share = self.emission_share(segment, sky.surface, f64::INFINITY, 1.0);

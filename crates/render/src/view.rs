@@ -1,6 +1,6 @@
 //! What a function sees of a ray.
 
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use glam::DVec3;
 use radsight_cal::Host;
 use radsight_ir::Transform;
@@ -17,32 +17,114 @@ pub(crate) struct Encounter {
     pub(crate) total_distance: f64,
     /// Of this ray alone.
     pub(crate) distance: f64,
-    /// −direction·normal as the surface faces: negative from behind.
+    /// −direction·normal, not negative.
     pub(crate) cosine: f64,
+    /// Whether the ray comes from the back. Functions see the normal as the surface faces.
+    pub(crate) behind: bool,
+    /// What only meshes and instances have.
+    pub(crate) placed: Option<Placed>,
+}
+
+/// What meshes and instances add to an encounter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// From the scene's coordinates to those in which the surface's modifiers stand; `None` where they are the same.
+    pub(crate) to_object: Option<Transform>,
+    /// Local coordinates of a mesh, the variables `Lu` and `Lv`; zero elsewhere.
+    pub(crate) uv: [f64; 2],
+    /// Interpolated minus geometric unit normal, scene coordinates, as the surface faces; textures add to it.
+    pub(crate) perturbation: DVec3,
 }
 
 impl Encounter {
+    /// With a surface that is neither a mesh nor within an instance.
     pub(crate) fn new(ray: &Ray, point: DVec3, front: DVec3, distance: f64, total_distance: f64) -> Encounter {
         let cosine = -ray.direction.dot(front);
-        let normal = if cosine < 0.0 { -front } else { front };
-        Encounter { direction: ray.direction, normal, point, total_distance, distance, cosine: cosine.abs() }
+        let behind = cosine < 0.0;
+        let normal = if behind { -front } else { front };
+        let cosine = cosine.abs();
+        Encounter { direction: ray.direction, normal, point, total_distance, distance, cosine, behind, placed: None }
+    }
+
+    /// Where a ray hits.
+    pub(crate) fn at(ray: &Ray, hit: &Hit, total_distance: f64) -> Encounter {
+        let placed = hit.placed;
+        Encounter { placed, ..Encounter::new(ray, hit.point, hit.front, hit.distance, total_distance) }
+    }
+
+    /// With a distant source.
+    pub(crate) fn distant(direction: DVec3) -> Encounter {
+        Encounter {
+            direction,
+            normal: -direction,
+            point: direction,
+            total_distance: f64::MAX,
+            distance: f64::MAX,
+            cosine: 1.0,
+            behind: false,
+            placed: None,
+        }
+    }
+
+    /// The perturbation with which textures start.
+    pub(crate) fn perturbation(&self) -> DVec3 {
+        self.placed.map_or(DVec3::ZERO, |placed| placed.perturbation)
+    }
+
+    /// A direction in the coordinates in which the modifiers stand, in the scene's.
+    pub(crate) fn direction_to_scene(&self, direction: DVec3) -> DVec3 {
+        let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        to_object.map_or(direction, |transform| transform.rotation.transpose() * direction)
+    }
+
+    /// The unit normal as the surface faces.
+    fn front(&self) -> DVec3 {
+        if self.behind { -self.normal } else { self.normal }
     }
 }
 
 /// An encounter in the coordinates of one modifier: the channels `$n` of Radiance's function language.
 pub(crate) struct View<'a> {
-    pub(crate) encounter: &'a Encounter,
-    /// From scene coordinates to the function's; `None` where they are the same.
-    pub(crate) to_function: Option<&'a Transform>,
+    encounter: &'a Encounter,
+    to_function: ToFunction<'a>,
 }
 
-impl View<'_> {
+/// From scene coordinates to a function's.
+enum ToFunction<'a> {
+    Same,
+    Own(&'a Transform),
+    /// By way of the coordinates of an instance.
+    Placed(Transform),
+}
+
+impl<'a> View<'a> {
+    /// `to_function` leads on from the coordinates in which the modifiers stand; `None` where the function uses the same.
+    pub(crate) fn new(encounter: &'a Encounter, to_function: Option<&'a Transform>) -> View<'a> {
+        let to_object = encounter.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        let to_function = match (to_object, to_function) {
+            (None, None) => ToFunction::Same,
+            (None, Some(own)) => ToFunction::Own(own),
+            (Some(to_object), None) => ToFunction::Own(to_object),
+            (Some(to_object), Some(own)) => ToFunction::Placed(to_object.then(own)),
+        };
+        View { encounter, to_function }
+    }
+
+    #[inline]
+    fn transform(&self) -> Option<&Transform> {
+        match &self.to_function {
+            ToFunction::Same => None,
+            ToFunction::Own(transform) => Some(transform),
+            ToFunction::Placed(transform) => Some(transform),
+        }
+    }
+
     fn direction(&self, vector: DVec3, component: usize) -> f64 {
-        self.to_function.map_or(vector, |transform| transform.direction(vector))[component]
+        self.transform().map_or(vector, |transform| transform.direction(vector))[component]
     }
 
     fn frame(&self) -> Transform {
-        self.to_function.copied().unwrap_or_default()
+        self.transform().copied().unwrap_or_default()
     }
 }
 
@@ -55,16 +137,17 @@ impl Host for View<'_> {
         let index = n.wrapping_sub(1) as usize;
         match n {
             1..=3 => self.direction(encounter.direction, index),
-            4..=6 => self.direction(encounter.normal, index - 3),
-            7..=9 => self.to_function.map_or(encounter.point, |transform| transform.point(encounter.point))[index - 6],
+            4..=6 => self.direction(encounter.front(), index - 3),
+            7..=9 => self.transform().map_or(encounter.point, |transform| transform.point(encounter.point))[index - 6],
             10 => encounter.total_distance * self.frame().scale,
-            11 => encounter.cosine.clamp(-1.0, 1.0),
+            11 => if encounter.behind { -encounter.cosine } else { encounter.cosine }.clamp(-1.0, 1.0),
             12 => self.frame().scale,
             13..=15 => self.frame().translation[index - 12],
             16..=18 => self.frame().rotation.col(0)[index - 15],
             19..=21 => self.frame().rotation.col(1)[index - 18],
             22..=24 => self.frame().rotation.col(2)[index - 21],
             25 => encounter.distance * self.frame().scale,
+            26..=27 => encounter.placed.map_or(0.0, |placed| placed.uv[index - 25]),
             _ => 0.0,
         }
     }

@@ -40,7 +40,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         first_index += rays.len() as u64;
         bytes.clear();
         for (ray, traced) in rays.iter().zip(traced) {
-            writer.write(renderer.plan().scene(), ray, traced.as_ref(), &mut bytes);
+            writer.write(renderer.plan(), ray, traced.as_ref(), &mut bytes);
         }
         out.write_all(&bytes).map_err(failed)?;
         if options.unbuffered || rays.iter().any(|ray| ray.ray.is_none()) {

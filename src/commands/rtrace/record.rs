@@ -1,13 +1,11 @@
 //! What is written for a ray.
 
-use super::Scene;
 use super::options::Field;
 use super::rays::InputRay;
 use glam::DVec3;
-use radsight_ir::SurfaceHandle;
 use radsight_picture::scientific;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::Traced;
+use radsight_render::{RenderPlan, Traced};
 use std::io::Write;
 
 /// Digits after the point of a number in text.
@@ -57,7 +55,7 @@ impl<'o> Writer<'o> {
     }
 
     /// Appends the record of one ray.
-    pub(super) fn write(&self, scene: &Scene, input: &InputRay, traced: Option<&Traced>, out: &mut Vec<u8>) {
+    pub(super) fn write(&self, plan: &RenderPlan, input: &InputRay, traced: Option<&Traced>, out: &mut Vec<u8>) {
         let hit = traced.and_then(|traced| traced.first_hit);
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
         for field in self.fields {
@@ -76,8 +74,8 @@ impl<'o> Writer<'o> {
                 }
                 Field::PerturbedNormal => self.numbers_out(&vector(hit.map(|hit| hit.perturbed_normal)), out),
                 Field::Normal => self.numbers_out(&vector(hit.map(|hit| hit.normal)), out),
-                Field::Surface => name_out(hit.map(|hit| scene.surface_name(hit.surface)), out),
-                Field::Modifier => name_out(hit.map(|hit| modifier_name(scene, hit.surface)), out),
+                Field::Surface => name_out(hit.map(|hit| plan.names_at(&hit)[0]), out),
+                Field::Modifier => name_out(hit.map(|hit| plan.names_at(&hit)[1]), out),
                 Field::Weight => self.numbers_out(&[1.0], out),
             }
         }
@@ -105,10 +103,6 @@ fn distance(value: Option<f64>) -> f64 {
 
 fn name_out(name: Option<&str>, out: &mut Vec<u8>) {
     let _ = write!(out, "{}\t", name.unwrap_or("*"));
-}
-
-fn modifier_name(scene: &Scene, surface: SurfaceHandle) -> &str {
-    scene.modifier_name(scene.surfaces[surface].modifier)
 }
 
 #[cfg(test)]

@@ -1,159 +1,261 @@
-//! Exact intersections under a bounding volume hierarchy.
+//! Exact intersections under bounding volume hierarchies.
 //!
-//! The hierarchy is in single precision about the scene's centre, with boxes padded by more than its rounding; what it
-//! proposes is decided in double precision. A ray that starts far outside is first moved to the scene's bounding sphere.
+//! Each mesh and each scene that is placed in another has one hierarchy, in its own coordinates, which all its copies share: a ray that
+//! meets the box of a copy goes on in there. [`PrimitiveId`]s number what a ray can hit without gaps through all copies: first the
+//! surfaces that hold no others, then the content of each mesh and instance, one after the other.
 
+mod bounds;
 mod cone;
 mod disk;
+mod hierarchy;
+mod mesh;
 mod polygon;
 mod sphere;
 
-use crate::ray::{Hit, PrimitiveId, Ray};
-use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh;
-use obvhs::ray::{Ray as BoxRay, RayHit};
-use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
+use crate::compile::ShaderTable;
+use crate::ray::{Crossing, Hit, MemberId, PrimitiveId, Ray, ShaderId};
+use crate::view::Placed;
+use bounds::Bounds;
+use glam::DVec3;
+use hierarchy::Hierarchy;
+use mesh::MeshGeometry;
+use radsight_diag::Diagnostic;
+use radsight_ir::{Instance, Mesh, MeshInstance, Scene, Shape, Surface, SurfaceHandle, Transform, ValidScene};
+use std::ops::Range;
 
 pub(crate) use polygon::RayFrame;
-
-/// Padding of boxes as a share of the scene's size: well above the rounding of single precision in the slab tests.
-const BOX_PADDING: f64 = 2e-6;
 
 /// A hit nearer than this share of the scene's largest coordinate is the surface that the ray starts from.
 const SELF_HIT: f64 = 1e-10;
 
-/// Fewer primitives than this are tested one by one.
-const LIST_IS_FASTER: usize = 6;
+/// What Radiance calls a triangle of a mesh that has its own modifier.
+const TRIANGLE_NAME: &str = "M-Tri";
 
-/// All surfaces that a ray can hit at a finite distance.
+/// Which part of a ray counts, as distances along it.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    nearest: f64,
+    farthest: f64,
+}
+
+impl Limits {
+    #[inline]
+    fn range(&self) -> Range<f64> {
+        self.nearest..self.farthest
+    }
+
+    /// In the coordinates of something that is placed with this scale.
+    fn seen_from(&self, scale: f64) -> Limits {
+        Limits { nearest: self.nearest / scale, farthest: self.farthest / scale }
+    }
+}
+
+/// All surfaces of a scene that a ray can hit at a finite distance.
 #[derive(Debug)]
 pub(crate) struct Geometry {
-    /// The surface of each primitive.
-    surfaces: Vec<SurfaceHandle>,
-    bvh: CwBvh,
-    center: DVec3,
-    radius: f64,
+    /// The surface of each member: first the plain ones, then those that hold others.
+    members: Vec<SurfaceHandle>,
+    /// How many of them are plain.
+    plain: u32,
+    /// The first primitive of each member that is not plain, and the number of all primitives.
+    firsts: Vec<u64>,
+    hierarchy: Hierarchy,
     nearest: f64,
+    /// By mesh handle.
+    meshes: Vec<MeshGeometry>,
+    /// By octree handle.
+    octrees: Vec<Geometry>,
+}
+
+/// What is known of a point of a surface before the surface is placed.
+struct Described {
+    shader: ShaderId,
+    point: DVec3,
+    front: DVec3,
+    placed: Option<Placed>,
 }
 
 impl Geometry {
     /// `wanted` tells which surfaces can matter at all.
-    pub(crate) fn build(scene: &Scene, wanted: impl Fn(SurfaceHandle) -> bool) -> Geometry {
-        let mut surfaces = Vec::new();
+    ///
+    /// # Errors
+    /// A scene with more copies of surfaces than can be numbered.
+    pub(crate) fn build(scene: &Scene, wanted: impl Fn(SurfaceHandle) -> bool) -> Result<Geometry, Diagnostic> {
+        let meshes: Vec<MeshGeometry> = scene.meshes.items().iter().map(MeshGeometry::build).collect();
+        let octrees = scene.octrees.items().iter().map(|octree| Geometry::build(&octree.scene, |_| true));
+        let octrees = octrees.collect::<Result<Vec<_>, _>>()?;
+        let mut geometry = Geometry {
+            members: Vec::new(),
+            plain: 0,
+            firsts: Vec::new(),
+            hierarchy: Hierarchy::build(&[]),
+            nearest: 0.0,
+            meshes,
+            octrees,
+        };
         let mut boxes = Vec::new();
+        let holds_others = |shape| matches!(shape, Shape::Mesh(_) | Shape::Instance(_));
         for (handle, surface) in scene.surfaces.iter() {
-            if !wanted(handle) {
+            if holds_others(surface.shape) || !wanted(handle) {
                 continue;
             }
-            if let Some(bounds) = bounds(scene, surface.shape) {
-                surfaces.push(handle);
+            if let Some(bounds) = geometry.bounds(scene, surface.shape) {
+                geometry.members.push(handle);
                 boxes.push(bounds);
             }
         }
-        let whole = boxes.iter().copied().reduce(|a: Bounds, b| a.union(b)).unwrap_or(Bounds::point(DVec3::ZERO));
-        let center = (whole.min + whole.max) * 0.5;
-        let radius = 0.5 * (whole.max - whole.min).length();
-        let padding = DVec3::splat(BOX_PADDING * radius);
-        let padded: Vec<Aabb> = boxes
+        geometry.plain = geometry.members.len() as u32;
+        geometry.firsts.push(u64::from(geometry.plain));
+        for (handle, surface) in scene.surfaces.iter().filter(|(_, surface)| holds_others(surface.shape)) {
+            let count = geometry.primitives_in(scene, surface.shape);
+            let first = geometry.firsts[geometry.firsts.len() - 1];
+            if let (Some(bounds), true) = (geometry.bounds(scene, surface.shape), count > 0) {
+                geometry.members.push(handle);
+                boxes.push(bounds);
+                geometry.firsts.push(first.checked_add(count).filter(|end| *end < u64::MAX).ok_or_else(too_many)?);
+            }
+        }
+        geometry.hierarchy = Hierarchy::build(&boxes);
+        geometry.nearest = SELF_HIT * geometry.hierarchy.bounds().reach();
+        Ok(geometry)
+    }
+
+    /// How many primitives a mesh or an instance holds.
+    fn primitives_in(&self, scene: &Scene, shape: Shape) -> u64 {
+        match shape {
+            Shape::Mesh(handle) => scene.meshes[scene.mesh_instances[handle].mesh].triangles.len() as u64,
+            Shape::Instance(handle) => self.octrees[scene.instances[handle].octree.index()].primitive_count(),
+            _ => 1,
+        }
+    }
+
+    /// How many primitives there are, those of all copies counted.
+    pub(crate) fn primitive_count(&self) -> u64 {
+        self.firsts[self.firsts.len() - 1]
+    }
+
+    /// Whether something without a material stands in the hierarchies, because a copy could give it one.
+    pub(crate) fn holds_void(&self, scene: &Scene, shaders: &ShaderTable, is_void: &impl Fn(ShaderId) -> bool) -> bool {
+        let void_in_mesh: Vec<bool> = scene
+            .meshes
+            .items()
             .iter()
-            .map(|bounds| {
-                let low = bounds.min - center - padding;
-                let high = bounds.max - center + padding;
-                Aabb::new(Vec3A::from(low.as_vec3()), Vec3A::from(high.as_vec3()))
-            })
+            .map(|mesh| mesh.triangles.iter().any(|triangle| is_void(shaders.of(triangle.modifier))))
             .collect();
-        let bvh = if padded.len() < LIST_IS_FASTER {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&padded, BvhBuildParams::medium_build(), &mut Default::default())
+        let within_octrees = || {
+            let octrees = scene.octrees.items().iter().zip(&self.octrees).zip(&shaders.octrees);
+            octrees
+                .into_iter()
+                .any(|((octree, geometry), shaders)| geometry.holds_void(&octree.scene, shaders, is_void))
         };
-        let reach = whole.min.abs().max(whole.max.abs()).max_element();
-        Geometry { surfaces, bvh, center, radius, nearest: SELF_HIT * reach }
+        let member_is_void = |handle: &SurfaceHandle| {
+            let surface = &scene.surfaces[*handle];
+            match (surface.shape, surface.modifier) {
+                (Shape::Mesh(placed), None) => void_in_mesh[scene.mesh_instances[placed].mesh.index()],
+                (Shape::Instance(_), None) => false,
+                (_, modifier) => is_void(shaders.of(modifier)),
+            }
+        };
+        self.members.iter().any(member_is_void) || within_octrees()
     }
 
     /// Centre and radius of a sphere around all surfaces.
     pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
-        (self.center, self.radius)
+        self.hierarchy.bounding_sphere()
     }
 
-    /// How many primitives there are.
+    /// How many members there are.
     pub(crate) fn len(&self) -> usize {
-        self.surfaces.len()
+        self.members.len()
     }
 
-    /// The surfaces, by primitive.
-    pub(crate) fn surfaces(&self) -> impl Iterator<Item = (PrimitiveId, SurfaceHandle)> {
-        self.surfaces.iter().enumerate().map(|(index, handle)| (PrimitiveId(index as u32), *handle))
+    /// The surfaces, by member.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (MemberId, SurfaceHandle)> {
+        self.members.iter().enumerate().map(|(index, handle)| (MemberId(index as u32), *handle))
+    }
+
+    /// Whether a member holds no other surfaces, so that its own name is that of its primitive.
+    pub(crate) fn is_plain(&self, member: MemberId) -> bool {
+        member.0 < self.plain
+    }
+
+    /// The member that a primitive belongs to, and the number of the primitive within it.
+    fn member_of(&self, primitive: PrimitiveId) -> (MemberId, PrimitiveId) {
+        if primitive.0 < u64::from(self.plain) {
+            return (MemberId(primitive.0 as u32), PrimitiveId(0));
+        }
+        let holder = self.firsts.partition_point(|first| *first <= primitive.0) - 1;
+        (MemberId(self.plain + holder as u32), PrimitiveId(primitive.0 - self.firsts[holder]))
+    }
+
+    /// The first primitive of a member that holds others.
+    fn first_of(&self, member: MemberId) -> u64 {
+        self.firsts[(member.0 - self.plain) as usize]
+    }
+
+    /// The number of a primitive within a member that holds others, if it lies in there.
+    fn within(&self, member: MemberId, primitive: Option<PrimitiveId>) -> Option<PrimitiveId> {
+        let holder = (member.0 - self.plain) as usize;
+        let range = self.firsts[holder]..self.firsts[holder + 1];
+        primitive
+            .filter(|primitive| range.contains(&primitive.0))
+            .map(|primitive| PrimitiveId(primitive.0 - range.start))
     }
 
     /// The first surface along the ray, `from` excluded where it is flat.
-    pub(crate) fn first_hit(&self, scene: &ValidScene, ray: &Ray, from: Option<PrimitiveId>) -> Option<Hit> {
+    pub(crate) fn first_hit(
+        &self,
+        scene: &ValidScene,
+        shaders: &ShaderTable,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+    ) -> Option<Hit> {
+        let crossing = self.first(scene, ray, from, Limits { nearest: self.nearest, farthest: f64::INFINITY })?;
+        Some(self.hit(scene, shaders, ray, crossing))
+    }
+
+    fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
-        let mut best: Option<(f64, PrimitiveId)> = None;
-        let mut farthest = f64::INFINITY;
-        self.visit(ray, f64::INFINITY, |primitive| {
-            if let Some(distance) = self.intersect(scene, primitive, ray, &frame, from, farthest) {
-                farthest = distance;
-                best = Some((distance, primitive));
+        let mut best = None;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
+                limits.farthest = crossing.distance;
+                best = Some(crossing);
             }
-            farthest
+            limits.farthest
         });
-        let (distance, primitive) = best?;
-        let surface = self.surfaces[primitive.0 as usize];
-        let point = ray.at(distance);
-        let (point, front) = surface_point(scene, scene.surfaces[surface].shape, point);
-        Some(Hit { distance, primitive, surface, point, front })
+        best
     }
 
-    /// Visits the primitives that a ray may meet before `limit`, until `visit` returns a limit below zero.
-    fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(PrimitiveId) -> f64) {
-        if self.bvh.nodes.is_empty() {
-            for index in 0..self.surfaces.len() {
-                if visit(PrimitiveId(index as u32)) < 0.0 {
-                    return;
-                }
-            }
-            return;
-        }
-        let from_center = ray.origin - self.center;
-        let along = from_center.dot(ray.direction);
-        // A start outside twice the bounding sphere moves up to it: single precision is for what is near.
-        let skip = if from_center.length_squared() > 4.0 * self.radius * self.radius {
-            (-along - 1.5 * self.radius).max(0.0)
-        } else {
-            0.0
-        };
-        let start = from_center + ray.direction * skip;
-        let to_single = |distance: f64| ((distance - skip).max(0.0) as f32).next_up();
-        let box_ray = BoxRay::new(
-            Vec3A::from(start.as_vec3()),
-            Vec3A::from(ray.direction.as_vec3()),
-            0.0,
-            to_single(limit).min(f32::MAX),
-        );
-        let indices = &self.bvh.primitive_indices;
-        let mut hit = RayHit::none();
-        self.bvh.ray_traverse(box_ray, &mut hit, |_, slot| to_single(visit(PrimitiveId(indices[slot]))));
-    }
-
-    /// Distance to one primitive, if it lies after the start and before `farthest`.
+    /// Where a ray first crosses a member before `farthest`.
     #[inline]
     pub(crate) fn intersect(
         &self,
         scene: &ValidScene,
-        primitive: PrimitiveId,
+        member: MemberId,
         ray: &Ray,
         frame: &RayFrame,
         from: Option<PrimitiveId>,
         farthest: f64,
-    ) -> Option<f64> {
-        let range = self.nearest..farthest;
-        match scene.surfaces[self.surfaces[primitive.0 as usize]].shape {
+    ) -> Option<Crossing> {
+        self.crossing(scene, member, ray, frame, from, &Limits { nearest: self.nearest, farthest })
+    }
+
+    #[inline]
+    fn crossing(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        frame: &RayFrame,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let range = limits.range();
+        let from_here = from == Some(member.primitive());
+        let distance = match scene.surfaces[self.members[member.0 as usize]].shape {
             // A flat surface is never met again by a ray that starts on it.
-            _ if from == Some(primitive) && self.is_flat(scene, primitive) => None,
+            Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
             Shape::Polygon { start, count } => {
                 let vertices = &scene.vertices[start as usize..][..count as usize];
                 polygon::intersect(vertices, ray, frame, range)
@@ -161,49 +263,249 @@ impl Geometry {
             Shape::Sphere(handle) => sphere::intersect(&scene.spheres[handle], ray, range),
             Shape::Cone(handle) => cone::intersect(&scene.cones[handle], ray, range),
             Shape::Ring(handle) => disk::intersect(&scene.rings[handle], ray, range),
-            Shape::Source(_) | Shape::Mesh(_) | Shape::Instance(_) => None,
-        }
+            Shape::Source(_) => None,
+            Shape::Mesh(_) | Shape::Instance(_) => return self.first_within(scene, member, ray, from, limits),
+        }?;
+        Some(Crossing { distance, primitive: member.primitive() })
     }
 
-    /// The surface of a primitive.
-    pub(crate) fn surface_of(&self, primitive: PrimitiveId) -> SurfaceHandle {
-        self.surfaces[primitive.0 as usize]
+    /// The first primitive of a mesh or an instance along the ray.
+    fn first_within(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let from = self.within(member, from);
+        let (scale, found) = match scene.surfaces[self.members[member.0 as usize]].shape {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                let local = limits.seen_from(to_scene.scale);
+                let ray = ray.seen_from(to_scene);
+                (to_scene.scale, self.meshes[mesh.index()].first(&scene.meshes[*mesh], &ray, from, local))
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                let inner = &self.octrees[octree.index()];
+                let mut local = limits.seen_from(to_scene.scale);
+                local.nearest = local.nearest.max(inner.nearest);
+                let ray = ray.seen_from(to_scene);
+                (to_scene.scale, inner.first(&scene.octrees[*octree].scene, &ray, from, local))
+            }
+            _ => return None,
+        };
+        let Crossing { distance, primitive } = found?;
+        let distance = distance * scale;
+        let primitive = PrimitiveId(self.first_of(member) + primitive.0);
+        (distance < limits.farthest).then_some(Crossing { distance, primitive })
     }
 
-    /// A point of a primitive, moved onto it where that is cheap, and the unit normal there on the front side.
-    pub(crate) fn surface_at(&self, scene: &ValidScene, primitive: PrimitiveId, point: DVec3) -> (DVec3, DVec3) {
-        surface_point(scene, scene.surfaces[self.surface_of(primitive)].shape, point)
-    }
-
-    fn is_flat(&self, scene: &ValidScene, primitive: PrimitiveId) -> bool {
-        is_flat(scene.surfaces[self.surfaces[primitive.0 as usize]].shape)
-    }
-
-    /// Calls `block` for each surface between `origin` and `origin + direction·distance`, until it returns true.
+    /// Calls `block` for each crossing between `origin` and `origin + direction·distance`, until it returns true.
     pub(crate) fn any_between(
         &self,
         scene: &ValidScene,
         ray: &Ray,
         from: Option<PrimitiveId>,
         distance: f64,
-        mut block: impl FnMut(PrimitiveId, SurfaceHandle, f64) -> bool,
+        mut block: impl FnMut(Crossing) -> bool,
+    ) -> bool {
+        self.any(scene, ray, from, &Limits { nearest: self.nearest, farthest: distance }, &mut block)
+    }
+
+    fn any(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
     ) -> bool {
         let frame = RayFrame::new(ray);
         let mut blocked = false;
-        self.visit(ray, distance, |primitive| {
-            if blocked {
-                return -1.0;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            let member = MemberId(index);
+            if !blocked {
+                blocked = if self.is_plain(member) {
+                    self.crossing(scene, member, ray, &frame, from, limits).is_some_and(&mut *block)
+                } else {
+                    self.any_within(scene, member, ray, from, limits, block)
+                };
             }
-            if let Some(at) = self.intersect(scene, primitive, ray, &frame, from, distance)
-                && block(primitive, self.surfaces[primitive.0 as usize], at)
-            {
-                blocked = true;
-                return -1.0;
-            }
-            distance
+            if blocked { -1.0 } else { limits.farthest }
         });
         blocked
     }
+
+    /// Calls `block` for each crossing of one member before `distance`, until it returns true.
+    pub(crate) fn any_of_member(
+        &self,
+        scene: &ValidScene,
+        member: MemberId,
+        (ray, frame): (&Ray, &RayFrame),
+        from: Option<PrimitiveId>,
+        distance: f64,
+        mut block: impl FnMut(Crossing) -> bool,
+    ) -> bool {
+        let limits = Limits { nearest: self.nearest, farthest: distance };
+        if self.is_plain(member) {
+            self.crossing(scene, member, ray, frame, from, &limits).is_some_and(block)
+        } else {
+            self.any_within(scene, member, ray, from, &limits, &mut block)
+        }
+    }
+
+    fn any_within(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let from = self.within(member, from);
+        let first = self.first_of(member);
+        match scene.surfaces[self.members[member.0 as usize]].shape {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                let (local, ray) = (limits.seen_from(to_scene.scale), ray.seen_from(to_scene));
+                let geometry = &self.meshes[mesh.index()];
+                geometry.any(&scene.meshes[*mesh], &ray, from, local, &mut shifted(block, first, to_scene.scale))
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                let inner = &self.octrees[octree.index()];
+                let mut local = limits.seen_from(to_scene.scale);
+                local.nearest = local.nearest.max(inner.nearest);
+                let ray = ray.seen_from(to_scene);
+                inner.any(&scene.octrees[*octree].scene, &ray, from, &local, &mut shifted(block, first, to_scene.scale))
+            }
+            _ => false,
+        }
+    }
+
+    /// All that the shading of a crossing asks for.
+    pub(crate) fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
+        let Crossing { distance, primitive } = crossing;
+        let surface = self.members[self.member_of(primitive).0.0 as usize];
+        let Described { shader, point, front, placed } = self.describe(scene, shaders, primitive, ray.at(distance));
+        Hit { distance, primitive, surface, shader, point, front, placed }
+    }
+
+    fn describe(&self, scene: &Scene, shaders: &ShaderTable, primitive: PrimitiveId, point: DVec3) -> Described {
+        let (member, inner) = self.member_of(primitive);
+        let surface = &scene.surfaces[self.members[member.0 as usize]];
+        let shader = shaders.of(surface.modifier);
+        match surface.shape {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                describe_triangle(&scene.meshes[*mesh], to_scene, surface, shaders, inner, point)
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                let to_local = to_scene.inverse();
+                let scene = &scene.octrees[*octree].scene;
+                let geometry = &self.octrees[octree.index()];
+                let found = geometry.describe(scene, &shaders.octrees[octree.index()], inner, to_local.point(point));
+                let own = surface.modifier.is_some();
+                place(found, to_scene, &to_local, own.then_some(shader))
+            }
+            shape => {
+                let (point, front) = surface_point(scene, shape, point);
+                Described { shader, point, front, placed: None }
+            }
+        }
+    }
+
+    /// The names of the surface that a primitive is and of its modifier, as Radiance tells them.
+    pub(crate) fn names<'s>(&self, scene: &'s Scene, primitive: PrimitiveId) -> [&'s str; 2] {
+        let (member, inner) = self.member_of(primitive);
+        let handle = self.members[member.0 as usize];
+        let surface = &scene.surfaces[handle];
+        match surface.shape {
+            Shape::Mesh(placed) if surface.modifier.is_none() => {
+                let mesh = &scene.meshes[scene.mesh_instances[placed].mesh];
+                match mesh.triangles[inner.0 as usize].modifier {
+                    None => [scene.surface_name(handle), "void"],
+                    modifier => [TRIANGLE_NAME, scene.modifier_name(modifier)],
+                }
+            }
+            Shape::Instance(placed) if surface.modifier.is_none() => {
+                let octree = scene.instances[placed].octree;
+                self.octrees[octree.index()].names(&scene.octrees[octree].scene, inner)
+            }
+            _ => [scene.surface_name(handle), scene.modifier_name(surface.modifier)],
+        }
+    }
+
+    /// The surface of a member.
+    pub(crate) fn surface_of(&self, member: MemberId) -> SurfaceHandle {
+        self.members[member.0 as usize]
+    }
+
+    /// The box around a surface; none for what has no place.
+    pub(crate) fn bounds(&self, scene: &Scene, shape: Shape) -> Option<Bounds> {
+        match shape {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                Some(self.meshes[mesh.index()].bounds().placed(to_scene))
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                Some(self.octrees[octree.index()].hierarchy.bounds().placed(to_scene))
+            }
+            shape => bounds_of_plain(scene, shape),
+        }
+    }
+}
+
+/// Tells `block` of crossings in a member whose first primitive is `first` and that is placed with this scale.
+fn shifted(block: &mut dyn FnMut(Crossing) -> bool, first: u64, scale: f64) -> impl FnMut(Crossing) -> bool + use<'_> {
+    move |Crossing { distance, primitive }| {
+        block(Crossing { distance: distance * scale, primitive: PrimitiveId(first + primitive.0) })
+    }
+}
+
+/// A triangle has its own modifier, in the coordinates of the mesh, unless the surface's modifier overrides it.
+fn describe_triangle(
+    mesh: &Mesh,
+    to_scene: &Transform,
+    surface: &Surface,
+    shaders: &ShaderTable,
+    index: PrimitiveId,
+    point: DVec3,
+) -> Described {
+    let to_local = to_scene.inverse();
+    let triangle = &mesh.triangles[index.0 as usize];
+    let found = mesh::mesh_point(mesh, triangle, to_local.point(point));
+    let front = to_scene.direction(found.front);
+    let perturbation = found.smooth.map_or(DVec3::ZERO, |smooth| to_scene.direction(smooth) - front);
+    let own = surface.modifier.is_none();
+    let shader = shaders.of(if own { triangle.modifier } else { surface.modifier });
+    let placed = Placed { to_object: own.then_some(to_local), uv: found.uv, perturbation };
+    Described { shader, point, front, placed: Some(placed) }
+}
+
+/// What was found in an instance, in the coordinates around it; a modifier of the instance overrides those within, and stands in the
+/// coordinates of the scene around.
+fn place(found: Described, to_scene: &Transform, to_local: &Transform, overriding: Option<ShaderId>) -> Described {
+    let inner = found.placed.unwrap_or(Placed { to_object: None, uv: [0.0; 2], perturbation: DVec3::ZERO });
+    let to_object = match overriding {
+        Some(_) => None,
+        None => Some(inner.to_object.map_or(*to_local, |onward| to_local.then(&onward))),
+    };
+    Described {
+        shader: overriding.unwrap_or(found.shader),
+        point: to_scene.point(found.point),
+        front: to_scene.direction(found.front),
+        placed: Some(Placed { to_object, uv: inner.uv, perturbation: to_scene.direction(inner.perturbation) }),
+    }
+}
+
+fn too_many() -> Diagnostic {
+    Diagnostic::error("the instances of the scene make more than 2^64 surfaces")
 }
 
 /// Whether all of a surface lies in one plane.
@@ -229,41 +531,8 @@ pub(crate) fn flat_normal(scene: &Scene, shape: Shape) -> Option<DVec3> {
     is_flat(shape).then(|| surface_point(scene, shape, DVec3::ZERO).1)
 }
 
-/// An axis-aligned box in double precision.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    pub(crate) min: DVec3,
-    pub(crate) max: DVec3,
-}
-
-impl Bounds {
-    fn point(point: DVec3) -> Bounds {
-        Bounds { min: point, max: point }
-    }
-
-    pub(crate) fn union(self, other: Bounds) -> Bounds {
-        Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    fn around(center: DVec3, half: DVec3) -> Bounds {
-        Bounds { min: center - half, max: center + half }
-    }
-
-    /// The eight corners.
-    pub(crate) fn corners(self) -> [DVec3; 8] {
-        std::array::from_fn(|index| {
-            let pick = |bit: usize, low: f64, high: f64| if index >> bit & 1 == 0 { low } else { high };
-            DVec3::new(
-                pick(0, self.min.x, self.max.x),
-                pick(1, self.min.y, self.max.y),
-                pick(2, self.min.z, self.max.z),
-            )
-        })
-    }
-}
-
-/// The box around a surface; none for what has no place.
-pub(crate) fn bounds(scene: &Scene, shape: Shape) -> Option<Bounds> {
+/// The box around a surface that holds no others; none for what has no place.
+fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
     match shape {
         Shape::Polygon { start, count } => {
             let vertices = &scene.vertices[start as usize..][..count as usize];

@@ -1,0 +1,126 @@
+//! Triangle meshes, in their own coordinates.
+
+use super::bounds::Bounds;
+use super::hierarchy::Hierarchy;
+use super::polygon::{self, RayFrame};
+use super::{Limits, SELF_HIT};
+use crate::ray::{Crossing, PrimitiveId, Ray};
+use glam::DVec3;
+use radsight_ir::{Mesh, MeshTriangle};
+
+/// The hierarchy of a mesh, shared by all its copies.
+#[derive(Debug)]
+pub(super) struct MeshGeometry {
+    hierarchy: Hierarchy,
+    nearest: f64,
+}
+
+/// Where a mesh is hit: unit normals and local coordinates.
+pub(super) struct MeshPoint {
+    /// Of the triangle, counter-clockwise seen from the front.
+    pub(super) front: DVec3,
+    /// Interpolated between the vertices, where they have normals.
+    pub(super) smooth: Option<DVec3>,
+    pub(super) uv: [f64; 2],
+}
+
+impl MeshGeometry {
+    pub(super) fn build(mesh: &Mesh) -> MeshGeometry {
+        let boxes: Vec<Bounds> = mesh.triangles.iter().map(|triangle| bounds(mesh, triangle)).collect();
+        let hierarchy = Hierarchy::build(&boxes);
+        let nearest = SELF_HIT * hierarchy.bounds().reach();
+        MeshGeometry { hierarchy, nearest }
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        self.hierarchy.bounds()
+    }
+
+    /// The first triangle along the ray, `from` excluded; primitives are triangles.
+    pub(super) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
+        let frame = RayFrame::new(ray);
+        let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
+        let mut best = None;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            if let Some(crossing) = crossing(mesh, index, ray, &frame, from, &limits) {
+                limits.farthest = crossing.distance;
+                best = Some(crossing);
+            }
+            limits.farthest
+        });
+        best
+    }
+
+    /// Calls `block` for each triangle within the limits, until it returns true; tells whether it did.
+    pub(super) fn any(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let frame = RayFrame::new(ray);
+        let limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
+        let mut blocked = false;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            blocked = blocked || crossing(mesh, index, ray, &frame, from, &limits).is_some_and(&mut *block);
+            if blocked { -1.0 } else { limits.farthest }
+        });
+        blocked
+    }
+}
+
+fn crossing(
+    mesh: &Mesh,
+    index: u32,
+    ray: &Ray,
+    frame: &RayFrame,
+    from: Option<PrimitiveId>,
+    limits: &Limits,
+) -> Option<Crossing> {
+    let primitive = PrimitiveId(u64::from(index));
+    if from == Some(primitive) {
+        return None;
+    }
+    let corners = corners(mesh, &mesh.triangles[index as usize]);
+    let distance = polygon::intersect(&corners, ray, frame, limits.range())?;
+    Some(Crossing { distance, primitive })
+}
+
+fn corners(mesh: &Mesh, triangle: &MeshTriangle) -> [DVec3; 3] {
+    triangle.vertices.map(|vertex| mesh.vertices[vertex as usize])
+}
+
+fn bounds(mesh: &Mesh, triangle: &MeshTriangle) -> Bounds {
+    let [a, b, c] = corners(mesh, triangle);
+    Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+/// What a mesh is like at a point of a triangle.
+pub(super) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
+    let corners = corners(mesh, triangle);
+    let area = polygon::area_vector(&corners);
+    let front = area.normalize_or(DVec3::Z);
+    let mut found = MeshPoint { front, smooth: None, uv: [0.0; 2] };
+    let weights = barycentric(&corners, area, point);
+    if triangle.smooth {
+        let normals = triangle.vertices.map(|vertex| mesh.normals[vertex as usize]);
+        let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        found.smooth = sum.try_normalize();
+    }
+    if triangle.textured {
+        let uvs = triangle.vertices.map(|vertex| mesh.uvs[vertex as usize]);
+        let mix = |axis: usize| (0..3).map(|corner| weights[corner] * uvs[corner][axis]).sum();
+        found.uv = [mix(0), mix(1)];
+    }
+    found
+}
+
+/// The weights of the three corners at a point in their plane; `area` is twice the vector area.
+fn barycentric(corners: &[DVec3; 3], area: DVec3, point: DVec3) -> [f64; 3] {
+    let squared = area.length_squared();
+    let share = |a: DVec3, b: DVec3| (a - point).cross(b - point).dot(area) / squared;
+    let (first, second) = (share(corners[1], corners[2]), share(corners[2], corners[0]));
+    if first.is_finite() && second.is_finite() { [first, second, 1.0 - first - second] } else { [1.0, 0.0, 0.0] }
+}
