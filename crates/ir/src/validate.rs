@@ -53,7 +53,7 @@ struct Findings<'a> {
 impl<'a> Findings<'a> {
     /// What is wrong with a scene, but not with those that it places.
     fn of(scene: &'a Scene) -> Self {
-        let sound_meshes = scene.meshes.items().iter().map(mesh_is_sound).collect();
+        let sound_meshes = scene.meshes.items().iter().map(|mesh| mesh_is_sound(scene, mesh)).collect();
         let mut found = Findings { scene, sound_meshes, errors: Vec::new(), warnings: Vec::new() };
         for (handle, modifier) in scene.modifiers.iter() {
             found.check_modifier(handle, modifier);
@@ -166,14 +166,15 @@ fn newell_normal(vertices: &[DVec3]) -> DVec3 {
     vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
 }
 
-fn mesh_is_sound(mesh: &crate::Mesh) -> bool {
+fn mesh_is_sound(scene: &Scene, mesh: &crate::Mesh) -> bool {
     mesh.triangles.iter().all(|triangle| {
-        triangle.vertices.iter().all(|&index| {
-            let index = index as usize;
-            index < mesh.vertices.len()
-                && (!triangle.smooth || index < mesh.normals.len())
-                && (!triangle.textured || index < mesh.uvs.len())
-        })
+        triangle.modifier.is_none_or(|handle| scene.modifiers.get(handle).is_some())
+            && triangle.vertices.iter().all(|&index| {
+                let index = index as usize;
+                index < mesh.vertices.len()
+                    && (!triangle.smooth || index < mesh.normals.len())
+                    && (!triangle.textured || index < mesh.uvs.len())
+            })
     }) && mesh.vertices.iter().chain(&mesh.normals).all(|vertex| vertex.is_finite())
         && mesh.uvs.as_flattened().iter().all(|coordinate| coordinate.is_finite())
 }

@@ -8,6 +8,8 @@ use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
     Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Scene, Substitute, Texture, ValidScene,
 };
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The shader of each modifier that surfaces of a scene name, and those of the scenes that it places.
 #[derive(Debug)]
@@ -15,7 +17,7 @@ pub(crate) struct ShaderTable {
     /// By modifier, `void` first.
     of_modifier: Vec<ShaderId>,
     /// By octree handle.
-    pub(crate) octrees: Vec<ShaderTable>,
+    pub(crate) octrees: Vec<Arc<ShaderTable>>,
 }
 
 impl ShaderTable {
@@ -48,7 +50,7 @@ fn compile_for(
     models: &dyn ModelSource,
     bands: usize,
 ) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
-    let mut compiler = Compiler { models, bands, shaders: Vec::new(), errors: Vec::new() };
+    let mut compiler = Compiler { models, bands, shaders: Vec::new(), errors: Vec::new(), octrees: HashMap::new() };
     let table = compiler.compile_scene(scene, &Home::default());
     let Compiler { shaders, errors, .. } = compiler;
     if errors.is_empty() { Ok((shaders, table)) } else { Err(errors) }
@@ -59,6 +61,7 @@ struct Compiler<'a> {
     bands: usize,
     shaders: Vec<Shader>,
     errors: Vec<Diagnostic>,
+    octrees: HashMap<*const Scene, Arc<ShaderTable>>,
 }
 
 /// What stands in the table for a modifier that nothing names.
@@ -76,11 +79,19 @@ impl Compiler<'_> {
                 *place = self.compile_chain(scene, home, modifier);
             }
         }
-        let octrees = scene.octrees.iter().map(|(handle, octree)| {
-            let home = Home(home.0.iter().copied().chain([handle]).collect());
-            self.compile_scene(&octree.scene, &home)
-        });
+        let octrees = scene.octrees.items().iter().map(|octree| self.compile_octree(&octree.scene));
         ShaderTable { octrees: octrees.collect(), of_modifier }
+    }
+
+    /// A scene that several others place is compiled once.
+    fn compile_octree(&mut self, scene: &Arc<Scene>) -> Arc<ShaderTable> {
+        let key = Arc::as_ptr(scene);
+        if let Some(known) = self.octrees.get(&key) {
+            return known.clone();
+        }
+        let table = Arc::new(self.compile_scene(scene, &Home(Some(scene.clone()))));
+        self.octrees.insert(key, table.clone());
+        table
     }
 
     fn compile_chain(&mut self, scene: &Scene, home: &Home, modifier: Option<ModifierHandle>) -> ShaderId {

@@ -77,7 +77,7 @@ impl RenderPlan {
         let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
         let see_through = shaders.iter().any(|shader| matches!(shader.kind, Kind::Glass { .. }))
             || geometry
-                .holds_void(&scene, &shader_table, &|id| matches!(shaders[id.0 as usize].kind, Kind::Transparent))
+                .holds_void(&scene, &shader_table, |id| matches!(shaders[id.0 as usize].kind, Kind::Transparent))
             || options.back_faces == crate::BackFaces::Invisible;
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {

@@ -4,7 +4,7 @@ use crate::view::{Encounter, View};
 use glam::DVec3;
 use radsight_brdf::Brdf;
 use radsight_cal::{Program, Scratch};
-use radsight_ir::{DataGrid, FunctionCall, Handle, ModifierHandle, OctreeScene, Rgb, Scene, Transform};
+use radsight_ir::{DataGrid, FunctionCall, Handle, ModifierHandle, Rgb, Scene, Transform};
 use std::sync::Arc;
 
 /// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
@@ -22,16 +22,15 @@ pub(crate) struct Shader {
     pub(crate) modifier: Option<ModifierHandle>,
 }
 
-/// Names the scene whose modifiers a shader comes from: the scenes that lead to it, from the outermost inwards. Empty for the whole
-/// scene itself.
+/// The scene that a shader's modifiers come from; `None` for the whole one.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Home(pub(crate) Arc<[Handle<OctreeScene>]>);
+pub(crate) struct Home(pub(crate) Option<Arc<Scene>>);
 
 impl Home {
-    /// The scene, from the whole one.
+    /// The scene.
     #[inline]
-    pub(crate) fn scene<'s>(&self, whole: &'s Scene) -> &'s Scene {
-        self.0.iter().fold(whole, |scene, octree| &scene.octrees[*octree].scene)
+    pub(crate) fn scene<'s>(&'s self, whole: &'s Scene) -> &'s Scene {
+        self.0.as_deref().unwrap_or(whole)
     }
 }
 

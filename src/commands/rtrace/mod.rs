@@ -7,7 +7,6 @@ mod record;
 use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, conclude, history, plan, use_threads};
 use options::Options;
-use radsight_ir::ValidScene;
 use radsight_render::{Ray, Renderer};
 use rays::RayReader;
 use record::Writer;
@@ -64,6 +63,3 @@ fn header(writer: &Writer<'_>) -> Vec<u8> {
     header.push_variable("FORMAT", writer.format_name());
     header.to_bytes()
 }
-
-/// The scene that names are looked up in.
-type Scene = ValidScene;

@@ -21,7 +21,9 @@ use hierarchy::Hierarchy;
 use mesh::MeshGeometry;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Instance, Mesh, MeshInstance, Scene, Shape, Surface, SurfaceHandle, Transform, ValidScene};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 pub(crate) use polygon::RayFrame;
 
@@ -64,7 +66,7 @@ pub(crate) struct Geometry {
     /// By mesh handle.
     meshes: Vec<MeshGeometry>,
     /// By octree handle.
-    octrees: Vec<Geometry>,
+    octrees: Vec<Arc<Geometry>>,
 }
 
 /// What is known of a point of a surface before the surface is placed.
@@ -81,9 +83,26 @@ impl Geometry {
     /// # Errors
     /// A scene with more copies of surfaces than can be numbered.
     pub(crate) fn build(scene: &Scene, wanted: impl Fn(SurfaceHandle) -> bool) -> Result<Geometry, Diagnostic> {
+        Geometry::build_sharing(scene, &wanted, &mut HashMap::new())
+    }
+
+    /// A scene that several others place has one geometry.
+    fn build_sharing(
+        scene: &Scene,
+        wanted: &dyn Fn(SurfaceHandle) -> bool,
+        known: &mut HashMap<*const Scene, Arc<Geometry>>,
+    ) -> Result<Geometry, Diagnostic> {
         let meshes: Vec<MeshGeometry> = scene.meshes.items().iter().map(MeshGeometry::build).collect();
-        let octrees = scene.octrees.items().iter().map(|octree| Geometry::build(&octree.scene, |_| true));
-        let octrees = octrees.collect::<Result<Vec<_>, _>>()?;
+        let mut octrees = Vec::with_capacity(scene.octrees.len());
+        for octree in scene.octrees.items() {
+            let key = Arc::as_ptr(&octree.scene);
+            let geometry = match known.get(&key) {
+                Some(geometry) => geometry.clone(),
+                None => Arc::new(Geometry::build_sharing(&octree.scene, &|_| true, known)?),
+            };
+            known.insert(key, geometry.clone());
+            octrees.push(geometry);
+        }
         let mut geometry = Geometry {
             members: Vec::new(),
             plain: 0,
@@ -135,28 +154,31 @@ impl Geometry {
     }
 
     /// Whether something without a material stands in the hierarchies, because a copy could give it one.
-    pub(crate) fn holds_void(&self, scene: &Scene, shaders: &ShaderTable, is_void: &impl Fn(ShaderId) -> bool) -> bool {
-        let void_in_mesh: Vec<bool> = scene
-            .meshes
-            .items()
-            .iter()
-            .map(|mesh| mesh.triangles.iter().any(|triangle| is_void(shaders.of(triangle.modifier))))
-            .collect();
-        let within_octrees = || {
-            let octrees = scene.octrees.items().iter().zip(&self.octrees).zip(&shaders.octrees);
-            octrees
-                .into_iter()
-                .any(|((octree, geometry), shaders)| geometry.holds_void(&octree.scene, shaders, is_void))
-        };
-        let member_is_void = |handle: &SurfaceHandle| {
+    pub(crate) fn holds_void(&self, scene: &Scene, shaders: &ShaderTable, is_void: impl Fn(ShaderId) -> bool) -> bool {
+        let mut seen = HashSet::new();
+        let mut waiting = vec![(self, scene, shaders)];
+        while let Some((geometry, scene, shaders)) = waiting.pop() {
+            if geometry.members_hold_void(scene, shaders, &is_void) {
+                return true;
+            }
+            let octrees = geometry.octrees.iter().zip(scene.octrees.items()).zip(&shaders.octrees);
+            let unseen = octrees.filter(|((geometry, _), _)| seen.insert(Arc::as_ptr(geometry)));
+            waiting.extend(unseen.map(|((geometry, octree), shaders)| (&**geometry, &*octree.scene, &**shaders)));
+        }
+        false
+    }
+
+    fn members_hold_void(&self, scene: &Scene, shaders: &ShaderTable, is_void: impl Fn(ShaderId) -> bool) -> bool {
+        let in_mesh = |mesh: &Mesh| mesh.triangles.iter().any(|triangle| is_void(shaders.of(triangle.modifier)));
+        let void_in_mesh: Vec<bool> = scene.meshes.items().iter().map(in_mesh).collect();
+        self.members.iter().any(|handle| {
             let surface = &scene.surfaces[*handle];
             match (surface.shape, surface.modifier) {
                 (Shape::Mesh(placed), None) => void_in_mesh[scene.mesh_instances[placed].mesh.index()],
                 (Shape::Instance(_), None) => false,
                 (_, modifier) => is_void(shaders.of(modifier)),
             }
-        };
-        self.members.iter().any(member_is_void) || within_octrees()
+        })
     }
 
     /// Centre and radius of a sphere around all surfaces.
