@@ -55,6 +55,9 @@ pub(crate) struct Reading {
     /// What is suspect is an error: warnings of a scene, findings of a plugin's self-check
     #[arg(long)]
     pub(crate) strict: bool,
+    /// Do not print warnings
+    #[arg(skip)]
+    pub(crate) no_warnings: bool,
 }
 
 #[derive(Args, Debug)]

@@ -1,8 +1,10 @@
 //! How the program ends when it cannot do what was asked.
 
 use radsight_diag::{Diagnostic, Severity, SourceMap};
+use std::fs::File;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 /// What a command gives.
 pub(crate) type Outcome = Result<(), Failure>;
@@ -97,7 +99,21 @@ pub(crate) fn reason(error: &io::Error) -> String {
 pub(crate) fn say(text: &str) {
     let speaks_to_terminal = |c: char| c.is_control() && c != '\n' && c != '\t';
     let text = text.replace(speaks_to_terminal, "\u{fffd}");
-    let _ = io::stderr().write_all(text.as_bytes());
+    match ELSEWHERE.get() {
+        Some(mut file) => drop(file.write_all(text.as_bytes())),
+        None => drop(io::stderr().write_all(text.as_bytes())),
+    }
+}
+
+/// The file that messages go to instead of standard error.
+static ELSEWHERE: OnceLock<File> = OnceLock::new();
+
+/// Sends all messages from now on to the end of a file (Radiance's `-e`).
+pub(crate) fn say_in(path: &str) -> Outcome {
+    let file = File::options().create(true).append(true).open(path);
+    let file = file.map_err(|error| Failure::write(&format!("\"{path}\""), &error))?;
+    let _ = ELSEWHERE.set(file);
+    Ok(())
 }
 
 /// Diagnostics as text, the most serious ones kept when there are too many.

@@ -140,7 +140,9 @@ fn valid_scene(inputs: Vec<Input>, reading: &Reading) -> Result<(ValidScene, Sou
             if reading.strict && !warnings.is_empty() {
                 return Err(Failure::diagnostics(&warnings, &sources));
             }
-            say(&render(&warnings, &sources));
+            if !reading.no_warnings {
+                say(&render(&warnings, &sources));
+            }
             Ok((valid.scene, sources))
         }
         Err(errors) => Err(Failure::diagnostics(&errors, &sources)),
@@ -158,6 +160,22 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
         .build_global()
         .map_err(|error| Failure::fault(format!("cannot start {threads} threads: {error}")))
 }
+
+/// What the header of an octree says of how it was made; nothing of other files.
+pub(crate) fn scene_history(paths: &[String]) -> Header {
+    let [path] = paths else { return Header::default() };
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start));
+    match read.ok().and_then(|_| Header::read(&start).ok()) {
+        Some((header, _)) if header.format().is_some_and(|format| format == OCTREE_FORMAT) => header.history(),
+        _ => Header::default(),
+    }
+}
+
+/// No octree's header is longer.
+const LONGEST_HEADER: u64 = 1 << 16;
+
+const OCTREE_FORMAT: &str = "Radiance_octree";
 
 /// A header that says how the output was made.
 pub(crate) fn history() -> Header {

@@ -4,12 +4,15 @@
 mod args;
 mod commands;
 mod disk;
+mod expand;
 mod failure;
 mod input;
 mod output;
 mod plugins;
 mod progress;
 mod render_args;
+mod switch;
+mod view_args;
 
 use clap::Parser;
 use failure::{Failure, Outcome};

@@ -18,6 +18,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
     ("diag", &[]),
+    ("frame", &["picture", "render", "sampling"]),
     ("generate", &["cal", "diag", "loader"]),
     ("ir", &["cal", "diag"]),
     ("loader", &[]),

@@ -8,9 +8,11 @@ mod install_links;
 mod pinhole;
 mod plugin;
 mod rig;
+mod rpict;
 mod rtrace;
 mod scene_program;
 mod sensor;
+mod vwrays;
 
 use crate::args::{Command, Program};
 use crate::failure::Outcome;
@@ -18,14 +20,17 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    std::iter::once("rtrace").chain(scene_program::names())
+    ["rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     let name = words.first()?.as_str();
-    if name == "rtrace" {
-        return Some(rtrace::run(&words[1..]));
+    match name {
+        "rpict" => return Some(rpict::run(words)),
+        "rtrace" => return Some(rtrace::run(&words[1..])),
+        "vwrays" => return Some(vwrays::run(&words[1..])),
+        _ => {}
     }
     scene_program::names().any(|known| known == name).then(|| scene_program::run(words))
 }

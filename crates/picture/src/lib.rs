@@ -47,6 +47,7 @@ mod rgbe;
 mod scanline;
 #[cfg(feature = "tiff")]
 mod tiff;
+mod unfinished;
 mod view;
 
 pub use color::{RgbPrimaries, WHITE_EFFICACY, xyz_to_rgb};
@@ -67,4 +68,5 @@ pub use rgbe::{decode_rgbe, encode_rgbe, mantissa_step};
 pub use scanline::write_rgbe_scanline;
 #[cfg(feature = "tiff")]
 pub use tiff::{read_tiff, write_tiff};
+pub use unfinished::Unfinished;
 pub use view::{View, ViewError, ViewKind, ViewLocation, ViewOptions, ViewRay};

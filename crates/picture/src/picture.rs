@@ -33,7 +33,7 @@ impl Encoding {
         }
     }
 
-    fn from_header(header: &Header) -> Result<Encoding, PictureError> {
+    pub(crate) fn from_header(header: &Header) -> Result<Encoding, PictureError> {
         let Some(assignment) = header.assignments("FORMAT").last() else { return Ok(Encoding::Rgbe) };
         match assignment.value.as_ref() {
             "32-bit_rle_rgbe" => Ok(Encoding::Rgbe),

@@ -122,6 +122,12 @@ impl RenderPlan {
         })
     }
 
+    /// What chooses the sample sequence.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.options.seed
+    }
+
     /// How many bands are traced: one for a grey scene, else red, green and blue.
     #[must_use]
     pub fn bands(&self) -> usize {

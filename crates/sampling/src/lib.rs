@@ -32,6 +32,9 @@ impl DimensionSet {
     /// Pixel x, pixel y, and two for the pinhole.
     pub const CAMERA: DimensionSet = DimensionSet(0);
 
+    /// The time within an exposure, and the place along the axis in an aperture that has a depth.
+    pub const SHUTTER: DimensionSet = DimensionSet(u32::MAX);
+
     /// The renderer's `index`-th set.
     #[must_use]
     pub const fn render(index: u32) -> DimensionSet {

@@ -2,7 +2,7 @@
 
 use crate::args::Reading;
 use crate::failure::Failure;
-use crate::render_args::{number, take_one};
+use crate::render_args::{number, take_one, take_own};
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Quantity, RenderOptions};
 
@@ -89,13 +89,17 @@ impl Options {
         if used > 0 {
             return Ok(used);
         }
+        let used = take_own(words, &mut self.reading, &mut self.render)?;
+        if used > 0 {
+            return Ok(used);
+        }
         let word = words[0].as_str();
         match word {
             "-h" | "-h-" => self.header = false,
             "-h+" => self.header = true,
             "-I" | "-I+" => self.render.quantity = Quantity::Irradiance,
             "-I-" => self.render.quantity = Quantity::Radiance,
-            "-i-" | "-ld-" | "-w" | "-w+" | "-w-" | "-u" | "-u+" | "-u-" | "-dv+" | "-pRGB" => {}
+            "-i-" | "-ld-" | "-w" | "-w+" | "-w-" | "-pRGB" => {}
             "-n" => {
                 self.threads = Some(number(words, word, "a number of threads")?);
                 return Ok(2);
@@ -107,20 +111,6 @@ impl Options {
             }
             "-y" => {
                 let _: u64 = number(words, word, "a number of rows")?;
-                return Ok(2);
-            }
-            "--seed" => {
-                self.render.seed = number(words, word, "a whole number")?;
-                return Ok(2);
-            }
-            "--allow-commands" => self.reading.allow_commands = true,
-            "--strict" => self.reading.strict = true,
-            "--brdf" | "--plugin-path" => {
-                let value: String = number(words, word, "a value")?;
-                match word {
-                    "--brdf" => self.reading.brdf.push(value),
-                    _ => self.reading.plugin_path.push(value.into()),
-                }
                 return Ok(2);
             }
             _ if word.starts_with("-f") => self.formats(word)?,

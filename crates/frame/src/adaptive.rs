@@ -1,0 +1,263 @@
+//! As many rays as each pixel needs.
+//!
+//! A pixel's samples are doubled until its estimated error is below the asked share of its value. The estimate is half the difference of
+//! the means of the two halves of its samples: for independent samples its mean square is that of the error of the mean, and
+//! for those of a low-discrepancy sequence it is larger, which is the safe side. One such difference says little, so the squares
+//! of neighbours are averaged, and those of the doubling before count too.
+
+use crate::lens::{Lens, LensRay};
+use radsight_render::{Ray, RayWorker, Renderer};
+use radsight_sampling::RaySampler;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// No pixel gets more samples: what one scramble of the sequence holds.
+pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
+
+const SEQUENCE_LOG2: u32 = 16;
+
+/// Samples of every pixel before anything is decided.
+const FIRST_SAMPLES: u32 = 4;
+
+/// Pixels that are finished together; whole rows.
+const BLOCK: usize = 1 << 14;
+
+/// What is darker than this share of the picture's typical pixel need not be more exact than that is.
+const DARK: f64 = 0.1;
+
+/// Brighter pixels than this many times the median do not count further for what is typical.
+const DAZZLING: f64 = 10.0;
+
+/// What stands for a distance to nothing, as in Radiance.
+const NOWHERE: f64 = 1e10;
+
+/// How many rays a pixel gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// As many for each.
+    Samples(u32),
+    /// As few as the error allows.
+    Error {
+        /// Estimated standard error, as a share of the pixel's value or of a tenth of the picture's typical one, whichever is larger.
+        error: f64,
+        /// At most so many, at most [`MAX_SAMPLES`].
+        most: u32,
+    },
+}
+
+/// One pixel's samples so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    sum: [f64; 3],
+    samples: u32,
+    /// Squares of the half differences of the means of halves, for the last two doublings.
+    last: f64,
+    before: f64,
+}
+
+impl Pixel {
+    fn mean(&self) -> [f64; 3] {
+        self.sum.map(|sum| sum / f64::from(self.samples.max(1)))
+    }
+
+    /// Takes in the second half of its samples.
+    fn double(&mut self, second_half: [f64; 3]) {
+        let difference: f64 = second_half.iter().zip(self.sum).map(|(second, first)| second - first).sum();
+        let half_difference = difference / (3.0 * f64::from(2 * self.samples));
+        self.before = self.last;
+        self.last = half_difference * half_difference;
+        self.sum = std::array::from_fn(|band| self.sum[band] + second_half[band]);
+        self.samples *= 2;
+    }
+}
+
+/// A picture in the making.
+#[derive(Debug)]
+pub struct Frame<'r> {
+    renderer: &'r Renderer,
+    lens: Lens,
+    effort: Effort,
+    pixels: Vec<Pixel>,
+    /// Value below which an error is not relative any more.
+    floor: f64,
+}
+
+impl<'r> Frame<'r> {
+    /// Begins a picture. With an asked error this traces the first rays of all pixels, to know what is typical.
+    #[must_use]
+    pub fn new(renderer: &'r Renderer, lens: Lens, effort: Effort) -> Frame<'r> {
+        let pixels = vec![Pixel::default(); lens.columns() * lens.rows()];
+        let mut frame = Frame { renderer, lens, effort, pixels, floor: 0.0 };
+        if let Effort::Error { .. } = effort {
+            frame.begin();
+            frame.floor = DARK * typical(&frame.pixels);
+        }
+        frame
+    }
+
+    /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
+    #[must_use]
+    pub fn block_of(&self, row: usize) -> Range<usize> {
+        let height = (BLOCK / self.lens.columns().max(1)).max(1);
+        let first = row - row % height;
+        first..(first + height).min(self.lens.rows())
+    }
+
+    /// Finishes a block of rows and gives its pixels.
+    pub fn finish_block(&mut self, block: Range<usize>) -> Vec<[f32; 3]> {
+        let columns = self.lens.columns();
+        let range = block.start * columns..block.end * columns;
+        match self.effort {
+            Effort::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
+            Effort::Error { error, most } => {
+                let most = most.min(MAX_SAMPLES);
+                loop {
+                    let chosen = self.choose(&range, error, most);
+                    if chosen.is_empty() {
+                        break;
+                    }
+                    self.double(&chosen);
+                }
+            }
+        }
+        self.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
+    }
+
+    /// Distances along the rays through the middles of the pixels of some rows, scene units, by way of mirrors and panes; 1e10 for
+    /// nothing.
+    #[must_use]
+    pub fn depths(&self, rows: Range<usize>) -> Vec<f32> {
+        let columns = self.lens.columns();
+        let pixels = rows.start * columns..rows.end * columns;
+        pixels
+            .into_par_iter()
+            .with_min_len(64)
+            .map_init(
+                || self.renderer.worker(),
+                |worker, pixel| {
+                    let ray = self.lens.central_ray(pixel % columns, pixel / columns);
+                    ray.map_or(NOWHERE, |ray| distance(worker, (pixel as u64) << SEQUENCE_LOG2, &ray)) as f32
+                },
+            )
+            .collect()
+    }
+
+    fn begin(&mut self) {
+        let (renderer, lens) = (self.renderer, self.lens);
+        self.pixels.par_iter_mut().enumerate().with_min_len(64).for_each_init(
+            || renderer.worker(),
+            |worker, (index, pixel)| {
+                pixel.samples = 1;
+                pixel.sum = sum(worker, &lens, renderer, index, 0..1);
+                while pixel.samples < FIRST_SAMPLES {
+                    pixel.double(sum(worker, &lens, renderer, index, pixel.samples..2 * pixel.samples));
+                }
+            },
+        );
+    }
+
+    fn trace_all(&mut self, range: Range<usize>, samples: u32) {
+        let (renderer, lens, first) = (self.renderer, self.lens, range.start);
+        self.pixels[range].par_iter_mut().enumerate().with_min_len(16).for_each_init(
+            || renderer.worker(),
+            |worker, (index, pixel)| {
+                pixel.samples = samples;
+                pixel.sum = sum(worker, &lens, renderer, first + index, 0..samples);
+            },
+        );
+    }
+
+    fn double(&mut self, chosen: &[usize]) {
+        let (renderer, lens, pixels) = (self.renderer, self.lens, &self.pixels);
+        let second_halves: Vec<[f64; 3]> = chosen
+            .par_iter()
+            .with_min_len(4)
+            .map_init(
+                || renderer.worker(),
+                |worker, &index| {
+                    let samples = pixels[index].samples;
+                    sum(worker, &lens, renderer, index, samples..2 * samples)
+                },
+            )
+            .collect();
+        for (&index, second_half) in chosen.iter().zip(second_halves) {
+            self.pixels[index].double(second_half);
+        }
+    }
+
+    /// The pixels of a block whose error is too large.
+    fn choose(&self, range: &Range<usize>, error: f64, most: u32) -> Vec<usize> {
+        let is_open = |&index: &usize| {
+            let pixel = &self.pixels[index];
+            let value = pixel.mean().iter().sum::<f64>() / 3.0;
+            let allowed = error * value.max(self.floor);
+            pixel.samples < most && self.squared_error(range, index) > allowed * allowed
+        };
+        range.clone().into_par_iter().with_min_len(1024).filter(is_open).collect()
+    }
+
+    /// The estimated squared error of a pixel, from its own samples and those of its neighbours in the block.
+    fn squared_error(&self, range: &Range<usize>, index: usize) -> f64 {
+        let columns = self.lens.columns();
+        let (first, last) = (range.start / columns, range.end / columns - 1);
+        let (column, row) = (index % columns, index / columns);
+        let samples = f64::from(self.pixels[index].samples);
+        let (mut latest, mut before, mut count) = (0.0, 0.0, 0.0);
+        for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
+            for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
+                let other = &self.pixels[y * columns + x];
+                let scale = f64::from(other.samples) / samples;
+                latest += other.last * scale;
+                before += 0.5 * other.before * scale;
+                count += 1.0;
+            }
+        }
+        latest.max(before) / count
+    }
+}
+
+/// Sum of the radiances of some of a pixel's rays; every pixel has a scramble of the sequence of its own.
+fn sum(worker: &mut RayWorker<'_>, lens: &Lens, renderer: &Renderer, pixel: usize, samples: Range<u32>) -> [f64; 3] {
+    let columns = lens.columns();
+    let (column, row) = (pixel % columns, pixel / columns);
+    let mut sum = [0.0; 3];
+    for sample in samples {
+        let index = ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample);
+        let sampler = RaySampler::new(renderer.plan().seed(), index);
+        let Some(ray) = lens.ray(column, row, &sampler) else { continue };
+        for (sum, band) in sum.iter_mut().zip(radiance(worker, index, &ray)) {
+            *sum += band;
+        }
+    }
+    sum
+}
+
+/// The radiance of a ray; nothing is seen beyond the aft clipping plane.
+fn radiance(worker: &mut RayWorker<'_>, index: u64, ray: &LensRay) -> [f64; 3] {
+    let Some(traced) = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray)) else {
+        return [0.0; 3];
+    };
+    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
+    if is_clipped { [0.0; 3] } else { traced.value }
+}
+
+fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &LensRay) -> f64 {
+    let Some(traced) = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray)) else {
+        return NOWHERE;
+    };
+    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
+    if is_clipped { NOWHERE } else { traced.effective_distance.min(NOWHERE) }
+}
+
+/// The mean of the pixels that are not black, of which a few may be dazzling.
+fn typical(pixels: &[Pixel]) -> f64 {
+    let value = |pixel: &Pixel| pixel.mean().iter().sum::<f64>() / 3.0;
+    let mut values: Vec<f64> = pixels.iter().map(value).filter(|value| *value > 0.0).collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let most = DAZZLING * *median;
+    values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
+}

@@ -1,0 +1,211 @@
+//! `rpict`: the picture of a view.
+
+mod defaults;
+mod options;
+mod output;
+mod sequence;
+
+use crate::failure::{Failure, Outcome, say, say_in};
+use crate::input::{Planned, conclude, plan, scene_history, use_threads};
+use crate::output::write_standard_output;
+use crate::view_args;
+use options::Options;
+use output::{PictureWriter, Recovered, Start};
+use radsight_frame::{Frame, Lens};
+use radsight_picture::{Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
+use radsight_render::Renderer;
+use sequence::Sequence;
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
+
+/// A picture needs memory for each of its pixels until it is done.
+const MOST_PIXELS: usize = 1 << 27;
+
+/// Runs the program; `words[0]` is its name.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let options = Options::parse(words)?;
+    if options.print_defaults {
+        return write_standard_output(defaults::text(&options).as_bytes());
+    }
+    if let Some(path) = &options.error_file {
+        say_in(path)?;
+    }
+    use_threads(options.threads)?;
+    if options.first_frame <= 0 {
+        let picture = Picture::prepare(&options, options.view, None)?;
+        let Planned { plan, registry, sources } =
+            plan(&options.scenes, None, &options.reading, options.render.clone())?;
+        let renderer = Renderer::new(plan);
+        picture.render(&options, &renderer)?;
+        return conclude(renderer.plan(), registry.as_ref(), &sources);
+    }
+    let mut sequence = Sequence::new(&options)?;
+    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let renderer = Renderer::new(plan);
+    while let Some((view, number)) = sequence.next()? {
+        let before = sequence.view_before();
+        let picture = Picture::prepare(&options, view, Some((number, before)))?;
+        picture.render(&options, &renderer)?;
+        conclude(renderer.plan(), registry.as_ref(), &sources)?;
+    }
+    Ok(())
+}
+
+/// One picture, ready to be rendered.
+struct Picture {
+    lens: Lens,
+    header: Header,
+    output: Option<String>,
+    depths: Option<String>,
+    recovered: Option<Recovered>,
+}
+
+impl Picture {
+    /// Everything that can be wrong before the scene is read.
+    fn prepare(
+        options: &Options,
+        mut view: ViewOptions,
+        frame: Option<(i64, Option<View>)>,
+    ) -> Result<Picture, Failure> {
+        let number = frame.as_ref().map_or(0, |(number, _)| *number);
+        let named = |name: &Option<String>| name.as_ref().map(|name| sequence::numbered(name, number));
+        let recover = match &options.recover {
+            // A number says at which frame to go on.
+            Some(name) if frame.is_some() && name.parse::<i64>().is_ok() => None,
+            name => named(name),
+        };
+        let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
+        let ([columns, rows], aspect);
+        if let Some(recovered) = &recovered {
+            if let Ok(Some(seen)) = ViewOptions::from_header(&recovered.header) {
+                view = seen;
+            }
+            ([columns, rows], aspect) = ([recovered.columns, recovered.rows], 0.0);
+        } else {
+            ([columns, rows], aspect) = (options.size, options.pixel_aspect);
+        }
+        let view = view_args::checked(view)?;
+        let (columns, rows) = view.fit(columns, rows, aspect);
+        if columns == 0 || rows == 0 || columns.checked_mul(rows).is_none_or(|pixels| pixels > MOST_PIXELS) {
+            return Err(Failure::usage(format!(
+                "rpict: a picture of {columns} by {rows} pixels, expected 1 to {MOST_PIXELS} pixels"
+            )));
+        }
+        let mut lens = Lens::new(view, columns, rows);
+        lens.jitter = options.pixel_jitter;
+        lens.aperture = options.aperture;
+        if options.motion > 0.0 {
+            lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
+        }
+        let header = header(options, &lens, number);
+        Ok(Picture { lens, header, output: named(&options.output), depths: named(&options.depths), recovered })
+    }
+
+    /// Renders from the first row that is not done and writes row by row.
+    fn render(&self, options: &Options, renderer: &Renderer) -> Outcome {
+        let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
+        let (columns, rows) = (self.lens.columns(), self.lens.rows());
+        let resolution = Resolution::standard(columns, rows);
+        let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref() };
+        let replaces = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
+        let mut writer = PictureWriter::begin(self.output.as_deref(), replaces, &start)?
+            .with_depths(self.depths.as_deref(), done * columns)?;
+        if done == rows {
+            return Ok(());
+        }
+        let mut report = Report::new(options.report);
+        let mut frame = Frame::new(renderer, self.lens, options.effort);
+        let mut row = done;
+        while row < rows {
+            let block = frame.block_of(row);
+            let pixels = frame.finish_block(block.clone());
+            if renderer.plan().unusable_met().is_some() {
+                return Ok(());
+            }
+            let mut bytes = Vec::new();
+            for line in pixels[(row - block.start) * columns..].chunks(columns) {
+                write_rgbe_scanline(line, &mut bytes);
+            }
+            writer.write(&bytes)?;
+            if writer.wants_depths() {
+                writer.write_depths(&frame.depths(row..block.end))?;
+            }
+            row = block.end;
+            report.tell(row as f64 / rows as f64);
+        }
+        Ok(())
+    }
+}
+
+/// What stands before the pixels.
+fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
+    let mut header = scene_history(&options.scenes);
+    if header.is_empty() {
+        header.push_line("#?RADIANCE");
+    }
+    let mut words: Vec<&str> = options.command.iter().map(String::as_str).collect();
+    words[0] = Path::new(words[0]).file_name().and_then(|name| name.to_str()).unwrap_or("rpict");
+    header.push_command(words);
+    header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
+    if frame > 0 {
+        header.push_variable("FRAME", &frame.to_string());
+    }
+    header.push_variable("VIEW", &lens.view().options().to_full_string());
+    let aspect = lens.view().aspect() * lens.columns() as f64 / lens.rows() as f64;
+    let aspect = if options.pixel_aspect > 0.0 && options.recover.is_none() { options.pixel_aspect } else { aspect };
+    if !(0.995..=1.005).contains(&aspect) {
+        header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
+    }
+    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    header.push_variable("PRIMARIES", &RgbPrimaries::STANDARD.to_header_value());
+    header.push_variable("FORMAT", "32-bit_rle_rgbe");
+    header
+}
+
+/// Date and time as picture headers have it: `2026:11:21 11:14:09`.
+fn greenwich_time() -> String {
+    let seconds = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let (day, second) = (seconds / 86_400, seconds % 86_400);
+    // Days from a first of March on repeat every 400 years; the year, the month and the day follow from the mean lengths
+    // (Hinnant, "chrono-Compatible Low-Level Date Algorithms", civil_from_days).
+    let from_march = day + 719_468;
+    let (era, in_era) = (from_march / 146_097, from_march % 146_097);
+    let year_of_era = (in_era - in_era / 1460 + in_era / 36_524 - in_era / 146_096) / 365;
+    let in_year = in_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * in_year + 2) / 153;
+    let day = in_year - (153 * from_march + 2) / 5 + 1;
+    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{year}:{month:02}:{day:02} {hour:02}:{minute:02}:{second:02}")
+}
+
+/// Says now and then how far the picture is.
+struct Report {
+    every: Duration,
+    begun: Instant,
+    told: Instant,
+}
+
+impl Report {
+    fn new(seconds: u64) -> Report {
+        let now = Instant::now();
+        let report = Report { every: Duration::from_secs(seconds), begun: now, told: now };
+        report.say(0.0);
+        report
+    }
+
+    fn tell(&mut self, share: f64) {
+        if share >= 1.0 || self.told.elapsed() >= self.every {
+            self.told = Instant::now();
+            self.say(share);
+        }
+    }
+
+    fn say(&self, share: f64) {
+        if !self.every.is_zero() {
+            let hours = self.begun.elapsed().as_secs_f64() / 3600.0;
+            say(&format!("rpict: {:.2}% after {hours:.5} hours\n", 100.0 * share));
+        }
+    }
+}

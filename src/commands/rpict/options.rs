@@ -1,0 +1,200 @@
+//! The options of `rpict`, as Radiance writes them.
+
+use crate::args::Reading;
+use crate::expand::expand_at;
+use crate::failure::Failure;
+use crate::render_args::{number, take_one, take_own};
+use crate::switch::switched;
+use crate::view_args;
+use radsight_frame::{Effort, MAX_SAMPLES};
+use radsight_picture::ViewOptions;
+use radsight_render::RenderOptions;
+
+/// Error that is asked for when nothing is said.
+const DEFAULT_ERROR: f64 = 0.02;
+
+/// Rays that no pixel exceeds for an asked error.
+const MOST_SAMPLES: u32 = 1024;
+
+/// Takes one option from the front; gives how many words it used, 0 for something else.
+type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
+
+/// What is asked.
+#[derive(Debug)]
+pub(super) struct Options {
+    pub(super) render: RenderOptions,
+    pub(super) reading: Reading,
+    pub(super) view: ViewOptions,
+    /// Most columns and rows.
+    pub(super) size: [usize; 2],
+    /// Height over width of a pixel; 0 for whatever fills the size.
+    pub(super) pixel_aspect: f64,
+    pub(super) pixel_jitter: f64,
+    pub(super) motion: f64,
+    pub(super) aperture: f64,
+    pub(super) effort: Effort,
+    pub(super) threads: Option<usize>,
+    /// Seconds between reports of progress; 0 for none.
+    pub(super) report: u64,
+    /// The number of the first frame of a sequence; 0 for a single picture.
+    pub(super) first_frame: i64,
+    pub(super) output: Option<String>,
+    pub(super) depths: Option<String>,
+    pub(super) recover: Option<String>,
+    pub(super) error_file: Option<String>,
+    pub(super) scenes: Vec<String>,
+    /// The words up to the scenes, as the picture's header has them.
+    pub(super) command: Vec<String>,
+    /// Whether only the defaults are to be printed.
+    pub(super) print_defaults: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            render: RenderOptions { mirror_relays: 1, ..RenderOptions::default() },
+            reading: Reading::default(),
+            view: ViewOptions::default(),
+            size: [512, 512],
+            pixel_aspect: 1.0,
+            pixel_jitter: 0.67,
+            motion: 0.0,
+            aperture: 0.0,
+            effort: Effort::Error { error: DEFAULT_ERROR, most: MOST_SAMPLES },
+            threads: None,
+            report: 0,
+            first_frame: 0,
+            output: None,
+            depths: None,
+            recover: None,
+            error_file: None,
+            scenes: Vec::new(),
+            command: Vec::new(),
+            print_defaults: false,
+        }
+    }
+}
+
+impl Options {
+    /// Reads the words, of which the first is the program's name.
+    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options::default();
+        let mut words = words.to_vec();
+        let mut at = 1;
+        loop {
+            expand_at(&mut words, at)?;
+            match words.get(at) {
+                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
+                _ => break,
+            }
+        }
+        options.scenes = words.split_off(at);
+        options.command = words;
+        if options.scenes.is_empty() {
+            options.scenes.push("-".to_owned());
+        }
+        Ok(options)
+    }
+
+    /// Takes one option; gives how many words it used.
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        const TAKERS: [Taker; 5] = [
+            |options, words| take_one(words, &mut options.render),
+            |options, words| view_args::take_one(words, &mut options.view),
+            |options, words| take_own(words, &mut options.reading, &mut options.render),
+            Options::take_sampling,
+            Options::take_file,
+        ];
+        for taker in TAKERS {
+            let used = taker(self, words)?;
+            if used > 0 {
+                return Ok(used);
+            }
+        }
+        let word = words[0].as_str();
+        match word {
+            "-x" => self.size[0] = number(words, word, "a number of columns")?,
+            "-y" => self.size[1] = number(words, word, "a number of rows")?,
+            "-t" => self.report = number(words, word, "a number of seconds")?,
+            "-n" | "--threads" => self.threads = Some(number(words, word, "a number of threads")?),
+            "-S" => self.first_frame = number(words, word, "the number of a frame")?,
+            "-defaults" | "-help" => {
+                self.print_defaults = true;
+                return Ok(1);
+            }
+            "-pRGB" => return Ok(1),
+            _ => {
+                if let Some(shown) = switched(word, "-w", !self.reading.no_warnings) {
+                    self.reading.no_warnings = !shown;
+                    return Ok(1);
+                }
+                return Err(Failure::usage(format!("rpict: option \"{word}\" is not supported")));
+            }
+        }
+        Ok(2)
+    }
+
+    /// The options about pixels and the rays through them.
+    fn take_sampling(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let word = words[0].as_str();
+        match word {
+            "-pa" => self.pixel_aspect = number(words, word, "the height over the width of a pixel")?,
+            "-pj" => self.pixel_jitter = share(words, "a share of a pixel from 0 to 1")?,
+            "-pm" => self.motion = share(words, "a share of the time between frames from 0 to 1")?,
+            "-pd" => self.aperture = positive(words, "the diameter of the aperture, 0 or more")?,
+            // There is nothing between samples to interpolate: every pixel has its own.
+            "-ps" | "-pt" => drop(number::<f64>(words, word, "a number")?),
+            "--samples" => match number(words, word, "a number of rays")? {
+                samples @ 1..=MAX_SAMPLES => self.effort = Effort::Samples(samples),
+                other => {
+                    let expected = format!("expected 1 to {MAX_SAMPLES}");
+                    return Err(Failure::usage(format!("option \"{word}\" is {other}, {expected}")));
+                }
+            },
+            "--error" => match number(words, word, "a share above 0, such as 0.02")? {
+                error if error > 0.0 && f64::is_finite(error) => {
+                    self.effort = Effort::Error { error, most: MOST_SAMPLES };
+                }
+                error => {
+                    let expected = "expected a share above 0, such as 0.02";
+                    return Err(Failure::usage(format!("option \"{word}\" is {error}, {expected}")));
+                }
+            },
+            _ => return Ok(0),
+        }
+        Ok(2)
+    }
+
+    fn take_file(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let word = words[0].as_str();
+        let file = || number::<String>(words, word, "a file");
+        match word {
+            "-o" => self.output = Some(file()?),
+            "-z" => self.depths = Some(file()?),
+            "-e" => self.error_file = Some(file()?),
+            "-r" => self.recover = Some(file()?),
+            "-ro" => {
+                self.recover = Some(file()?);
+                self.output = self.recover.clone();
+            }
+            _ => return Ok(0),
+        }
+        Ok(2)
+    }
+}
+
+fn share(words: &[String], expected: &str) -> Result<f64, Failure> {
+    let value: f64 = number(words, &words[0], expected)?;
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(Failure::usage(format!("option \"{}\" is {value}, expected {expected}", words[0])))
+}
+
+fn positive(words: &[String], expected: &str) -> Result<f64, Failure> {
+    let value: f64 = number(words, &words[0], expected)?;
+    if value >= 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(Failure::usage(format!("option \"{}\" is {value}, expected {expected}", words[0])))
+}

@@ -1,0 +1,41 @@
+//! View options on a command line.
+
+use crate::failure::{Failure, reason};
+use crate::render_args::number;
+use radsight_picture::{View, ViewOptions};
+
+/// Takes one view option, a view file (`-vf`) among them, from the front; gives how many words it used, 0 for something else.
+pub(crate) fn take_one(words: &[String], view: &mut ViewOptions) -> Result<usize, Failure> {
+    if words[0] == "-vf" {
+        let path: String = number(words, "-vf", "a view file")?;
+        read_view_file(&path, view)?;
+        return Ok(2);
+    }
+    if !words[0].starts_with("-v") || words[0].starts_with("-ve") {
+        return Ok(0);
+    }
+    match view.apply_option(words) {
+        Ok(0) => {
+            let expected = match words[0].as_str() {
+                "-vp" | "-vd" | "-vu" => "three numbers after it",
+                "-vh" | "-vv" | "-vo" | "-va" | "-vs" | "-vl" => "a number after it",
+                _ => "one of -vt[vlhcas] -vp -vd -vu -vh -vv -vo -va -vs -vl -vf",
+            };
+            Err(Failure::usage(format!("view option \"{}\": expected {expected}", words[0])))
+        }
+        Ok(used) => Ok(used),
+        Err(error) => Err(Failure::usage(format!("option \"{}\": {error}", words[0]))),
+    }
+}
+
+/// Reads a view file, or the view of a picture, upon a view.
+pub(crate) fn read_view_file(path: &str, view: &mut ViewOptions) -> Result<(), Failure> {
+    let bytes = std::fs::read(path)
+        .map_err(|error| Failure::input(format!("cannot read view file \"{path}\": {}", reason(&error))))?;
+    view.apply_file(&bytes).map_err(|error| Failure::input(format!("view file \"{path}\": {error}")))
+}
+
+/// Checks a view.
+pub(crate) fn checked(view: ViewOptions) -> Result<View, Failure> {
+    View::new(view).map_err(|error| Failure::usage(format!("bad view: {error}")))
+}
