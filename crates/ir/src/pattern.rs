@@ -67,9 +67,9 @@ pub struct TextPattern {
     /// Space between characters, in cells: above zero lines keep the columns of their words, below zero they do not, zero sets
     /// each character into a whole cell. With any of them cells are as narrow as the font's characters; `None` keeps them square.
     pub spacing: Option<f64>,
-    /// Multiplier where there is ink.
+    /// Multiplier where there is ink; in a mixture it means nothing.
     pub foreground: Rgb,
-    /// Multiplier elsewhere.
+    /// Multiplier elsewhere; likewise.
     pub background: Rgb,
     /// The words as written, for writing back.
     pub words: Vec<String>,

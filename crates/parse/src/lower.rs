@@ -5,13 +5,18 @@ mod functions;
 mod include;
 mod log;
 mod materials;
+mod meshes;
 mod modifiers;
+mod objects;
+mod octrees;
 mod options;
 mod patterns;
 mod pictures;
 mod reader;
 mod replacement;
 mod surfaces;
+mod texts;
+mod volumes;
 
 pub use options::{Input, Read, ReadOptions, Tolerance, UnusedModifiers};
 pub use replacement::BrdfReplacement;

@@ -118,14 +118,15 @@ fn unique_names(scene: &Scene) -> Vec<String> {
 }
 
 /// A word in quotes, where it needs them.
-struct Quoted<'a>(&'a str);
+pub(crate) struct Quoted<'a>(pub(crate) &'a str);
 
 impl Display for Quoted<'_> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let word = self.0;
         let has = |quote| word.contains(quote);
         let has_space = word.bytes().any(is_space);
-        if !word.is_empty() && !has_space && !has('"') && !has('\'') {
+        let is_mark = word.starts_with(['#', '!']);
+        if !word.is_empty() && !has_space && !is_mark && !has('"') && !has('\'') {
             return formatter.write_str(word);
         }
         if !has('"') {

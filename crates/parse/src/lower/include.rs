@@ -293,6 +293,29 @@ impl Reader<'_> {
         source
     }
 
+    /// Reads a file that an octree names.
+    pub(super) fn include_file(&mut self, name: &str, context: &Context, span: Span) {
+        let key = TextKey { directory: context.directory.clone(), name: name.to_owned() };
+        let shared = Rc::clone(&self.loader);
+        if self.load(&key, &*shared, span) {
+            let path = self.inclusions.texts[&key].path.clone();
+            let source = self.source_of(&key, &path, span);
+            self.include(&key, source, context, span, false);
+        }
+    }
+
+    /// Counts bytes that the scene brings in; reading stops when there are too many.
+    pub(super) fn count_bytes(&mut self, count: usize, span: Option<Span>) -> bool {
+        self.inclusions.bytes = self.inclusions.bytes.saturating_add(count);
+        let is_right = self.inclusions.bytes <= MOST_BYTES;
+        if !is_right {
+            let message = format!("the files and commands of the scene give more than {MOST_BYTES} bytes");
+            let error = Diagnostic::error(message);
+            self.stop(span.map_or(error.clone(), |span| error.at(span)));
+        }
+        is_right
+    }
+
     /// Loads a file, unless it was loaded before.
     fn load(&mut self, key: &TextKey, loader: &dyn Loader, span: Span) -> bool {
         if self.inclusions.texts.contains_key(key) {
@@ -332,10 +355,7 @@ impl Reader<'_> {
     }
 
     fn keep(&mut self, key: &TextKey, bytes: Vec<u8>, path: String, span: Span) -> bool {
-        self.inclusions.bytes = self.inclusions.bytes.saturating_add(bytes.len());
-        if self.inclusions.bytes > MOST_BYTES {
-            let message = format!("the files and commands of the scene give more than {MOST_BYTES} bytes");
-            self.stop(Diagnostic::error(message).at(span));
+        if !self.count_bytes(bytes.len(), Some(span)) {
             return false;
         }
         let text = Text { bytes: Arc::from(bytes), path, first: None, document: None };

@@ -72,12 +72,14 @@ pub(super) struct ModifierTable {
     names: HashMap<Vec<u8>, RawHandle>,
     /// Names that meant nothing where they stood.
     undefined: Vec<(String, Span)>,
+    /// What names meant before they were defined in the scope that is open.
+    hidden: Option<Vec<(Vec<u8>, Option<RawHandle>)>>,
     /// The name asked for last; neighbours in a file often share a modifier.
     last: Option<(Vec<u8>, RawHandle)>,
 }
 
 impl ModifierTable {
-    fn find(&mut self, name: &[u8]) -> Option<RawHandle> {
+    pub(super) fn find(&mut self, name: &[u8]) -> Option<RawHandle> {
         if let Some((last, handle)) = &self.last
             && last == name
         {
@@ -89,7 +91,26 @@ impl ModifierTable {
     }
 
     fn set(&mut self, name: &[u8], handle: RawHandle) {
-        self.names.insert(name.to_vec(), handle);
+        let before = self.names.insert(name.to_vec(), handle);
+        self.last = None;
+        if let Some(hidden) = &mut self.hidden {
+            hidden.push((name.to_vec(), before));
+        }
+    }
+
+    /// Names that are defined from now on are forgotten by [`Self::close_scope`].
+    pub(super) fn open_scope(&mut self) {
+        self.hidden = Some(Vec::new());
+    }
+
+    /// Names mean again what they meant before.
+    pub(super) fn close_scope(&mut self) {
+        for (name, before) in self.hidden.take().into_iter().flatten().rev() {
+            match before {
+                Some(handle) => self.names.insert(name, handle),
+                None => self.names.remove(&name),
+            };
+        }
         self.last = None;
     }
 
@@ -156,6 +177,19 @@ impl Reader<'_> {
         if !self.is_good_name(&name, here.span(primitive.name.place())) || self.has_integers(primitive, here) {
             return;
         }
+        let mut raw = self.raw(primitive, parent, here);
+        raw.references = self.references(raw.kind, &raw.strings);
+        if let Some(known) = self.modifiers.find(&name)
+            && self.modifiers.raws[known.0 as usize].does_the_same(&raw)
+        {
+            return;
+        }
+        let handle = self.modifiers.add(raw);
+        self.modifiers.set(&name, handle);
+    }
+
+    /// A primitive as written, placed, without what its strings refer to.
+    pub(super) fn raw(&mut self, primitive: &Primitive<'_>, parent: Option<RawHandle>, here: Here<'_>) -> Raw {
         let placement = &here.context.placement;
         let mut reals = Vec::with_capacity(primitive.reals.len());
         placement.reals(primitive.kind, primitive.reals, &mut reals);
@@ -164,27 +198,18 @@ impl Reader<'_> {
             let text = if primitive.kind == Kind::Mist { placement.mist_source(&text) } else { text };
             RawWord { text, span: here.span(word.place()) }
         });
-        let strings: Vec<RawWord> = strings.collect();
-        let references = self.references(primitive.kind, &strings);
-        let raw = Raw {
+        Raw {
             kind: primitive.kind,
-            name: self.scene.names.add(&String::from_utf8_lossy(&name)),
+            name: self.scene.names.add(&String::from_utf8_lossy(&primitive.text(primitive.name))),
             span: here.span(primitive.place()),
             kind_span: here.span(primitive.kind_word.place()),
             parent,
-            strings,
+            strings: strings.collect(),
             reals,
             counts: primitive.counts.map(|count| here.span(count.place())),
             transform: if primitive.kind.takes_transform_words() { placement.transform } else { Transform::IDENTITY },
-            references,
-        };
-        if let Some(known) = self.modifiers.find(&name)
-            && self.modifiers.raws[known.0 as usize].does_the_same(&raw)
-        {
-            return;
+            references: Vec::new(),
         }
-        let handle = self.modifiers.add(raw);
-        self.modifiers.set(&name, handle);
     }
 
     /// Another name. With the same modifier as its target it is the target; else it is a copy under its own modifier.
@@ -318,6 +343,7 @@ impl Reader<'_> {
         for (surface, raw) in self.scene.surfaces.items_mut().iter_mut().zip(&self.surface_modifiers) {
             surface.modifier = raw.and_then(|raw| handles[raw.0 as usize]);
         }
+        self.finish_meshes(&|raw| handles[raw.0 as usize]);
     }
 
     /// What one modifier does; where that is wrong and tolerated, it is said to be unusable.
@@ -340,7 +366,7 @@ impl Reader<'_> {
     /// Which modifiers some surface needs, directly or through others. What is needed always stands before.
     fn used(&self, raws: &[Raw]) -> Vec<bool> {
         let mut used = vec![false; raws.len()];
-        for handle in self.surface_modifiers.iter().flatten() {
+        for handle in self.surface_modifiers.iter().flatten().chain(&self.materials_of_meshes()) {
             used[handle.0 as usize] = true;
         }
         for index in (0..raws.len()).rev() {
@@ -364,17 +390,16 @@ impl Reader<'_> {
         let mut replaced = HashMap::new();
         for (at, replacement) in self.replacements.iter().enumerate() {
             let mut names = HashSet::new();
-            let mut is_found = false;
             for (index, raw) in raws.iter().enumerate() {
                 let name = self.scene.names.get(raw.name);
                 if name == replacement.material && raw.kind.role() == crate::Role::Material {
                     replaced.insert(index, at);
-                    is_found = true;
+                    self.replaced.insert(at);
                 } else if raw.kind.role() == crate::Role::Material {
                     names.insert(name);
                 }
             }
-            if !is_found {
+            if !self.replaced.contains(&at) && self.is_outermost() {
                 let mut names: Vec<&str> = names.into_iter().collect();
                 names.sort_unstable();
                 let message = format!("no material \"{}\" to replace", replacement.material);

@@ -3,6 +3,7 @@
 use super::BrdfReplacement;
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use radsight_ir::Scene;
+use radsight_picture::Header;
 use std::sync::Arc;
 
 /// One of the texts that make up a scene.
@@ -75,6 +76,8 @@ pub struct Read {
     pub scene: Scene,
     /// All texts that were read.
     pub sources: SourceMap,
+    /// The headers of the octrees among the inputs: how they came to be, for the header of what is made of them.
+    pub history: Header,
     /// What is wrong or suspect, in the order in which it was found.
     pub diagnostics: Vec<Diagnostic>,
     /// How many further messages were left out.

@@ -52,6 +52,7 @@ impl Reader<'_> {
                 range_nm: [raw.reals[0].min(raw.reals[1]), raw.reals[0].max(raw.reals[1])],
             },
             Kind::SpecData => Pattern::SpectrumData(self.grid_call(raw, &[RootWord::Function(0, 2)], &[1], 1)?),
+            Kind::BrightText | Kind::ColorText => Pattern::Text(self.text(raw)?),
             _ => return self.not_yet(raw),
         })
     }
@@ -64,6 +65,7 @@ impl Reader<'_> {
             }
             Kind::MixPict => MixtureAmount::Picture(self.picture_call(raw, &[RootWord::Function(2, 3)], 3)?),
             Kind::MixData => MixtureAmount::Data(self.grid_call(raw, &[RootWord::Function(2, 1)], &[3], 0)?),
+            Kind::MixText => MixtureAmount::Text(self.text(raw)?),
             _ => return self.not_yet(raw),
         };
         let arm = |index: usize| -> Option<ModifierHandle> {

@@ -3,14 +3,19 @@
 use super::functions::Functions;
 use super::include::{Inclusions, SceneLoader};
 use super::log::Log;
+use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle};
+use super::octrees::Octrees;
 use super::{BrdfReplacement, Input, Read, ReadOptions, Tolerance};
+use crate::Role;
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
 use radsight_diag::{Diagnostic, Severity, SourceId, SourceMap, Span, hint_nearest};
-use radsight_ir::{DataGrid, Handle, PictureData, Scene};
+use radsight_formats::Octree;
+use radsight_ir::{DataGrid, Font, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
-use std::collections::HashMap;
+use radsight_picture::Header;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -30,7 +35,15 @@ pub(super) struct Reader<'a> {
     pub(super) grids: HashMap<String, Option<Handle<DataGrid>>>,
     /// Likewise.
     pub(super) pictures: HashMap<String, Option<Handle<PictureData>>>,
+    /// Likewise.
+    pub(super) fonts: HashMap<String, Option<Handle<Font>>>,
+    pub(super) meshes: Meshes,
+    pub(super) octrees: Octrees,
+    /// The headers of octrees among the inputs.
+    pub(super) history: Header,
     pub(super) replacements: Vec<BrdfReplacement>,
+    /// Which of the replacements found their material, by index.
+    pub(super) replaced: HashSet<usize>,
     /// The modifier being lowered is of a kind that cannot be read yet, which nothing excuses.
     pub(super) is_unsupported: bool,
     /// A limit was hit: nothing more is read.
@@ -83,7 +96,12 @@ impl<'a> Reader<'a> {
             functions: Functions::default(),
             grids: HashMap::new(),
             pictures: HashMap::new(),
+            fonts: HashMap::new(),
+            meshes: Meshes::default(),
+            octrees: Octrees::default(),
+            history: Header::default(),
             replacements: options.brdf.clone(),
+            replaced: HashSet::new(),
             is_unsupported: false,
             is_stopped: false,
             long_texts: Vec::new(),
@@ -94,22 +112,26 @@ impl<'a> Reader<'a> {
     pub(super) fn read_input(&mut self, input: &Input) {
         let context = Context::new(Placement::default(), String::new());
         match input {
-            Input::Text { name, text } => {
-                let source = self.sources.add(&**name, Arc::clone(text), None);
-                self.walk(Here { source, context: &context });
-            }
+            Input::Text { name, text } => self.read_whole(name, text),
             Input::File(line) if line.starts_with('!') => {
                 let source = self.sources.add("command line", line.as_bytes(), None);
                 self.command(0..line.len() as u32, Here { source, context: &context });
             }
             Input::File(name) => match self.loader.load(name, FileKind::Scene) {
-                Ok(loaded) => {
-                    let source = self.sources.add(loaded.path, loaded.bytes, None);
-                    self.walk(Here { source, context: &context });
-                }
+                Ok(loaded) => self.read_whole(&loaded.path, &loaded.bytes.into()),
                 Err(error) => self.log.push(Diagnostic::error(error.to_string())),
             },
         }
+    }
+
+    /// A file that stands for itself: scene text or an octree.
+    fn read_whole(&mut self, name: &str, bytes: &Arc<[u8]>) {
+        if Octree::is_octree(bytes) {
+            return self.read_octree(name, bytes);
+        }
+        let context = Context::new(Placement::default(), String::new());
+        let source = self.sources.add(name, Arc::clone(bytes), None);
+        self.walk(Here { source, context: &context });
     }
 
     /// Reads a text from its start to its end.
@@ -157,9 +179,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn item(&mut self, item: Result<Item<'_>, SyntaxError>, here: Here<'_>) {
+    pub(super) fn item(&mut self, item: Result<Item<'_>, SyntaxError>, here: Here<'_>) {
         match item {
             Ok(Item::Primitive(primitive)) if primitive.kind.is_modifier() => self.define(&primitive, here),
+            Ok(Item::Primitive(primitive)) if primitive.kind.role() == Role::Volume => self.volume(&primitive, here),
             Ok(Item::Primitive(primitive)) => self.surface(&primitive, here),
             Ok(Item::Alias(alias)) => self.define_alias(&alias, here),
             Ok(Item::Command(place)) => self.command(place, here),
@@ -233,6 +256,6 @@ impl<'a> Reader<'a> {
                 self.sources.forget_text(source);
             }
         }
-        Read { scene: self.scene, sources: self.sources, diagnostics, omitted }
+        Read { scene: self.scene, sources: self.sources, history: self.history, diagnostics, omitted }
     }
 }

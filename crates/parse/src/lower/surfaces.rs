@@ -25,9 +25,8 @@ impl Reader<'_> {
         if self.has_integers(primitive, here) || !self.has_right_reals(primitive, here) {
             return;
         }
-        if self.surface_modifiers.len() >= self.options.most_surfaces {
-            let message = format!("the scene has more than {} surfaces", self.options.most_surfaces);
-            return self.stop(Diagnostic::error(message).at(here.span(primitive.place())));
+        if self.has_most_surfaces(primitive, here) {
+            return;
         }
         let mut placed = std::mem::take(&mut self.placed);
         let reals = if here.context.is_plain {
@@ -44,7 +43,17 @@ impl Reader<'_> {
         }
     }
 
-    fn add_surface(
+    /// Whether there may be no more surfaces; reading stops then.
+    pub(super) fn has_most_surfaces(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> bool {
+        let is_full = self.surface_modifiers.len() >= self.options.most_surfaces;
+        if is_full {
+            let message = format!("the scene has more than {} surfaces", self.options.most_surfaces);
+            self.stop(Diagnostic::error(message).at(here.span(primitive.place())));
+        }
+        is_full
+    }
+
+    pub(super) fn add_surface(
         &mut self,
         primitive: &Primitive<'_>,
         shape: Shape,

@@ -44,13 +44,14 @@ impl Radiance {
     }
 }
 
-/// The folder with the scenes of others, if there is one: `RADSIGHT_SHARED`.
+/// The folder with the scenes of others, if there is one: `RADSIGHT_SHARED`, or `radiance` in it.
 pub(crate) fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from);
-    if folder.is_none() {
+    let Some(folder) = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from) else {
         eprintln!("skipped: RADSIGHT_SHARED is not set");
-    }
-    folder
+        return None;
+    };
+    let below = folder.join("radiance");
+    Some(if below.is_dir() { below } else { folder })
 }
 
 /// Files on the disk, searched for in a folder, its `lib`, and the library.

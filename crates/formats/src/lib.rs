@@ -1,0 +1,37 @@
+//! Compiled files of Radiance: octrees (`.oct`), meshes (`.rtm`), polygonal fonts (`.fnt`).
+//!
+//! Bytes become structs and structs bytes. Whatever the bytes, reading ends in time and memory that their length bounds, and
+//! an error says at which byte what was expected. What is written, real Radiance reads.
+//!
+//! Knows neither scenes nor rays: the primitives in a file are lists of words and numbers here, and `parse` makes a scene of
+//! them. The trees of cubes are checked and left out, since rays are traced with a hierarchy of radsight's own.
+//!
+//! ```
+//! use radsight_formats::{Octree, OctreeContent, Tree};
+//! use radsight_picture::Header;
+//! let mut header = Header::new("RADIANCE");
+//! header.push_command(["oconv", "room.rad"]);
+//! header.push_variable("FORMAT", radsight_formats::OCTREE_FORMAT);
+//! let content = OctreeContent::Files(vec![b"room.rad"]);
+//! let octree = Octree { header, origin: [0.0; 3], size: 2.0, object_count: 1, content };
+//! let bytes = octree.write(&Tree::Full(vec![0])).unwrap();
+//! assert_eq!(Octree::read(&bytes).unwrap(), octree);
+//! ```
+#![forbid(unsafe_code)]
+
+mod direction;
+mod error;
+mod font;
+pub mod library;
+mod mesh;
+mod object;
+mod octree;
+mod portable;
+mod tree;
+
+pub use error::FormatError;
+pub use font::{Font, Glyph};
+pub use mesh::{MESH_FORMAT, Mesh, Triangle};
+pub use object::Object;
+pub use octree::{OCTREE_FORMAT, Octree, OctreeContent};
+pub use tree::{MOST_IN_A_CUBE, Tree};
