@@ -57,9 +57,10 @@ fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
     for vertex in vertices {
         let (u1, v1) = frame.project(*vertex - origin);
         if (v0 >= 0.0) != (v1 >= 0.0) {
-            // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both.
+            // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a
+            // crossing at zero counts for neither of the polygons that share the edge.
             let determinant = u0 * v1 - u1 * v0;
-            inside ^= (determinant > 0.0) == (v1 > v0);
+            inside ^= if v1 > v0 { determinant > 0.0 } else { determinant < 0.0 };
         }
         (u0, v0) = (u1, v1);
     }

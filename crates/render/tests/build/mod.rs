@@ -1,11 +1,15 @@
 //! Scenes without text, for tests.
+#![allow(dead_code, reason = "each test binary builds other scenes")]
 
 use glam::DVec3;
+use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
+use radsight_diag::SourceMap;
 use radsight_ir::{
-    Cone, Glossy, Material, Modifier, ModifierHandle, ModifierKind, Rgb, Ring, Scene, Shape, SolidAngle, Source,
-    Sphere, Substitute, Surface,
+    Cone, Cube, FunctionCall, Glossy, Instance, Material, Mesh, MeshInstance, Modifier, ModifierHandle, ModifierKind,
+    OctreeScene, Pattern, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere, Substitute, Surface, Transform,
 };
-use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer};
+use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer, Traced};
+use std::sync::Arc;
 
 /// A scene that grows.
 #[derive(Clone, Default)]
@@ -42,8 +46,62 @@ impl Builder {
     }
 
     fn surface(&mut self, modifier: ModifierHandle, shape: Shape) {
+        self.any_surface(Some(modifier), shape);
+    }
+
+    fn any_surface(&mut self, modifier: Option<ModifierHandle>, shape: Shape) {
         let name = self.0.names.add("surface");
-        self.0.surfaces.add(Surface { name, span: None, modifier: Some(modifier), shape });
+        self.0.surfaces.add(Surface { name, span: None, modifier, shape });
+    }
+
+    /// `void` as modifier leaves each triangle its own.
+    pub(crate) fn mesh(&mut self, modifier: Option<ModifierHandle>, mesh: Mesh, to_scene: Transform) {
+        let mesh = self.0.meshes.add(mesh);
+        let handle = self.0.mesh_instances.add(MeshInstance { mesh, to_scene });
+        self.any_surface(modifier, Shape::Mesh(handle));
+    }
+
+    /// `void` as modifier leaves each surface its own.
+    pub(crate) fn instance(&mut self, modifier: Option<ModifierHandle>, scene: &Arc<Scene>, to_scene: Transform) {
+        let known =
+            self.0.octrees.iter().find(|(_, octree)| Arc::ptr_eq(&octree.scene, scene)).map(|(handle, _)| handle);
+        let octree = known.unwrap_or_else(|| {
+            self.0.octrees.add(OctreeScene { file: String::new(), cube: Cube::default(), scene: scene.clone() })
+        });
+        let handle = self.0.instances.add(Instance { octree, to_scene });
+        self.any_surface(modifier, Shape::Instance(handle));
+    }
+
+    /// The scene, to be placed in others.
+    pub(crate) fn shared(self) -> Arc<Scene> {
+        Arc::new(self.0)
+    }
+
+    /// A glow whose radiance is the value of an expression.
+    pub(crate) fn glow_of(&mut self, expression: &str) -> ModifierHandle {
+        self.patterned(expression, Material::Glow { radiance: Rgb::WHITE, max_radius: 0.0 })
+    }
+
+    /// A material that is multiplied by the value of an expression.
+    pub(crate) fn patterned(&mut self, expression: &str, material: Material) -> ModifierHandle {
+        let mut sources = SourceMap::default();
+        let source = sources.add("test", expression.as_bytes().to_vec(), None);
+        let root = Root::Expression { text: expression, span: sources.span(source, 0, expression.len()) };
+        let definitions = Definitions::with_initial_library();
+        let program = Program::compile(&definitions, &Scope::global(), &[root], &Bindings::of_ray())
+            .expect("the test's expression is one");
+        let call = FunctionCall {
+            program: Arc::new(program),
+            to_scene: Transform::IDENTITY,
+            words: Vec::new(),
+            numbers: Vec::new(),
+        };
+        let name = self.0.names.add("pattern");
+        let kind = ModifierKind::Pattern(Pattern::BrightFunction(call));
+        let pattern = self.0.modifiers.add(Modifier { name, span: None, modifier: None, kind });
+        let name = self.0.names.add("patterned");
+        let kind = ModifierKind::Material(material);
+        self.0.modifiers.add(Modifier { name, span: None, modifier: Some(pattern), kind })
     }
 
     pub(crate) fn polygon(&mut self, modifier: ModifierHandle, vertices: &[DVec3]) {
@@ -81,11 +139,20 @@ pub(crate) fn values(
     direction: DVec3,
     count: usize,
 ) -> Vec<f64> {
-    let valid = scene.0.clone().validate().expect("the test's scene is valid");
-    let plan = RenderPlan::new(valid.scene, options, &NoModels).expect("the test's scene can be rendered");
     let ray = Ray::new(origin, direction).expect("the test's ray is one");
-    let traced = Renderer::new(plan).trace_all(0, &vec![Some(ray); count]);
-    traced.iter().map(|traced| traced.expect("every ray is answered").value[0]).collect()
+    traced(scene, options, &vec![ray; count]).iter().map(|traced| traced.value[0]).collect()
+}
+
+/// What rays bring.
+pub(crate) fn traced(scene: &Builder, options: RenderOptions, rays: &[Ray]) -> Vec<Traced> {
+    let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
+    let traced = Renderer::new(plan(scene, options)).trace_all(0, &rays);
+    traced.into_iter().map(|traced| traced.expect("every ray is answered")).collect()
+}
+
+fn plan(scene: &Builder, options: RenderOptions) -> RenderPlan {
+    let valid = scene.0.clone().validate().expect("the test's scene is valid");
+    RenderPlan::new(valid.scene, options, &NoModels).expect("the test's scene can be rendered")
 }
 
 /// The mean of [`values`].
