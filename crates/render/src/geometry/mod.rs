@@ -292,6 +292,7 @@ impl Geometry {
     }
 
     /// The first primitive of a mesh or an instance along the ray.
+    #[cold]
     fn first_within(
         &self,
         scene: &Scene,
@@ -378,6 +379,7 @@ impl Geometry {
         }
     }
 
+    #[cold]
     fn any_within(
         &self,
         scene: &Scene,
@@ -409,7 +411,20 @@ impl Geometry {
     }
 
     /// All that the shading of a crossing asks for.
+    #[inline]
     pub(crate) fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
+        let Crossing { distance, primitive } = crossing;
+        if primitive.0 < u64::from(self.plain) {
+            let surface = self.members[primitive.0 as usize];
+            let Surface { modifier, shape, .. } = scene.surfaces[surface];
+            let (point, front) = surface_point(scene, shape, ray.at(distance));
+            return Hit { distance, primitive, surface, shader: shaders.of(modifier), point, front, placed: None };
+        }
+        self.hit_within(scene, shaders, ray, crossing)
+    }
+
+    #[cold]
+    fn hit_within(&self, scene: &Scene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
         let Crossing { distance, primitive } = crossing;
         let surface = self.members[self.member_of(primitive).0.0 as usize];
         let Described { shader, point, front, placed } = self.describe(scene, shaders, primitive, ray.at(distance));
