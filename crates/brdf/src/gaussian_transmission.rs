@@ -33,13 +33,13 @@ const ROUND_SHARE: f64 = 0.2;
 impl<const BANDS: usize> GaussianTransmission<BANDS> {
     /// `f·|cos θ_i|/τ` in 1/sr and the density of [`Self::draw`] in 1/sr.
     ///
-    /// `axis` is the direction d where the lobe has its peak, unit, with z < 0; `cosine` is that of the outgoing angle.
+    /// `axis` is the direction d where the lobe has its peak, unit, with z < 0; `cosine` is that of the outgoing angle. Directions on
+    /// the wrong side have neither value nor density: who draws one has drawn nothing.
     #[inline]
     #[must_use]
     pub fn shape(&self, axis: DVec3, cosine: f64, incident: DVec3) -> (f64, f64) {
-        let density = self.density(axis, incident);
         if incident.z >= 0.0 || axis.z >= 0.0 {
-            return (0.0, density);
+            return (0.0, 0.0);
         }
         let [x, y] = self.roughness;
         let off = incident - axis;
@@ -47,7 +47,7 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         let widths =
             if in_plane > f64::MIN_POSITIVE { ((off.x / x).powi(2) + (off.y / y).powi(2)) / in_plane } else { 0.0 };
         let value = (-off.length_squared() * widths).exp() / (PI * x * y);
-        (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt(), density)
+        (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt(), self.density(axis, incident))
     }
 
     /// Draws an incident direction; it may lie on the wrong side, where the lobe is zero.
@@ -149,7 +149,7 @@ impl<const BANDS: usize> Brdf for GaussianTransmission<BANDS> {
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) {
         for ((direction, value), pdf) in incident.iter().zip(values.chunks_exact_mut(BANDS)).zip(pdfs) {
             let (shape, density) = self.shape(-outgoing, outgoing.z, *direction);
-            *pdf = if outgoing.z > 0.0 && direction.z < 0.0 { density } else { 0.0 };
+            *pdf = density;
             for (value, transmittance) in value.iter_mut().zip(self.transmittance) {
                 *value = if shape > 0.0 { transmittance * shape / -direction.z } else { 0.0 };
             }

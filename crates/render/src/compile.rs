@@ -1,8 +1,10 @@
 //! From chains of modifiers to shaders.
 
+use crate::compile_scatter::compile_scatterer;
 use crate::plan::{ModelRequest, ModelSource};
 use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
+use crate::scatter::Look;
 use crate::shader::{Emitter, Function, GlossyKind, Home, Kind, Shader, Step};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
@@ -141,6 +143,27 @@ fn compile(
     Ok((steps, kind))
 }
 
+/// The patterns and textures of a modifier that a material names beside its own.
+fn compile_look(scene: &Scene, first: ModifierHandle) -> Result<Look, Diagnostic> {
+    let mut steps = Vec::new();
+    for (_, modifier) in scene.chain(Some(first)) {
+        match &modifier.kind {
+            ModifierKind::Texture(texture) => steps.push(texture_step(texture, modifier)?),
+            ModifierKind::Pattern(pattern) => steps.push(pattern_step(pattern, modifier)?),
+            ModifierKind::Mixture(_) => return Err(not_yet("a mixture", modifier.span)),
+            ModifierKind::Material(_) => {
+                let error = Diagnostic::error("a material stands where a pattern or a texture is expected".to_owned());
+                return Err(match modifier.span {
+                    Some(span) => error.at(span),
+                    None => error,
+                });
+            }
+        }
+    }
+    let shader = Shader { steps, kind: Kind::Transparent, home: Home::default(), modifier: Some(first) };
+    Ok(Look::Own(Box::new(shader)))
+}
+
 /// The paper's construction becomes its lobe, which is sampled exactly.
 fn recognised(mut shader: Shader) -> Shader {
     let textures = shader.steps.iter().filter(|step| matches!(step, Step::Texture(_))).count();
@@ -208,6 +231,12 @@ fn compile_material(
             models.model(&request).map(Kind::Plugin)
         }
         Material::Unusable { .. } => Ok(Kind::Unusable),
-        _ => Err(not_yet("this type of material", modifier.span)),
+        other => {
+            let look = |modifier| compile_look(scene, modifier);
+            match compile_scatterer(other, modifier.modifier, look) {
+                Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
+                None => Err(not_yet("this type of material", modifier.span)),
+            }
+        }
     }
 }

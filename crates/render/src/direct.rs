@@ -5,12 +5,13 @@ use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::plan::RenderPlan;
 use crate::ray::{Crossing, PrimitiveId, Ray};
 use crate::reach::Between;
-use crate::shader::{Kind, bands};
+use crate::shader::{Kind, Shader, bands};
 use crate::surface_light::{Densities, LitPoint, pane};
 use crate::tilt::Peak;
 use crate::trace::{Tracer, emission, product};
 use crate::view::Encounter;
 use glam::DVec3;
+use radsight_cal::Scratch;
 use radsight_sampling::DimensionSet;
 
 /// Up to this many lights each one is sampled at every point.
@@ -26,8 +27,8 @@ pub(crate) struct DirectSampler {
     pub(crate) primitive: Option<PrimitiveId>,
     /// How many rays are also drawn from the highlight, so that the two share the work.
     pub(crate) highlight_draws: u32,
-    /// Whether one is drawn from the diffuse component.
-    pub(crate) follow_diffuse: bool,
+    /// Whether one is drawn from the diffuse component that can find lights too.
+    pub(crate) shares_diffuse: bool,
     /// Where on a light the highlight is bright.
     pub(crate) peak: Peak,
     pub(crate) travelled: f64,
@@ -130,9 +131,10 @@ impl DirectSampler {
             return dark;
         }
         let densities = if self.highlight_draws > 0 { Densities::Wanted } else { Densities::Unused };
-        let response = point.respond(sample.direction, densities);
+        let scratch = &mut tracer.workspace.scratch;
+        let response = point.respond(sample.direction, sample.density, densities, scratch);
         let density = sample.density * expected;
-        let diffuse_share = if self.follow_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
+        let diffuse_share = if self.shares_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
         let drawn_density = f64::from(self.highlight_draws) * response.highlight_density;
         let highlight_share = density / (density + drawn_density);
         let mut value: [f64; BANDS] = std::array::from_fn(|band| {
@@ -258,18 +260,15 @@ impl DirectSampler {
                 return false;
             }
             let behind = ray.direction.dot(hit.front) > 0.0;
-            if behind && plan.options.back_faces == crate::BackFaces::Invisible {
+            if behind && plan.options.back_faces == crate::BackFaces::Invisible && shader.can_hide_its_back() {
                 return false;
             }
-            let Kind::Glass { transmissivity, refractive_index } = &shader.kind else {
-                through = [0.0; BANDS];
-                return true;
-            };
             let encounter = Encounter::at(ray, &hit, travelled + hit.distance);
-            let pattern = shader.appearance::<BANDS>(&plan.scene, &encounter, scratch);
-            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
-            through = product(through, product(transmitted, pattern.color));
-            false
+            match passage(plan, shader, &encounter, scratch) {
+                Some(share) => through = product(through, share),
+                None => through = [0.0; BANDS],
+            }
+            through.iter().all(|band| *band == 0.0)
         };
         match between {
             Between::Dark => through = [0.0; BANDS],
@@ -287,6 +286,27 @@ impl DirectSampler {
             }
         }
         through
+    }
+}
+
+/// What of a shadow ray goes on through a surface; none where it is opaque.
+fn passage<const BANDS: usize>(
+    plan: &RenderPlan,
+    shader: &Shader,
+    encounter: &Encounter,
+    scratch: &mut Scratch,
+) -> Option<[f64; BANDS]> {
+    if !shader.lets_light_through() {
+        return None;
+    }
+    let appearance = shader.appearance::<BANDS>(&plan.scene, encounter, scratch);
+    match &shader.kind {
+        Kind::Glass { transmissivity, refractive_index } => {
+            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
+            Some(product(transmitted, appearance.color))
+        }
+        Kind::Scatterer(scatterer) => scatterer.passage(shader.home.scene(&plan.scene), encounter, appearance, scratch),
+        _ => None,
     }
 }
 

@@ -7,8 +7,12 @@
 //! files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
+mod beyond;
 mod compile;
+mod compile_scatter;
 mod direct;
+mod frame;
+mod function_lobe;
 mod geometry;
 mod lens;
 mod light;
@@ -19,6 +23,7 @@ mod ray;
 mod reach;
 mod recognise;
 mod renderer;
+mod scatter;
 mod shader;
 mod surface_light;
 mod tilt;

@@ -75,7 +75,7 @@ impl RenderPlan {
             lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
         lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
         let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
-        let see_through = shaders.iter().any(|shader| matches!(shader.kind, Kind::Glass { .. }))
+        let see_through = shaders.iter().any(|shader| shader.lets_light_through())
             || geometry
                 .holds_void(&scene, &shader_table, |id| matches!(shaders[id.0 as usize].kind, Kind::Transparent))
             || options.back_faces == crate::BackFaces::Invisible;
@@ -163,9 +163,12 @@ impl RenderPlan {
     pub fn leaves_out_interreflection(&self) -> bool {
         self.options.ambient_bounces == 0
             && self.geometry.members().any(|(member, handle)| {
-                matches!(&self.shader(handle).kind, Kind::Glossy(glossy)
-                    if glossy.specularity < 1.0 && !glossy.color.is_black())
-                    && !self.reach.receiver(member.primitive()).is_some_and(|receiver| receiver.sees_only_lights)
+                let reflects = match &self.shader(handle).kind {
+                    Kind::Glossy(glossy) => glossy.specularity < 1.0 && !glossy.color.is_black(),
+                    Kind::Scatterer(_) => true,
+                    _ => false,
+                };
+                reflects && !self.reach.receiver(member.primitive()).is_some_and(|receiver| receiver.sees_only_lights)
             })
     }
 

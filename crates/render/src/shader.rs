@@ -1,5 +1,6 @@
 //! What a surface does to light, compiled from its chain of modifiers once a scene.
 
+use crate::scatter::Scatterer;
 use crate::view::{Encounter, View};
 use glam::DVec3;
 use radsight_brdf::Brdf;
@@ -57,6 +58,8 @@ pub(crate) enum Kind {
         /// Index of refraction.
         refractive_index: f64,
     },
+    /// A material that scatters in some other way.
+    Scatterer(Box<Scatterer>),
     /// A reflectance model from elsewhere.
     Plugin(Arc<dyn Brdf>),
     /// Something is wrong with it: the picture is worthless once a ray meets it.
@@ -118,7 +121,12 @@ impl Function {
         Function { program: call.program.clone(), to_function, to_scene: call.to_scene }
     }
 
-    fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
+    /// A vector of the function in the scene, where the function's modifier stands; its length stays.
+    pub(crate) fn in_scene(&self, encounter: &Encounter, vector: DVec3) -> DVec3 {
+        encounter.direction_to_scene(self.to_scene.direction(vector))
+    }
+
+    pub(crate) fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
         View::new(encounter, self.to_function.as_ref())
     }
 }
@@ -159,12 +167,27 @@ impl Shader {
         let color = match &self.kind {
             Kind::Transparent | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
+            Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
             Kind::Emitter(emitter) => emitter.radiance,
             Kind::Glossy(glossy) | Kind::Retro(glossy) => glossy.color,
             Kind::Mirror { reflectance } => *reflectance,
             Kind::Glass { transmissivity, .. } => *transmissivity,
         };
         color.is_grey() && !self.has_color_steps()
+    }
+
+    /// Whether rays from behind pass where back faces are invisible.
+    pub(crate) fn can_hide_its_back(&self) -> bool {
+        !matches!(&self.kind, Kind::Scatterer(scatterer) if scatterer.has_a_back())
+    }
+
+    /// Whether shadow rays can go on through it.
+    pub(crate) fn lets_light_through(&self) -> bool {
+        match &self.kind {
+            Kind::Glass { .. } => true,
+            Kind::Scatterer(scatterer) => scatterer.lets_through(),
+            _ => false,
+        }
     }
 
     fn has_color_steps(&self) -> bool {

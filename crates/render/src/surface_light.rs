@@ -1,46 +1,51 @@
 //! How a lit point of a surface scatters: its components, evaluated and drawn from.
 
+use crate::beyond::{Beyond, chance_of_second, strongest};
+use crate::frame::Frame;
+use crate::function_lobe::FunctionLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
 use glam::DVec3;
-use radsight_brdf::{Brdf, BrdfSample, Density, WardIsotropic};
+use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
+use radsight_cal::Scratch;
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;
-
-/// A right-handed frame with +z on a unit normal.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
-    x: DVec3,
-    y: DVec3,
-    pub(crate) z: DVec3,
-}
-
-impl Frame {
-    #[inline]
-    pub(crate) fn new(normal: DVec3) -> Frame {
-        let (x, y) = normal.any_orthonormal_pair();
-        Frame { x, y, z: normal }
-    }
-
-    #[inline]
-    pub(crate) fn to_local(self, v: DVec3) -> DVec3 {
-        DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
-    }
-
-    #[inline]
-    pub(crate) fn to_scene(self, v: DVec3) -> DVec3 {
-        self.x * v.x + self.y * v.y + self.z * v.z
-    }
-}
 
 /// A peak of finite width.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Highlight<'a, const BANDS: usize> {
     None,
     Ward(WardIsotropic<BANDS>),
+    WardAnisotropic(WardAnisotropic<BANDS>),
+    Ashikhmin(AshikhminShirley<BANDS>),
     Retro(Paper1991<BANDS>),
+    /// Meets light from sources only, and is not drawn from.
+    Function(FunctionLobe<'a, BANDS>),
     Model(&'a dyn Brdf),
+}
+
+/// What the surface above the diffuse component takes from it, by the incident angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Coupling {
+    /// Nothing.
+    None,
+    /// What a smooth coat reflects by Radiance's estimate, with this constant in it.
+    Coat(f64),
+    /// Schlick's term of Ashikhmin and Shirley's model.
+    Schlick,
+}
+
+impl Coupling {
+    /// What is left at this cosine.
+    #[inline]
+    fn share(self, cosine: f64) -> f64 {
+        match self {
+            Coupling::None => 1.0,
+            Coupling::Coat(offset) => 1.0 - fresnel_estimate(cosine.abs(), offset),
+            Coupling::Schlick => 1.0 - schlick(cosine),
+        }
+    }
 }
 
 /// A point of a surface, ready to be lit.
@@ -53,14 +58,15 @@ pub(crate) struct LitPoint<'a, const BANDS: usize> {
     /// Frame on the shading normal.
     pub(crate) frame: Frame,
     /// Unit normal of the diffuse component: the shading normal, but for the turned texture of a retroreflector.
-    diffuse_normal: DVec3,
+    pub(crate) diffuse_normal: DVec3,
     /// Diffuse reflectance at normal incidence.
     pub(crate) diffuse: [f64; BANDS],
-    /// A smooth surface takes from the diffuse what it reflects at this angle (Radiance's Fresnel estimate).
-    fresnel_coupling: bool,
+    pub(crate) coupling: Coupling,
     pub(crate) highlight: Highlight<'a, BANDS>,
     /// Reflectance of the mirror image; zero for rough surfaces.
     pub(crate) mirror: [f64; BANDS],
+    /// What light from the other side does; none for an opaque surface.
+    pub(crate) beyond: Option<Beyond<BANDS>>,
 }
 
 /// Products `f·|cos θ_i|` and densities of the two components for one incident direction.
@@ -88,7 +94,8 @@ pub(crate) struct Drawn<const BANDS: usize> {
 }
 
 impl<const BANDS: usize> Drawn<BANDS> {
-    /// One of several draws that share the work: each weighs less, and there is more density of them.
+    /// One of several draws that share the work: each weighs less, and there is more density of them. A draw that is made with some
+    /// chance only is that fraction of one.
     pub(crate) fn split(self, draws: f64) -> Self {
         let density = match self.density {
             Density::Continuous(density) => Density::Continuous(density * draws),
@@ -98,15 +105,65 @@ impl<const BANDS: usize> Drawn<BANDS> {
     }
 }
 
-/// Radiance's estimate of the Fresnel reflectance of a smooth coat at this cosine (its `normal.c`).
-fn fresnel_estimate(cosine: f64) -> f64 {
-    (-5.85 * cosine).exp() - 0.002_879_899_16
+impl<const BANDS: usize> Response<BANDS> {
+    /// Sets the highlight from a lobe's value without cosine and density.
+    #[inline]
+    fn set_highlight(&mut self, specularity: &[f64; BANDS], (shape, density): (f64, f64), cosine: f64) {
+        self.highlight_density = density;
+        self.highlight = specularity.map(|band| band * shape * cosine);
+    }
 }
 
+impl<const BANDS: usize> Highlight<'_, BANDS> {
+    /// What it reflects, about.
+    fn strength(&self) -> f64 {
+        match self {
+            Highlight::None | Highlight::Function(_) => 0.0,
+            Highlight::Ward(ward) => strongest(&ward.specularity),
+            Highlight::WardAnisotropic(ward) => strongest(&ward.specularity),
+            Highlight::Ashikhmin(lobe) => strongest(&lobe.specularity),
+            Highlight::Retro(retro) => strongest(&retro.reflectance),
+            Highlight::Model(_) => 1.0,
+        }
+    }
+}
+
+fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
+    std::array::from_fn(|band| a[band] + b[band])
+}
+
+/// Radiance's estimate of the Fresnel reflectance of a smooth coat at this cosine, less its value at normal incidence.
+pub(crate) fn fresnel_estimate(cosine: f64, offset: f64) -> f64 {
+    (-5.85 * cosine).exp() - offset
+}
+
+/// The offset in the estimate for `plastic`, `metal` and `trans` (its `normal.c`).
+pub(crate) const COAT_OFFSET: f64 = 0.002_879_899_16;
+
 /// Specularities below this get no Fresnel estimate in Radiance.
-const FRESNEL_THRESHOLD: f64 = 0.017_999;
+pub(crate) const FRESNEL_THRESHOLD: f64 = 0.017_999;
+
+/// Schlick, "An Inexpensive BRDF Model for Physically-Based Rendering", Eurographics 1994: the part that grows towards grazing.
+pub(crate) fn schlick(cosine: f64) -> f64 {
+    (1.0 - cosine).powi(5)
+}
 
 impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
+    /// A surface that does nothing yet, seen from `outgoing`.
+    pub(crate) fn new(outgoing: DVec3, normal: DVec3, frame: Frame) -> Self {
+        LitPoint {
+            outgoing,
+            normal,
+            frame,
+            diffuse_normal: frame.z,
+            diffuse: [0.0; BANDS],
+            coupling: Coupling::None,
+            highlight: Highlight::None,
+            mirror: [0.0; BANDS],
+            beyond: None,
+        }
+    }
+
     /// A plastic or metal with this (already patterned) colour and shading normal.
     pub(crate) fn glossy(
         kind: &GlossyKind,
@@ -119,7 +176,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let smooth = kind.is_smooth();
         let cosine = outgoing.dot(shading_normal).max(0.001);
         let coated = smooth && kind.specularity >= FRESNEL_THRESHOLD;
-        let fresnel = if coated { fresnel_estimate(cosine) } else { 0.0 };
+        let fresnel = if coated { fresnel_estimate(cosine, COAT_OFFSET) } else { 0.0 };
         let specularity = kind.specularity + fresnel * (1.0 - kind.specularity);
         let specular: [f64; BANDS] = match kind.metallic {
             true => color.map(|band| fresnel + band * kind.specularity * (1.0 - fresnel)),
@@ -138,48 +195,68 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             frame: Frame::new(shading_normal),
             diffuse_normal: if retro { outgoing } else { shading_normal },
             diffuse: color.map(|band| band * (1.0 - specularity)),
-            fresnel_coupling: coated,
+            coupling: if coated { Coupling::Coat(COAT_OFFSET) } else { Coupling::None },
             highlight,
             mirror: if smooth && kind.specularity > 0.0 { specular } else { [0.0; BANDS] },
+            beyond: None,
         }
     }
 
     /// A reflectance model from elsewhere.
     pub(crate) fn model(model: &'a dyn Brdf, outgoing: DVec3, normal: DVec3, shading_normal: DVec3) -> Self {
-        LitPoint {
-            outgoing,
-            normal,
-            frame: Frame::new(shading_normal),
-            diffuse_normal: shading_normal,
-            diffuse: [0.0; BANDS],
-            fresnel_coupling: false,
-            highlight: Highlight::Model(model),
-            mirror: [0.0; BANDS],
-        }
+        let highlight = Highlight::Model(model);
+        LitPoint { highlight, ..LitPoint::new(outgoing, normal, Frame::level(shading_normal)) }
+    }
+
+    /// The same surface, with a transmitting part. The shares of draws follow what each side carries.
+    pub(crate) fn with_beyond(self, mut beyond: Beyond<BANDS>) -> Self {
+        let ambient = self.ambient();
+        let carried = |own: &[f64; BANDS], ambient: &[f64; BANDS]| strongest(own) + strongest(ambient);
+        let transmitted = carried(&beyond.diffuse, &ambient[1]);
+        beyond.diffuse_chance = chance_of_second(carried(&self.diffuse, &ambient[0]), transmitted);
+        let through = beyond.lobe.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
+        beyond.lobe_chance = if through > 0.0 { chance_of_second(self.highlight.strength(), through) } else { 0.0 };
+        let beyond = (transmitted > 0.0 || through > 0.0).then_some(beyond);
+        LitPoint { beyond, ..self }
     }
 
     /// The highlight as the drawing of places on lights sees it.
     pub(crate) fn peak(&self) -> Peak {
-        let strongest = |bands: &[f64; BANDS]| bands.iter().copied().fold(0.0, f64::max);
         let floor = strongest(&self.diffuse) * FRAC_1_PI;
-        match &self.highlight {
+        let about_mirror = |width: f64, specularity: &[f64; BANDS]| {
+            let height = strongest(specularity) * width * FRAC_1_PI;
+            Peak { axis: self.mirror_direction(), width, height, floor }
+        };
+        let reflected = match &self.highlight {
             Highlight::Retro(retro) => {
                 let height = strongest(&retro.reflectance) * retro.reflected_density(0.0);
                 Peak { axis: self.outgoing, width: 0.25 / (retro.spread * retro.spread), height, floor }
             }
-            Highlight::Ward(ward) => {
-                // About the mirror direction the half vector turns half as fast as the incident one.
-                let width = 0.25 / (ward.roughness * ward.roughness);
-                let height = strongest(&ward.specularity) * width * FRAC_1_PI;
-                Peak { axis: self.mirror_direction(), width, height, floor }
+            // About the mirror direction the half vector turns half as fast as the incident one.
+            Highlight::Ward(ward) => about_mirror(0.25 / (ward.roughness * ward.roughness), &ward.specularity),
+            Highlight::WardAnisotropic(ward) => {
+                let widest = ward.roughness[0].max(ward.roughness[1]);
+                about_mirror(0.25 / (widest * widest), &ward.specularity)
             }
-            Highlight::None | Highlight::Model(_) => Peak::NONE,
+            // A power n of a cosine is a Gaussian of variance 1/n.
+            Highlight::Ashikhmin(lobe) => {
+                about_mirror(0.125 * lobe.exponents[0].min(lobe.exponents[1]), &lobe.specularity)
+            }
+            Highlight::None | Highlight::Function(_) | Highlight::Model(_) => Peak::NONE,
+        };
+        match self.beyond.and_then(|beyond| Some((beyond.diffuse, beyond.lobe?))) {
+            Some((diffuse, lobe)) => {
+                let transmitted = lobe.peak(strongest(&diffuse) * FRAC_1_PI);
+                if transmitted.height > reflected.height { transmitted } else { reflected }
+            }
+            None => reflected,
         }
     }
 
-    /// Whether the highlight can only be found by drawing from it.
+    /// Whether there is a highlight, on either side, that can only be found by drawing from it.
     pub(crate) fn has_highlight(&self) -> bool {
-        !matches!(self.highlight, Highlight::None)
+        !matches!(self.highlight, Highlight::None | Highlight::Function(_))
+            || self.beyond.is_some_and(|beyond| beyond.lobe.is_some())
     }
 
     /// Whether its highlight sends light back to where it comes from.
@@ -189,17 +266,38 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
 
     /// Whether there is a diffuse component.
     pub(crate) fn has_diffuse(&self) -> bool {
-        self.diffuse.iter().any(|band| *band > 0.0)
+        let any = |bands: &[f64; BANDS]| bands.iter().any(|band| *band > 0.0);
+        any(&self.diffuse) || self.beyond.is_some_and(|beyond| any(&beyond.diffuse)) || self.ambient().iter().any(any)
     }
 
-    /// Both components for light from `incident`. The highlight's density is left at zero where nobody asks for it.
+    /// Whether a light found by [`LitPoint::draw_diffuse`] is the same as one found by sampling it.
+    pub(crate) fn diffuse_finds_lights(&self) -> bool {
+        !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
+    }
+
+    /// What is scattered as if diffuse where the light is no source, on both sides.
+    fn ambient(&self) -> [[f64; BANDS]; 2] {
+        match &self.highlight {
+            Highlight::Function(lobe) => lobe.ambient,
+            _ => [[0.0; BANDS]; 2],
+        }
+    }
+
+    /// All components for light from `incident`, which comes from a source whose places are drawn with `light_density` (1/sr).
+    /// The densities here are right only where they are asked for.
     #[inline]
-    pub(crate) fn respond(&self, incident: DVec3, densities: Densities) -> Response<BANDS> {
+    pub(crate) fn respond(
+        &self,
+        incident: DVec3,
+        light_density: f64,
+        densities: Densities,
+        scratch: &mut Scratch,
+    ) -> Response<BANDS> {
         let mut response =
             Response { diffuse: [0.0; BANDS], diffuse_density: 0.0, highlight: [0.0; BANDS], highlight_density: 0.0 };
         let cosine = self.diffuse_normal.dot(incident);
         if cosine > 0.0 {
-            let coupling = if self.fresnel_coupling { 1.0 - fresnel_estimate(cosine) } else { 1.0 };
+            let coupling = self.coupling_share(incident);
             response.diffuse_density = cosine * FRAC_1_PI;
             response.diffuse = self.diffuse.map(|band| band * cosine * FRAC_1_PI * coupling);
         }
@@ -207,9 +305,18 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             Highlight::None => {}
             Highlight::Ward(ward) => {
                 let local = self.frame.to_local(incident);
-                let (shape, density) = ward.shape(self.frame.to_local(self.outgoing), local);
-                response.highlight_density = density;
-                response.highlight = ward.specularity.map(|band| band * shape * local.z);
+                let shape = ward.shape(self.frame.to_local(self.outgoing), local);
+                response.set_highlight(&ward.specularity, shape, local.z);
+            }
+            Highlight::WardAnisotropic(ward) => {
+                let local = self.frame.to_local(incident);
+                let shape = ward.shape(self.frame.to_local(self.outgoing), local);
+                response.set_highlight(&ward.specularity, shape, local.z);
+            }
+            Highlight::Ashikhmin(lobe) => {
+                let local = self.frame.to_local(incident);
+                let shape = lobe.shape(self.frame.to_local(self.outgoing), local);
+                response.set_highlight(&lobe.specularity, shape, local.z);
             }
             Highlight::Retro(retro) => {
                 if self.normal.dot(incident) > 0.0 {
@@ -221,6 +328,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
                     response.highlight = retro.reflectance.map(|band| band * shape);
                 }
             }
+            Highlight::Function(lobe) => response.highlight = lobe.respond(incident, light_density.recip(), scratch),
             Highlight::Model(model) => {
                 let local = self.frame.to_local(incident);
                 let mut density = [0.0];
@@ -229,34 +337,110 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
                 response.highlight = response.highlight.map(|band| band * local.z.abs());
             }
         }
+        if let Some(beyond) = &self.beyond {
+            self.respond_beyond(beyond, incident, &mut response);
+        }
+        if densities == Densities::Wanted && !self.sides_agree(incident) {
+            response.diffuse_density = 0.0;
+            response.highlight_density = 0.0;
+        }
         response
+    }
+
+    /// Adds what light from the other side does. Draws choose between the sides.
+    fn respond_beyond(&self, beyond: &Beyond<BANDS>, incident: DVec3, response: &mut Response<BANDS>) {
+        response.diffuse_density *= 1.0 - beyond.diffuse_chance;
+        response.highlight_density *= 1.0 - beyond.lobe_chance;
+        let cosine = -beyond.normal.dot(incident);
+        if cosine > 0.0 {
+            let coupling = self.coupling_share(incident);
+            response.diffuse_density += beyond.diffuse_chance * cosine * FRAC_1_PI;
+            for (sum, band) in response.diffuse.iter_mut().zip(beyond.diffuse) {
+                *sum += band * cosine * FRAC_1_PI * coupling;
+            }
+        }
+        if let Some(lobe) = &beyond.lobe {
+            let (shape, density) = lobe.respond(incident);
+            response.highlight_density += beyond.lobe_chance * density;
+            for (sum, band) in response.highlight.iter_mut().zip(lobe.shape.transmittance) {
+                *sum += band * shape;
+            }
+        }
+    }
+
+    #[inline]
+    fn coupling_share(&self, incident: DVec3) -> f64 {
+        if self.coupling == Coupling::None { 1.0 } else { self.coupling.share(self.frame.z.dot(incident)) }
+    }
+
+    /// Whether a direction is on the same side of the surface as of the normal with its texture; no others are drawn.
+    fn sides_agree(&self, direction: DVec3) -> bool {
+        matches!(self.highlight, Highlight::Retro(_))
+            || (self.normal.dot(direction) > 0.0) == (self.frame.z.dot(direction) > 0.0)
     }
 
     /// Draws from the highlight.
     pub(crate) fn draw_highlight(&self, u: [f64; 3]) -> Option<Drawn<BANDS>> {
+        let Some(beyond) = &self.beyond else { return self.draw_reflected(u) };
+        let chance = beyond.lobe_chance;
+        if u[2] >= chance {
+            let drawn = self.draw_reflected([u[0], u[1], (u[2] - chance) / (1.0 - chance)])?;
+            return Some(drawn.split(1.0 - chance));
+        }
+        let lobe = beyond.lobe.as_ref()?;
+        let direction = lobe.draw([u[0], u[1]]);
+        let (shape, density) = lobe.respond(direction);
+        if shape <= 0.0 || !self.sides_agree(direction) {
+            return None;
+        }
+        let weight = lobe.shape.transmittance.map(|band| band * shape / (density * chance));
+        Some(Drawn { direction, weight, density: Density::Continuous(density * chance) })
+    }
+
+    fn draw_reflected(&self, u: [f64; 3]) -> Option<Drawn<BANDS>> {
         // The retroreflecting lobe lives on the geometric normal: its texture is what turns the other one.
         let frame = if matches!(self.highlight, Highlight::Retro(_)) { Frame::new(self.normal) } else { self.frame };
         let outgoing = frame.to_local(self.outgoing);
         let mut weight = [0.0; BANDS];
         let sample = match &self.highlight {
-            Highlight::None => None,
+            Highlight::None | Highlight::Function(_) => None,
             Highlight::Ward(ward) => ward.sample(outgoing, u, &mut weight),
+            Highlight::WardAnisotropic(ward) => ward.sample(outgoing, u, &mut weight),
+            Highlight::Ashikhmin(lobe) => lobe.sample(outgoing, u, &mut weight),
             Highlight::Retro(retro) => draw_retro(retro, outgoing, u, &mut weight),
             Highlight::Model(model) => model.sample(outgoing, u, &mut weight),
         }?;
-        Some(Drawn { direction: frame.to_scene(sample.incident), weight, density: sample.density })
+        let direction = frame.to_scene(sample.incident);
+        self.sides_agree(direction).then_some(Drawn { direction, weight, density: sample.density })
     }
 
     /// Draws from the diffuse component.
     pub(crate) fn draw_diffuse(&self, u: f64, v: f64) -> Option<Drawn<BANDS>> {
+        let [ambient, ambient_beyond] = self.ambient();
+        let Some(beyond) = &self.beyond else {
+            return self.draw_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v]);
+        };
+        let chance = beyond.diffuse_chance;
+        if u >= chance {
+            let u = (u - chance) / (1.0 - chance);
+            let drawn = self.draw_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v])?;
+            return Some(drawn.split(1.0 - chance));
+        }
+        let drawn = self.draw_cosine(-beyond.normal, &sum(beyond.diffuse, ambient_beyond), [u / chance, v])?;
+        Some(drawn.split(chance))
+    }
+
+    fn draw_cosine(&self, normal: DVec3, reflectance: &[f64; BANDS], [u, v]: [f64; 2]) -> Option<Drawn<BANDS>> {
         let local = DVec3::from_array(cosine_hemisphere(u, v));
-        let direction = Frame::new(self.diffuse_normal).to_scene(local);
-        if local.z <= 0.0 || self.normal.dot(direction) <= 0.0 {
+        let direction = Frame::new(normal).to_scene(local);
+        let same_side = (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0);
+        if local.z <= 0.0 || !same_side || !self.sides_agree(direction) {
             return None;
         }
-        let coupling = if self.fresnel_coupling { 1.0 - fresnel_estimate(local.z) } else { 1.0 };
-        let weight = self.diffuse.map(|band| band * coupling);
-        Some(Drawn { direction, weight, density: Density::Continuous(local.z * FRAC_1_PI) })
+        let coupling = self.coupling_share(direction);
+        let weight = reflectance.map(|band| band * coupling);
+        let density = if self.diffuse_finds_lights() { local.z * FRAC_1_PI } else { 0.0 };
+        Some(Drawn { direction, weight, density: Density::Continuous(density) })
     }
 
     /// The mirror direction; a texture that would send it through the surface is not used.

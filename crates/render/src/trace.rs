@@ -99,7 +99,7 @@ pub(crate) struct Link {
 
 /// A ray that waits to be traced.
 #[derive(Clone, Copy, Debug)]
-struct Segment<const BANDS: usize> {
+pub(crate) struct Segment<const BANDS: usize> {
     ray: Ray,
     from: Option<PrimitiveId>,
     throughput: [f64; BANDS],
@@ -196,7 +196,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 continue;
             }
             let behind = segment.ray.direction.dot(hit.front) > 0.0;
-            if behind && self.plan.options.back_faces == BackFaces::Invisible {
+            if behind && self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back() {
                 segment = self.passed_through(segment, &hit);
                 continue;
             }
@@ -258,6 +258,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 }
                 self.light_and_scatter(segment, hit.point, Some(hit.primitive), &point, travelled);
             }
+            Kind::Scatterer(scatterer) => self.shade_scatterer(segment, hit, shader, scatterer, &encounter),
             Kind::Plugin(model) => {
                 let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let point = LitPoint::model(model.as_ref(), -encounter.direction, encounter.normal, normal);
@@ -268,7 +269,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Patterns and textures, and the normal that they make.
-    fn appearance(
+    pub(crate) fn appearance(
         &mut self,
         segment: &Segment<BANDS>,
         shader: &Shader,
@@ -333,7 +334,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Sends a ray on from a perfectly specular event.
-    fn specular(
+    pub(crate) fn specular(
         &mut self,
         segment: &Segment<BANDS>,
         hit: &Hit,
@@ -347,7 +348,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if let Some(link) = &mut link {
             link.length += hit.distance;
             match passage {
-                Passage::Pane { undisturbed: true } => {}
+                Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true } => {}
                 Passage::Mirror { straight: true } if link.passed < MAX_CHAIN => {
                     link.mirrors[link.passed] = Some(hit.surface);
                     link.passed += 1;
@@ -356,7 +357,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             }
         }
         let Some(throughput) = self.roulette(throughput, segment.depth + 1) else { return };
-        let direct_view = segment.direct_view && !matches!(passage, Passage::Other);
+        let direct_view = segment.direct_view && !matches!(passage, Passage::Other | Passage::Sheet { .. });
         if direct_view {
             self.effective_distance = f64::INFINITY;
         }
@@ -373,7 +374,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Direct light, and the rays that look for the rest.
-    fn light_and_scatter(
+    pub(crate) fn light_and_scatter(
         &mut self,
         segment: &Segment<BANDS>,
         at: DVec3,
@@ -396,7 +397,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let set = self.next_set;
         self.next_set += highlight_draws.max(1);
         let peak = point.peak();
-        let direct = DirectSampler { point: at, primitive, highlight_draws, follow_diffuse, peak, travelled };
+        let shares_diffuse = follow_diffuse && point.diffuse_finds_lights();
+        let direct = DirectSampler { point: at, primitive, highlight_draws, shares_diffuse, peak, travelled };
         let light = direct.sample(self, point);
         for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
             *sum += share * light;
@@ -546,11 +548,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
 /// What kind of specular event a ray passes.
 #[derive(Clone, Copy, Debug)]
-enum Passage {
+pub(crate) enum Passage {
     /// A `mirror`; `straight` without a texture.
     Mirror { straight: bool },
     /// A pane, going through.
     Pane { undisturbed: bool },
+    /// A scattering surface, going straight through.
+    Sheet { undisturbed: bool },
     /// Any other.
     Other,
 }
@@ -581,7 +585,7 @@ fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
 }
 
 /// The normal with its texture; one that would turn away from the viewer is reflected back (Radiance's `raynormal`).
-fn shading_normal(encounter: &Encounter, perturbation: DVec3) -> DVec3 {
+pub(crate) fn shading_normal(encounter: &Encounter, perturbation: DVec3) -> DVec3 {
     if perturbation == DVec3::ZERO {
         return encounter.normal;
     }

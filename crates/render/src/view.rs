@@ -77,6 +77,16 @@ impl Encounter {
         to_object.map_or(direction, |transform| transform.rotation.transpose() * direction)
     }
 
+    /// The same, as if the surface faced the viewer.
+    pub(crate) fn turned(&self) -> Encounter {
+        Encounter { behind: false, ..*self }
+    }
+
+    /// Whether its normal is interpolated.
+    pub(crate) fn is_smoothed(&self) -> bool {
+        self.perturbation() != DVec3::ZERO
+    }
+
     /// The unit normal as the surface faces.
     fn front(&self) -> DVec3 {
         if self.behind { -self.normal } else { self.normal }
@@ -117,6 +127,11 @@ impl<'a> View<'a> {
             ToFunction::Own(transform) => Some(transform),
             ToFunction::Placed(transform) => Some(transform),
         }
+    }
+
+    /// A direction of the scene as the function sees it.
+    pub(crate) fn in_function(&self, vector: DVec3) -> DVec3 {
+        self.transform().map_or(vector, |transform| transform.direction(vector))
     }
 
     fn direction(&self, vector: DVec3, component: usize) -> f64 {

@@ -1,0 +1,60 @@
+//! `ashik2`: Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools 5(2), 2000, as Radiance has it:
+//! Lambert's diffuse component less Schlick's term at the incident angle, and a highlight that grows by it at the outgoing one.
+
+use super::{Meeting, Met};
+use crate::frame::Frame;
+use crate::shader::{Function, bands};
+use crate::surface_light::{Coupling, Highlight, LitPoint, schlick};
+use radsight_brdf::AshikhminShirley;
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+
+/// The parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct AshikhminKind {
+    /// Where u points.
+    pub(crate) orientation: Function,
+    pub(crate) diffuse: Rgb,
+    /// At normal incidence; patterns leave it alone.
+    pub(crate) specular: Rgb,
+    /// Along u and v.
+    pub(crate) exponents: [f64; 2],
+}
+
+impl AshikhminKind {
+    pub(super) fn is_grey(&self) -> bool {
+        self.diffuse.is_grey() && self.specular.is_grey()
+    }
+
+    pub(super) fn meet<'a, const BANDS: usize>(
+        &self,
+        meeting: &Meeting<'a, BANDS>,
+        scratch: &mut Scratch,
+    ) -> Met<'a, BANDS> {
+        let outgoing = meeting.outgoing();
+        let fresnel = schlick(outgoing.dot(meeting.normal).max(0.001));
+        let specular: [f64; BANDS] = bands(self.specular);
+        let has_highlight = specular.iter().any(|band| *band > 0.0);
+        let specularity = specular.map(|band| band + (1.0 - band) * fresnel);
+        let (frame, exponents) = match meeting.oriented(&self.orientation, scratch) {
+            Some(frame) => (frame, self.exponents),
+            None => (Frame::new(meeting.normal), [round_exponent(self.exponents); 2]),
+        };
+        let highlight = match has_highlight {
+            true => Highlight::Ashikhmin(AshikhminShirley { specularity, exponents }),
+            false => Highlight::None,
+        };
+        let point = LitPoint {
+            diffuse: meeting.colored(bands(self.diffuse)),
+            coupling: Coupling::Schlick,
+            highlight,
+            ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
+        };
+        Met { point, mirror: None, straight: None }
+    }
+}
+
+/// One exponent for two, where nothing says which is which: the harmonic mean.
+fn round_exponent([u, v]: [f64; 2]) -> f64 {
+    2.0 / (1.0 / (u + 1e-5) + 1.0 / (v + 1e-5))
+}

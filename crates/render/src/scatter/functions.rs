@@ -1,0 +1,121 @@
+//! Materials whose scattering is a function of the direction to a light: `plasfunc` and its kin, and `BRTDfunc`.
+//!
+//! As in Radiance, the function meets light from sources alone. Light from elsewhere is scattered by `plasfunc` and its kin as if the
+//! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
+
+use super::{Meeting, Met, Onward};
+use crate::beyond::Beyond;
+use crate::frame::Frame;
+use crate::function_lobe::{FunctionLobe, LobeFunction, Surroundings};
+use crate::shader::{Function, bands};
+use crate::surface_light::{Highlight, LitPoint};
+use radsight_cal::Scratch;
+use radsight_ir::{DataGrid, Handle, Rgb, ScatteringRole};
+
+/// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
+#[derive(Clone, Debug)]
+pub(crate) struct ScatteringKind {
+    pub(crate) role: ScatteringRole,
+    /// The function, then for data the coordinates.
+    pub(crate) function: Function,
+    pub(crate) grid: Option<Handle<DataGrid>>,
+    pub(crate) color: Rgb,
+    /// Share of light that the function reflects.
+    pub(crate) specularity: f64,
+    pub(crate) transmissivity: f64,
+    pub(crate) transmitted_specularity: f64,
+}
+
+impl ScatteringKind {
+    pub(super) fn is_grey(&self) -> bool {
+        self.color.is_grey()
+    }
+
+    pub(super) fn meet<'a, const BANDS: usize>(&'a self, meeting: &Meeting<'a, BANDS>) -> Met<'a, BANDS> {
+        let color = meeting.colored(bands(self.color));
+        let share = |share: f64| color.map(|band| band * share.max(0.0));
+        let transmitted = self.transmissivity * (1.0 - self.specularity);
+        let through = transmitted * self.transmitted_specularity;
+        let source = match self.grid {
+            Some(grid) => LobeFunction::Table(&self.function, &meeting.scene.grids[grid]),
+            None => LobeFunction::Grey(&self.function),
+        };
+        let reflected = match self.role {
+            ScatteringRole::Metal => share(self.specularity),
+            ScatteringRole::Plastic | ScatteringRole::Trans => [self.specularity; BANDS],
+        };
+        let lobe = FunctionLobe {
+            source,
+            surroundings: Surroundings { encounter: meeting.turned, ..meeting.surroundings(color) },
+            factors: [reflected, share(through)],
+            ambient: [share(self.specularity), share(through)],
+        };
+        let point = LitPoint {
+            diffuse: share(1.0 - transmitted - self.specularity),
+            highlight: Highlight::Function(lobe),
+            ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
+        };
+        let beyond = Beyond::new(meeting.normal, share(transmitted - through), None);
+        Met { point: point.with_beyond(beyond), mirror: None, straight: None }
+    }
+}
+
+/// `BRTDfunc`.
+#[derive(Clone, Debug)]
+pub(crate) struct BrtdKind {
+    /// Nine roots: mirror, straight-through and scattering, three bands each.
+    pub(crate) function: Function,
+    /// Front reflected, back reflected, transmitted.
+    pub(crate) diffuse: [Rgb; 3],
+    /// Whether the three bands have the same functions.
+    pub(crate) has_grey_functions: bool,
+}
+
+/// First roots.
+const MIRROR: usize = 0;
+const STRAIGHT: usize = 3;
+const SCATTERING: usize = 6;
+
+impl BrtdKind {
+    pub(super) fn is_grey(&self) -> bool {
+        self.has_grey_functions && self.diffuse.iter().all(|color| color.is_grey())
+    }
+
+    pub(super) fn lets_through(&self) -> bool {
+        (STRAIGHT..SCATTERING).any(|root| self.function.program.constant(root) != Some(0.0))
+    }
+
+    pub(super) fn meet<'a, const BANDS: usize>(
+        &'a self,
+        meeting: &Meeting<'a, BANDS>,
+        scratch: &mut Scratch,
+    ) -> Met<'a, BANDS> {
+        let surroundings = meeting.surroundings(meeting.appearance.color);
+        let [front, back, transmitted] = self.diffuse;
+        let reflected = if meeting.encounter.behind { back } else { front };
+        let lobe = FunctionLobe {
+            source: LobeFunction::Color(&self.function, SCATTERING),
+            surroundings,
+            factors: [[1.0; BANDS]; 2],
+            ambient: [[0.0; BANDS]; 2],
+        };
+        let point = LitPoint {
+            diffuse: meeting.colored(bands(reflected)),
+            highlight: Highlight::Function(lobe),
+            ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
+        };
+        let beyond = Beyond::new(meeting.normal, meeting.colored(bands(transmitted)), None);
+        let mirror = Onward::new(point.mirror_direction(), self.coefficients(MIRROR, &surroundings, scratch));
+        let straight = Onward::new(meeting.straight(), self.coefficients(STRAIGHT, &surroundings, scratch));
+        Met { point: point.with_beyond(beyond), mirror, straight }
+    }
+
+    fn coefficients<const BANDS: usize>(
+        &self,
+        first: usize,
+        surroundings: &Surroundings<'_>,
+        scratch: &mut Scratch,
+    ) -> [f64; BANDS] {
+        std::array::from_fn(|band| surroundings.value(&self.function, first + band, scratch))
+    }
+}

@@ -1,0 +1,128 @@
+//! `trans`, `plastic2`, `metal2` and `trans2`: a coloured sheet that reflects and transmits, diffusely and about the mirror and
+//! straight-through directions.
+//!
+//! Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992, in the form of Radiance's reference manual: of what is not
+//! reflected specularly a share goes through, and of that a share is not scattered diffusely.
+
+use super::{Meeting, Met, Onward};
+use crate::beyond::{Beyond, ThroughLobe};
+use crate::frame::Frame;
+use crate::shader::{Function, SMOOTH_ROUGHNESS, bands};
+use crate::surface_light::{COAT_OFFSET, Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
+use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+
+/// The parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct Sheet {
+    pub(crate) color: Rgb,
+    pub(crate) specularity: f64,
+    /// Along u and v.
+    pub(crate) roughness: [f64; 2],
+    /// Highlights take the material's colour.
+    pub(crate) metallic: bool,
+    /// Share of what is not reflected specularly that goes through.
+    pub(crate) transmissivity: f64,
+    /// Share of that which is not scattered diffusely.
+    pub(crate) transmitted_specularity: f64,
+    /// Where u points; none for `trans`.
+    pub(crate) orientation: Option<Function>,
+}
+
+/// How the light divides at one angle.
+struct Division<const BANDS: usize> {
+    /// Specularly reflected.
+    specular: [f64; BANDS],
+    diffuse: [f64; BANDS],
+    transmitted_diffuse: [f64; BANDS],
+    /// Transmitted about the straight way.
+    through: [f64; BANDS],
+    coupling: Coupling,
+}
+
+impl Sheet {
+    /// Whether its specular parts are a mirror image and a clear view. With two roughnesses they never are.
+    fn is_smooth(&self) -> bool {
+        self.orientation.is_none() && self.roughness[0] <= SMOOTH_ROUGHNESS
+    }
+
+    pub(super) fn lets_through(&self) -> bool {
+        self.is_smooth() && self.transmissivity * self.transmitted_specularity > 0.0
+    }
+
+    pub(super) fn is_grey(&self) -> bool {
+        self.color.is_grey()
+    }
+
+    pub(super) fn meet<'a, const BANDS: usize>(
+        &self,
+        meeting: &Meeting<'a, BANDS>,
+        scratch: &mut Scratch,
+    ) -> Met<'a, BANDS> {
+        let outgoing = meeting.outgoing();
+        let division = self.division(meeting.colored(bands(self.color)), outgoing.dot(meeting.normal));
+        let (frame, roughness) = self.frame(meeting, scratch);
+        let smooth = self.is_smooth();
+        let straight = meeting.straight();
+        let highlight = match self.orientation {
+            _ if smooth || self.specularity <= 0.0 => Highlight::None,
+            None => Highlight::Ward(WardIsotropic { specularity: division.specular, roughness: roughness[0] }),
+            Some(_) => Highlight::WardAnisotropic(WardAnisotropic { specularity: division.specular, roughness }),
+        };
+        let lobe = (!smooth && self.transmitted_specularity > 0.0).then(|| {
+            let shape = GaussianTransmission { transmittance: division.through, roughness };
+            ThroughLobe::new(shape, frame, straight, outgoing)
+        });
+        let beyond = Beyond::new(meeting.normal, division.transmitted_diffuse, lobe);
+        let point = LitPoint {
+            diffuse: division.diffuse,
+            coupling: division.coupling,
+            highlight,
+            ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
+        };
+        let (mirror, straight) = match smooth {
+            true => {
+                let has_mirror = self.specularity > 0.0;
+                let mirror = has_mirror.then(|| Onward::new(point.mirror_direction(), division.specular)).flatten();
+                (mirror, Onward::new(straight, division.through))
+            }
+            false => (None, None),
+        };
+        Met { point: point.with_beyond(beyond), mirror, straight }
+    }
+
+    fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64) -> Division<BANDS> {
+        let coated = self.is_smooth() && self.specularity >= FRESNEL_THRESHOLD;
+        let fresnel = if coated { fresnel_estimate(cosine.max(0.001), COAT_OFFSET) } else { 0.0 };
+        let specularity = self.specularity + fresnel * (1.0 - self.specularity);
+        let transmitted = self.transmissivity * (1.0 - specularity);
+        let through = transmitted * self.transmitted_specularity;
+        let specular = match self.metallic {
+            true => color.map(|band| fresnel + band * self.specularity * (1.0 - fresnel)),
+            false => [specularity; BANDS],
+        };
+        let share = |share: f64| color.map(|band| band * share.max(0.0));
+        Division {
+            specular,
+            diffuse: share(1.0 - transmitted - specularity),
+            transmitted_diffuse: share(transmitted - through),
+            through: share(through),
+            coupling: if coated { Coupling::Coat(COAT_OFFSET) } else { Coupling::None },
+        }
+    }
+
+    /// Without a usable orientation the two roughnesses become one (Radiance's root mean square).
+    fn frame<const BANDS: usize>(&self, meeting: &Meeting<'_, BANDS>, scratch: &mut Scratch) -> (Frame, [f64; 2]) {
+        let Some(orientation) = &self.orientation else { return (Frame::new(meeting.normal), self.roughness) };
+        match meeting.oriented(orientation, scratch) {
+            Some(frame) => (frame, self.roughness),
+            None => (Frame::new(meeting.normal), [round_roughness(self.roughness); 2]),
+        }
+    }
+}
+
+/// One roughness for two, where nothing says which is which.
+pub(super) fn round_roughness([u, v]: [f64; 2]) -> f64 {
+    (0.5 * (u * u + v * v)).sqrt()
+}
