@@ -25,7 +25,7 @@ pub(crate) enum Highlight<'a, const BANDS: usize> {
     Model(&'a dyn Brdf),
 }
 
-/// What the surface above the diffuse component takes from it, by the incident angle.
+/// What the surface above the diffuse component takes from light of sources before it gets there, by the incident angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Coupling {
     /// Nothing.
@@ -270,9 +270,10 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         any(&self.diffuse) || self.beyond.is_some_and(|beyond| any(&beyond.diffuse)) || self.ambient().iter().any(any)
     }
 
-    /// Whether a light found by [`LitPoint::draw_diffuse`] is the same as one found by sampling it.
+    /// Whether the diffuse component treats light from sources and other light alike. Radiance takes a coat's reflection from the former
+    /// only, and gives the latter a function's share.
     pub(crate) fn diffuse_finds_lights(&self) -> bool {
-        !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
+        self.coupling == Coupling::None && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
 
     /// What is scattered as if diffuse where the light is no source, on both sides.
@@ -414,7 +415,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         self.sides_agree(direction).then_some(Drawn { direction, weight, density: sample.density })
     }
 
-    /// Draws from the diffuse component.
+    /// Draws from the diffuse component; without a density where only light from elsewhere than sampled sources counts.
     pub(crate) fn draw_diffuse(&self, u: f64, v: f64) -> Option<Drawn<BANDS>> {
         let [ambient, ambient_beyond] = self.ambient();
         let Some(beyond) = &self.beyond else {
@@ -437,10 +438,8 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         if local.z <= 0.0 || !same_side || !self.sides_agree(direction) {
             return None;
         }
-        let coupling = self.coupling_share(direction);
-        let weight = reflectance.map(|band| band * coupling);
         let density = if self.diffuse_finds_lights() { local.z * FRAC_1_PI } else { 0.0 };
-        Some(Drawn { direction, weight, density: Density::Continuous(density) })
+        Some(Drawn { direction, weight: *reflectance, density: Density::Continuous(density) })
     }
 
     /// The mirror direction; a texture that would send it through the surface is not used.
