@@ -25,6 +25,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("loader", &[]),
     ("parse", &["cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),
+    ("picture-tools", &["picture"]),
     ("pinhole", &["sampling"]),
     ("render", &["brdf", "cal", "diag", "ir", "retro", "sampling"]),
     ("retro", &["brdf"]),

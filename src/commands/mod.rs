@@ -5,6 +5,7 @@ mod capture;
 mod check;
 mod explain;
 mod install_links;
+mod picture;
 mod pinhole;
 mod plugin;
 mod rig;
@@ -20,7 +21,7 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    ["rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names())
+    ["rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
@@ -31,6 +32,9 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         "rtrace" => return Some(rtrace::run(&words[1..])),
         "vwrays" => return Some(vwrays::run(&words[1..])),
         _ => {}
+    }
+    if let Some(outcome) = picture::run(words) {
+        return Some(outcome);
     }
     scene_program::names().any(|known| known == name).then(|| scene_program::run(words))
 }

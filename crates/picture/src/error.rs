@@ -1,6 +1,7 @@
 //! What can be wrong with a picture, a matrix, a header or a view.
 
 use std::borrow::Cow;
+use std::io;
 
 /// Why bytes are not a picture, or an image cannot be written in a format.
 ///
@@ -87,9 +88,41 @@ pub enum PictureError {
         /// Its own words.
         reason: String,
     },
+    /// Reading or writing failed, whatever the format.
+    #[error("{reason}")]
+    Stream {
+        /// What kind of failure.
+        kind: io::ErrorKind,
+        /// The system's own words.
+        reason: String,
+    },
     /// The view cannot be.
     #[error("view: {0}")]
     View(#[from] crate::ViewError),
+}
+
+impl PictureError {
+    /// Whether more bytes could help.
+    pub(crate) fn is_truncation(&self) -> bool {
+        matches!(self, PictureError::Truncated { .. })
+    }
+
+    /// The same, found in bytes that begin at this offset.
+    pub(crate) fn at(mut self, start: usize) -> PictureError {
+        if let PictureError::Unexpected { offset, .. }
+        | PictureError::Truncated { offset, .. }
+        | PictureError::TooLarge { offset, .. } = &mut self
+        {
+            *offset += start;
+        }
+        self
+    }
+}
+
+impl From<io::Error> for PictureError {
+    fn from(error: io::Error) -> PictureError {
+        PictureError::Stream { kind: error.kind(), reason: error.to_string() }
+    }
 }
 
 /// Shows up to 24 bytes for a message, with everything unprintable escaped.

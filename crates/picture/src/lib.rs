@@ -3,13 +3,14 @@
 //! What two stages of radsight exchange is one of these files, or its [`Image`] in memory.
 //!
 //! - A [`Picture`] is RGBE, XYZE or spectral, in any orientation and coding; [`Picture::radiance`] undoes exposures.
+//! - A [`PictureReader`] and a [`PictureWriter`] do the same a scanline at a time, for pictures of any size.
 //! - A [`FloatMatrix`] is the lossless form, `pfm`, `npy`, `tif` and `exr` are others; [`read_image`] knows them all.
 //! - A [`Header`] carries the history: a program copies it ([`Header::history`]) and adds its own command line.
 //! - [`ViewOptions`] is a view as typed, a [`View`] gives its rays.
 //!
 //! Guarantees: bytes go in and bytes come out; no input makes a reader panic, and none takes memory beyond what its own bytes can
 //! justify; row 0 of every [`Image`] is the top, whatever the order in the file; written pictures are those that
-//! Radiance would write, byte for byte. Knows no scenes and does no input or output.
+//! Radiance would write, byte for byte. Knows no scenes and opens nothing.
 //!
 //! ```
 //! use radsight_picture::{FloatMatrix, Header, Image, MatrixFormat, read_image};
@@ -45,6 +46,7 @@ mod png;
 mod resolution;
 mod rgbe;
 mod scanline;
+mod stream;
 #[cfg(feature = "tiff")]
 mod tiff;
 mod unfinished;
@@ -59,13 +61,14 @@ pub use header::{Assignment, Header};
 pub use image::Image;
 pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
 pub use npy::{read_npy, write_npy, write_npy_f64};
-pub use number::scientific;
+pub use number::{general, leading_number, scientific};
 pub use pfm::{read_pfm, write_pfm};
-pub use picture::{Encoding, PartialPicture, Picture};
+pub use picture::{Encoding, PartialPicture, Picture, mean_of_spectrum};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};
 pub use resolution::{Orientation, Resolution};
 pub use rgbe::{decode_rgbe, encode_rgbe, mantissa_step};
 pub use scanline::write_rgbe_scanline;
+pub use stream::{PictureReader, PictureWriter};
 #[cfg(feature = "tiff")]
 pub use tiff::{read_tiff, write_tiff};
 pub use unfinished::Unfinished;

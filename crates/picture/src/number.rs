@@ -1,7 +1,8 @@
 //! Numbers as C's `atof` reads them and `printf` writes them, since headers and views are defined by both.
 
 /// The number at the start of the text (after white space) and how many bytes it took; 0 bytes if there is none.
-pub(crate) fn leading_number(text: &[u8]) -> (f64, usize) {
+#[must_use]
+pub fn leading_number(text: &[u8]) -> (f64, usize) {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
     let body = &text[start..];
     let length = decimal_length(body).max(word_length(body));
@@ -117,7 +118,8 @@ pub fn scientific(value: f64, digits: usize) -> String {
 }
 
 /// `%.{precision}g`.
-pub(crate) fn general(value: f64, precision: usize) -> String {
+#[must_use]
+pub fn general(value: f64, precision: usize) -> String {
     if !value.is_finite() {
         return not_finite(value);
     }

@@ -115,7 +115,7 @@ impl Picture {
     pub fn read_partial(bytes: &[u8]) -> Result<PartialPicture, PictureError> {
         let (header, start) = Header::read(bytes)?;
         let encoding = Encoding::from_header(&header)?;
-        let components = components(&header, encoding)?;
+        let components = components_of(&header, encoding)?;
         let (resolution, start) = Resolution::read(bytes, start)?;
         let size = checked_size(bytes, start, &resolution, components)?;
         let mut stored = vec![0; size];
@@ -336,7 +336,8 @@ fn bad_shape(values: &Image<f32>, expected: &'static str) -> PictureError {
     PictureError::Shape { width, height, components, values: values.data().len(), expected }
 }
 
-fn components(header: &Header, encoding: Encoding) -> Result<usize, PictureError> {
+/// How many values a pixel has.
+pub(crate) fn components_of(header: &Header, encoding: Encoding) -> Result<usize, PictureError> {
     let components = header.components()?.unwrap_or(3);
     let (fits, expected) = match encoding {
         Encoding::Spectral { .. } => (components >= 3, "at least 3 for spectra"),
@@ -400,7 +401,7 @@ fn read_scanlines(
 }
 
 /// The part (0 red, 1 green, 2 blue) of each band, by the wavelength of its middle.
-fn spectrum_parts(bands: usize, splits: [f32; 4]) -> Vec<usize> {
+pub(crate) fn spectrum_parts(bands: usize, splits: [f32; 4]) -> Vec<usize> {
     let step = f64::from(splits[3] - splits[0]) / bands as f64;
     let mut part = 0;
     let part_of = |band: usize| {
@@ -414,7 +415,13 @@ fn spectrum_parts(bands: usize, splits: [f32; 4]) -> Vec<usize> {
     (0..bands).map(part_of).collect()
 }
 
-fn mean_of_parts(spectrum: &[f32], parts: &[usize]) -> [f32; 3] {
+/// The means of a spectrum in its three parts: what stands for red, green and blue where only three are wanted.
+#[must_use]
+pub fn mean_of_spectrum(spectrum: &[f32], splits: [f32; 4]) -> [f32; 3] {
+    mean_of_parts(spectrum, &spectrum_parts(spectrum.len(), splits))
+}
+
+pub(crate) fn mean_of_parts(spectrum: &[f32], parts: &[usize]) -> [f32; 3] {
     let (mut sums, mut counts) = ([0.0f32; 3], [0u16; 3]);
     for (value, part) in spectrum.iter().zip(parts) {
         sums[*part] += value;

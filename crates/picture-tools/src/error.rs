@@ -1,0 +1,28 @@
+//! What can stop a picture program.
+
+use radsight_picture::PictureError;
+
+/// Why a picture program cannot do what was asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ToolError {
+    /// A picture cannot be read or written.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// No pixel has a brightness that could be averaged.
+    #[error(
+        "the picture is too dark or too bright for an average brightness, expected a pixel above 0 and below {hot}"
+    )]
+    NoAverage {
+        /// The brightness above which pixels are left out.
+        hot: f64,
+    },
+    /// Not even one row of the output can be made of what there is of the picture.
+    #[error("the picture ends after {rows} of {expected} scanlines, expected enough for a row of the output")]
+    EmptyFrame {
+        /// Complete scanlines.
+        rows: usize,
+        /// What the resolution says.
+        expected: usize,
+    },
+}

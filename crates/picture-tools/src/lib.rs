@@ -1,0 +1,30 @@
+//! What Radiance's picture programs compute: filtering, combining, composing, tone mapping.
+//!
+//! - [`filter`] is `pfilt`: exposure, size, star patterns.
+//! - [`values`] is `pvalue`: pixels as numbers, and back.
+//!
+//! Guarantees: the same bytes as Radiance's programs give where those are defined; a scanline at a time where the work allows it, so that
+//! the memory does not grow with the height of a picture; the number of threads changes nothing. Opens and prints nothing: pictures come and go through
+//! readers and writers of the caller's.
+//!
+//! ```
+//! use radsight_picture::{Header, Image, Picture, PictureReader};
+//! use radsight_picture_tools::filter::{FilterOptions, filter_one_pass};
+//! let four = Image::new(2, 2, 1, vec![1.0f32, 2.0, 3.0, 4.0]).unwrap();
+//! let bytes = Picture::from_rgb(Header::new("RADIANCE"), &four).unwrap().to_bytes();
+//! let mut halved = Vec::new();
+//! let mut options = FilterOptions::default();
+//! options.columns = radsight_picture_tools::filter::Size::Scale(0.5);
+//! options.rows = options.columns;
+//! filter_one_pass(PictureReader::new(&bytes[..]).unwrap(), &options, &["pfilt"], &mut halved).unwrap();
+//! let picture = Picture::read(&halved).unwrap();
+//! assert_eq!((picture.width(), picture.values().pixel(0, 0)[0]), (1, 2.5078125));
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod brightness;
+mod error;
+pub mod filter;
+pub mod values;
+
+pub use error::ToolError;

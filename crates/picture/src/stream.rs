@@ -1,0 +1,308 @@
+//! Pictures of any size, a scanline at a time.
+
+use crate::picture::{components_of, mean_of_parts, spectrum_parts};
+use crate::rgbe::{decode_spectrum, encode_spectrum};
+use crate::{Encoding, Header, PictureError, Resolution, decode_rgbe, encode_rgbe, scanline};
+use std::io::{Read, Write};
+
+/// The longest header that is read, in bytes.
+const LONGEST_HEADER: usize = 1 << 24;
+/// The longest scanline that is read or written, in pixels: a scanline is held in memory.
+const LONGEST_SCANLINE: usize = 1 << 22;
+/// How many bytes are asked for at a time.
+const CHUNK: usize = 1 << 18;
+
+/// Reads the scanlines of a picture one after another, in the order of the file, and holds one of them in memory.
+///
+/// ```
+/// use radsight_picture::{Header, Image, Picture, PictureReader};
+/// let grey = Image::new(2, 1, 1, vec![1.0f32, 0.25]).unwrap();
+/// let bytes = Picture::from_rgb(Header::new("RADIANCE"), &grey).unwrap().to_bytes();
+/// let mut reader = PictureReader::new(&bytes[..]).unwrap();
+/// let mut values = vec![0.0; reader.resolution().scanline_length() * reader.components()];
+/// reader.read_values(&mut values).unwrap();
+/// assert_eq!(values[3..], [0.25097656; 3]);
+/// assert!(reader.read_values(&mut values).is_err());
+/// ```
+#[derive(Debug)]
+pub struct PictureReader<R> {
+    bytes: Bytes<R>,
+    header: Header,
+    encoding: Encoding,
+    components: usize,
+    resolution: Resolution,
+    left: usize,
+    stored: Vec<u8>,
+    planes: Vec<u8>,
+}
+
+impl<R: Read> PictureReader<R> {
+    /// Reads the header and the resolution.
+    ///
+    /// # Errors
+    /// When one of them is wrong, or the source fails.
+    pub fn new(source: R) -> Result<PictureReader<R>, PictureError> {
+        let mut bytes = Bytes::new(source);
+        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
+        let encoding = Encoding::from_header(&header)?;
+        let components = components_of(&header, encoding)?;
+        let resolution = bytes.parse(CHUNK, |bytes| Resolution::read(bytes, 0))?;
+        check_length(&resolution, components)?;
+        let left = resolution.scanlines();
+        let (stored, planes) = (Vec::new(), Vec::new());
+        Ok(PictureReader { bytes, header, encoding, components, resolution, left, stored, planes })
+    }
+
+    /// All lines of the header.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// What the values are.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// Values a pixel: 3, or more for spectra.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// The size, and the order of the pixels.
+    pub fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// Scanlines that are still to be read.
+    pub fn scanlines_left(&self) -> usize {
+        self.left
+    }
+
+    /// The next scanline as stored: mantissas and exponent of each pixel.
+    ///
+    /// # Errors
+    /// When it is malformed or not there, or the source fails.
+    pub fn read_stored(&mut self) -> Result<&[u8], PictureError> {
+        let length = self.resolution.scanline_length();
+        if self.left == 0 {
+            return Err(PictureError::Truncated { offset: self.bytes.offset(), expected: "another scanline".into() });
+        }
+        let (stored, planes) = (&mut self.stored, &mut self.planes);
+        let size = length * (self.components + 1);
+        if self.components == 3 {
+            // Only runs make a scanline longer than its pixels: by a count for each, and nobody writes counts of none.
+            let longest = CHUNK + 16 * size;
+            // Memory is taken when there are bytes for it, so that a large number in a header costs nothing.
+            self.bytes.parse(longest, |bytes| {
+                if stored.is_empty() && bytes.len() < scanline::PIXEL {
+                    return Err(PictureError::Truncated { offset: bytes.len(), expected: "more pixels".into() });
+                }
+                stored.resize(size, 0);
+                Ok(((), scanline::read(bytes, 0, stored, planes)?))
+            })?;
+        } else {
+            self.bytes.parse(size, |bytes| match bytes.get(..size) {
+                Some(found) => {
+                    stored.clear();
+                    stored.extend_from_slice(found);
+                    Ok(((), size))
+                }
+                None => Err(PictureError::Truncated { offset: bytes.len(), expected: "more pixels".into() }),
+            })?;
+        }
+        self.left -= 1;
+        Ok(&self.stored)
+    }
+
+    /// The raw values of the next scanline, [`PictureReader::components`] a pixel.
+    ///
+    /// # Errors
+    /// As [`PictureReader::read_stored`].
+    pub fn read_values(&mut self, values: &mut [f32]) -> Result<(), PictureError> {
+        let components = self.components;
+        let stored = self.read_stored()?;
+        if components == 3 {
+            for (value, pixel) in values.as_chunks_mut::<3>().0.iter_mut().zip(stored.as_chunks::<4>().0) {
+                *value = decode_rgbe(*pixel);
+            }
+        } else {
+            for (value, pixel) in values.chunks_exact_mut(components).zip(stored.chunks_exact(components + 1)) {
+                decode_spectrum(pixel, value);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<R: Read> PictureReader<R> {
+    /// The raw values of the next scanline in three components: of a spectrum the mean in each of its parts.
+    ///
+    /// # Errors
+    /// As [`PictureReader::read_stored`].
+    pub fn read_three(&mut self, values: &mut [[f32; 3]]) -> Result<(), PictureError> {
+        let (components, encoding) = (self.components, self.encoding);
+        match encoding {
+            Encoding::Spectral { splits } if components > 3 => {
+                let parts = spectrum_parts(components, splits);
+                let mut spectrum = vec![0.0; components];
+                let stored = self.read_stored()?;
+                for (value, pixel) in values.iter_mut().zip(stored.chunks_exact(components + 1)) {
+                    decode_spectrum(pixel, &mut spectrum);
+                    *value = mean_of_parts(&spectrum, &parts);
+                }
+                Ok(())
+            }
+            _ => self.read_values(values.as_flattened_mut()),
+        }
+    }
+}
+
+/// Writes a picture a scanline at a time. The header comes first and is taken as it is, with whatever lines the program has put in it.
+#[derive(Debug)]
+pub struct PictureWriter<W> {
+    target: W,
+    components: usize,
+    encoded: Vec<u8>,
+    stored: Vec<u8>,
+    plane: Vec<u8>,
+}
+
+impl<W: Write> PictureWriter<W> {
+    /// Writes the header, with the empty line at its end, and the resolution.
+    ///
+    /// # Errors
+    /// When scanlines would be too long to hold, or the target fails.
+    pub fn new(
+        mut target: W,
+        header: &Header,
+        components: usize,
+        resolution: Resolution,
+    ) -> Result<PictureWriter<W>, PictureError> {
+        check_length(&resolution, components)?;
+        target.write_all(&header.to_bytes())?;
+        writeln!(target, "{resolution}")?;
+        let (encoded, stored, plane) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(PictureWriter { target, components, encoded, stored, plane })
+    }
+
+    /// Writes a scanline of raw values.
+    ///
+    /// # Errors
+    /// When the target fails.
+    pub fn write_values(&mut self, values: &[f32]) -> Result<(), PictureError> {
+        let mut stored = std::mem::take(&mut self.stored);
+        stored.clear();
+        if self.components == 3 {
+            stored.extend(values.as_chunks::<3>().0.iter().flat_map(|value| encode_rgbe(*value)));
+        } else {
+            stored.resize(values.len() / self.components * (self.components + 1), 0);
+            for (pixel, value) in stored.chunks_exact_mut(self.components + 1).zip(values.chunks_exact(self.components))
+            {
+                encode_spectrum(value, pixel);
+            }
+        }
+        let written = self.write_stored(&stored);
+        self.stored = stored;
+        written
+    }
+
+    /// Writes a scanline of pixels as stored: mantissas and exponent of each.
+    ///
+    /// # Errors
+    /// When the target fails.
+    pub fn write_stored(&mut self, stored: &[u8]) -> Result<(), PictureError> {
+        if self.components != 3 {
+            return self.write_flat(stored);
+        }
+        self.encoded.clear();
+        scanline::write(stored, &mut self.encoded, &mut self.plane);
+        Ok(self.target.write_all(&self.encoded)?)
+    }
+
+    /// Writes a scanline of pixels as stored, without run-lengths.
+    ///
+    /// # Errors
+    /// When the target fails.
+    pub fn write_flat(&mut self, stored: &[u8]) -> Result<(), PictureError> {
+        Ok(self.target.write_all(stored)?)
+    }
+
+    /// Sends on what is still held back.
+    ///
+    /// # Errors
+    /// When the target fails.
+    pub fn finish(mut self) -> Result<(), PictureError> {
+        Ok(self.target.flush()?)
+    }
+}
+
+fn check_length(resolution: &Resolution, components: usize) -> Result<(), PictureError> {
+    if resolution.scanline_length() <= LONGEST_SCANLINE {
+        return Ok(());
+    }
+    Err(PictureError::Shape {
+        width: resolution.width,
+        height: resolution.height,
+        components,
+        values: 0,
+        expected: "scanlines of at most 4194304 pixels",
+    })
+}
+
+/// The bytes of a source that have not been used yet.
+#[derive(Debug)]
+struct Bytes<R> {
+    source: R,
+    buffer: Vec<u8>,
+    /// What has been used of the buffer.
+    start: usize,
+    /// What has been used of the source before the buffer.
+    before: usize,
+    ended: bool,
+}
+
+impl<R: Read> Bytes<R> {
+    fn new(source: R) -> Bytes<R> {
+        Bytes { source, buffer: Vec::new(), start: 0, before: 0, ended: false }
+    }
+
+    fn offset(&self) -> usize {
+        self.before + self.start
+    }
+
+    /// Gives the parser what there is, and more as long as it finds the end too early. More is twice as much each time, so
+    /// that the work is in proportion to the bytes. Above `longest` bytes no more is given.
+    fn parse<T>(
+        &mut self,
+        longest: usize,
+        mut parser: impl FnMut(&[u8]) -> Result<(T, usize), PictureError>,
+    ) -> Result<T, PictureError> {
+        loop {
+            let error = match parser(&self.buffer[self.start..]) {
+                Ok((parsed, used)) => {
+                    self.start += used;
+                    return Ok(parsed);
+                }
+                Err(error) => error,
+            };
+            let held = self.buffer.len() - self.start;
+            // What is wrong in a part may be right with more after it, such as a line without its end.
+            if self.ended || held >= longest || !(error.is_truncation() || held < LONGEST_LINE) {
+                return Err(error.at(self.offset()));
+            }
+            self.fetch(held.max(CHUNK))?;
+        }
+    }
+
+    fn fetch(&mut self, count: usize) -> Result<(), PictureError> {
+        self.buffer.drain(..self.start);
+        self.before += self.start;
+        self.start = 0;
+        let wanted = self.source.by_ref().take(count as u64).read_to_end(&mut self.buffer)?;
+        self.ended = wanted < count;
+        Ok(())
+    }
+}
+
+/// A parser that finds something wrong within so few bytes may have been given a part of a line.
+const LONGEST_LINE: usize = 512;

@@ -1,0 +1,142 @@
+//! `pfilt`: exposure, size, star patterns.
+//!
+//! `-1` one pass, `-2` two passes (the default: the mean brightness becomes ½); `-x N`, `-x /R`, `-y N`, `-y /R` size; `-p A` pixel shape,
+//! `-c` does not record it; `-e E` exposure (a factor, or with a sign a number of stops), `-er -eg -eb` of one component; `-b` box filter, `-r R`
+//! Gaussian of radius R output pixels, `-m F` the same with at most a fraction F of an output pixel from one input pixel; `-n N -s S` stars with
+//! N points that spread by S, `-h L` the brightness that shines, `-a` averages what shines too.
+
+use super::files::{failed, open, open_twice, output};
+use super::words::Words;
+use crate::failure::{Failure, Outcome, say};
+use radsight_picture::PictureReader;
+use radsight_picture_tools::filter::{
+    AspectRecord, FilterOptions, HotPixels, Kernel, Size, filter, filter_one_pass, measure,
+};
+use std::io::Seek;
+
+/// The radius that `-m` takes where none was given, in output pixels.
+const RADIUS_OF_THRESHOLD: f64 = 0.6;
+/// Below this a radius or a fraction is none.
+const TINY: f64 = 1e-6;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Passes {
+    One,
+    Two,
+}
+
+/// Runs the program.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let (options, passes) = read_options(&mut words)?;
+    let path = words.one_file()?;
+    let command = words.taken();
+    if passes == Passes::One {
+        let reader = PictureReader::new(open(path)?).map_err(|error| failed(path, error.into()))?;
+        return filter_one_pass(reader, &options, &command, output()).map_err(|error| failed(path, error));
+    }
+    let mut file = open_twice(path)?;
+    let reader = PictureReader::new(&file).map_err(|error| failed(path, error.into()))?;
+    let measured = measure(reader, &options).map_err(|error| failed(path, error))?;
+    if let Some(percent) = measured.partial() {
+        say(&format!("pfilt: warning - partial frame ({percent}%)\n"));
+    }
+    file.rewind().map_err(|error| failed(path, radsight_picture::PictureError::from(error).into()))?;
+    let reader = PictureReader::new(&file).map_err(|error| failed(path, error.into()))?;
+    filter(reader, &options, &measured, &command, output()).map_err(|error| failed(path, error))?;
+    match measured.partial() {
+        Some(_) => Err(Failure::input(format!("{path}: the picture was not complete"))),
+        None => Ok(()),
+    }
+}
+
+fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failure> {
+    let mut options = FilterOptions::default();
+    let mut passes = Passes::Two;
+    let (mut radius, mut fraction) = (0.0, 0.0);
+    while let Some(option) = words.option() {
+        match option {
+            "-x" => options.columns = size(words, option)?,
+            "-y" => options.rows = size(words, option)?,
+            "-c" => {
+                options.aspect_record = match options.aspect_record {
+                    AspectRecord::Written => AspectRecord::LeftOut,
+                    AspectRecord::LeftOut => AspectRecord::Written,
+                }
+            }
+            "-p" => options.aspect = Some(words.number(option)?).filter(|aspect| *aspect > 0.01),
+            "-e" | "-er" | "-eg" | "-eb" => expose(words, option, &mut options.exposure)?,
+            "-1" => passes = Passes::One,
+            "-2" => passes = Passes::Two,
+            "-n" => options.star_lines = (words.integer(option)? / 2).max(0) as usize,
+            "-s" => options.star_spread = words.number(option)?,
+            "-a" => {
+                options.hot_pixels = match options.hot_pixels {
+                    HotPixels::LeftOut => HotPixels::Averaged,
+                    HotPixels::Averaged => HotPixels::LeftOut,
+                }
+            }
+            "-h" => options.hot_level = words.number(option)?,
+            "-r" => radius = words.number(option)?,
+            "-m" => {
+                fraction = words.number(option)?;
+                if radius <= TINY {
+                    radius = RADIUS_OF_THRESHOLD;
+                }
+            }
+            "-b" => (radius, fraction) = (0.0, 0.0),
+            "-t" | "-f" => {
+                return Err(Failure::usage(format!(
+                    "pfilt: option \"{option}\" (lamp tables) is not supported, expected the lamp's factors with -er, -eg and -eb"
+                )));
+            }
+            _ => return Err(words.unknown(option, "-1 -2 -x -y -c -p -e -er -eg -eb -b -r -m -n -s -a or -h")),
+        }
+    }
+    options.kernel = if radius <= TINY {
+        Kernel::Box
+    } else if fraction <= TINY {
+        Kernel::Gaussian { radius }
+    } else {
+        Kernel::Threshold { radius, fraction }
+    };
+    Ok((options, passes))
+}
+
+/// A number of pixels, or with a slash the number of input pixels in one.
+fn size(words: &mut Words<'_>, option: &str) -> Result<Size, Failure> {
+    let word = words.value(option, "a number of pixels or /ratio")?;
+    match word.strip_prefix('/') {
+        Some(ratio) => {
+            let ratio = words.number_in(ratio, option)?;
+            if ratio <= 0.0 {
+                return Err(Failure::usage(format!(
+                    "pfilt: option \"{option}\" is followed by \"{word}\", expected a ratio above 0"
+                )));
+            }
+            Ok(Size::Scale(1.0 / ratio))
+        }
+        None => match words.number_in(word, option)? as i64 {
+            pixels if pixels > 0 => Ok(Size::Pixels(pixels as usize)),
+            _ => Ok(Size::Scale(1.0)),
+        },
+    }
+}
+
+fn expose(words: &mut Words<'_>, option: &str, exposure: &mut [f32; 3]) -> Outcome {
+    let word = words.value(option, "an exposure")?;
+    let number = words.number_in(word, option)?;
+    let factor = if word.starts_with(['+', '-']) { 2f64.powf(number) } else { number };
+    if !(1e-20..=1e20).contains(&factor) {
+        return Err(Failure::usage(format!(
+            "pfilt: option \"{option}\" is followed by \"{word}\", expected 1e-20 to 1e20"
+        )));
+    }
+    let parts = match option {
+        "-er" => 0..1,
+        "-eg" => 1..2,
+        "-eb" => 2..3,
+        _ => 0..3,
+    };
+    exposure[parts].iter_mut().for_each(|part| *part = (f64::from(*part) * factor) as f32);
+    Ok(())
+}

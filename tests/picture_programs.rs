@@ -1,0 +1,177 @@
+//! Radiance's picture programs beside the real ones: the same bytes, for pictures of all kinds.
+
+mod program;
+mod real_radiance;
+
+use program::{Run, command, radsight_with, run_with};
+use radsight_picture::{Header, Image, Picture};
+use real_radiance::Radiance;
+use std::path::PathBuf;
+
+/// Pictures of others that are small enough for many runs, and one of a single line.
+fn pictures() -> Vec<Vec<u8>> {
+    const LARGEST: u64 = 150_000;
+    const MOST: usize = 8;
+    let shared = std::env::var_os("RADSIGHT_SHARED").map(|folder| PathBuf::from(folder).join("radiance/loose/hdr"));
+    let mut paths: Vec<PathBuf> = match shared.and_then(|folder| folder.read_dir().ok()) {
+        Some(entries) => entries.map(|entry| entry.expect("an entry").path()).collect(),
+        None => Vec::new(),
+    };
+    paths.retain(|path| path.metadata().is_ok_and(|found| found.len() < LARGEST));
+    paths.sort();
+    paths.truncate(MOST);
+    let mut pictures: Vec<Vec<u8>> = paths.iter().map(|path| std::fs::read(path).expect("a picture")).collect();
+    pictures.push(gradient(40, 33));
+    pictures.push(gradient(5, 1));
+    pictures
+}
+
+/// A picture with a wide range of values. Without a COLORCORR: the real programs divide by it with fewer bits than a float has.
+fn gradient(width: usize, height: usize) -> Vec<u8> {
+    let value = |index: usize| ((index * 7919 % 1013) as f32 / 1013.0).powi(9) * 300.0;
+    let values = Image::new(width, height, 3, (0..width * height * 3).map(value).collect()).expect("a shape");
+    let mut header = Header::new("RADIANCE");
+    header.push_line("VIEW= -vtv -vp 1 2 3 -vd 0 1 0 -vu 0 0 1 -vh 40 -vv 30");
+    header.push_exposure(2.5);
+    Picture::from_rgb(header, &values).expect("a picture").to_bytes()
+}
+
+/// What a picture program says of the time is its own.
+fn without_dates(bytes: &[u8]) -> Vec<u8> {
+    let dated = |line: &&[u8]| !line.starts_with(b"CAPDATE=") && !line.starts_with(b"GMT=");
+    // The first lines are the header; pixels may hold anything.
+    let mut parts: Vec<&[u8]> = bytes.splitn(40, |byte| *byte == b'\n').collect();
+    parts.retain(dated);
+    parts.join(&b'\n')
+}
+
+/// Runs both with the same words and input; the outputs must be the same.
+#[track_caller]
+fn same(radiance: &Radiance, words: &[&str], input: &[u8]) -> Vec<u8> {
+    let real = run_with(&mut radiance.command(words[0], &words[1..]), input);
+    let ours = radsight_with(words, input);
+    let (real, ours) = (worked(real, words), worked(ours, words));
+    assert!(without_dates(&real) == without_dates(&ours), "{words:?} gives other bytes");
+    ours
+}
+
+#[track_caller]
+fn worked(run: Run, words: &[&str]) -> Vec<u8> {
+    assert_eq!(run.code, 0, "{words:?}: {}", run.messages);
+    run.output
+}
+
+#[test]
+fn pfilt_gives_the_bytes_of_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    for picture in pictures() {
+        for options in [
+            "-1",
+            "-x /2 -y /2",
+            "-x 70 -y 90 -p 1",
+            "-x 30 -y 9 -c",
+            "-r .6 -x /3 -y /2",
+            "-1 -e +2 -r .7",
+            "-1 -er 2 -eb .5",
+            "-1 -n 6 -h .3 -s .001",
+            "-a -e .3",
+            "-x 90 -y 70 -r 1",
+            "-1 -m .25 -x /2 -y /2",
+        ] {
+            let words: Vec<&str> = std::iter::once("pfilt").chain(options.split(' ')).collect();
+            if options.contains("-m") && !even(&picture) {
+                continue;
+            }
+            same(&radiance, &words, &picture);
+        }
+    }
+}
+
+/// Whether both sizes are even. Where rows do not fall together, the real `pfilt -m` averages a row that it has not read yet.
+fn even(picture: &[u8]) -> bool {
+    let picture = Picture::read(picture).expect("a picture");
+    picture.width() % 2 == 0 && picture.height() % 2 == 0
+}
+
+#[test]
+fn pvalue_gives_the_bytes_of_the_real_one_both_ways() {
+    let Some(radiance) = Radiance::find() else { return };
+    for picture in pictures() {
+        for options in [
+            "-o",
+            "-O -d",
+            "-h -H -d",
+            "-b",
+            "-b -o -d",
+            "-u -d",
+            "-di",
+            "-db",
+            "-dW -H",
+            "-dF",
+            "-dd -b",
+            "-pg -dd",
+            "-g 2.2 -d",
+            "-e +1 -d",
+            "-R -df",
+            "-o -h -df -H",
+            "+di",
+        ] {
+            let words: Vec<&str> = std::iter::once("pvalue").chain(options.split(' ')).collect();
+            same(&radiance, &words, &picture);
+        }
+        for (there, back) in [
+            ("-df", "-r"),
+            ("-d", "-r"),
+            ("+da", "-r"),
+            ("-df -b", "-r"),
+            ("-o -df", "-r -e .1"),
+            ("-h -df", "-r -h -df -u"),
+            ("-dd -o", "-r -pXYZ -O"),
+            ("-di", "-r -di"),
+            ("-h -dw -R", "-r -h -dw -R -g 1.5"),
+        ] {
+            let there: Vec<&str> = std::iter::once("pvalue").chain(there.split(' ')).collect();
+            let back: Vec<&str> = std::iter::once("pvalue").chain(back.split(' ')).collect();
+            let numbers = same(&radiance, &there, &picture);
+            same(&radiance, &back, &numbers);
+        }
+    }
+}
+
+#[test]
+fn getinfo_gives_the_bytes_of_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    for picture in pictures() {
+        same(&radiance, &["getinfo"], &picture);
+        same(&radiance, &["getinfo", "-d"], &picture);
+        same(&radiance, &["getinfo", "+d"], &picture);
+        same(&radiance, &["getinfo", "-"], &picture);
+        same(&radiance, &["getinfo", "-d", "-"], &picture);
+        same(&radiance, &["getinfo", "-a", "VIEW= -vtv", "hello"], &picture);
+        same(&radiance, &["getinfo", "-r", "EXPOSURE=3", "VIEW="], &picture);
+        same(&radiance, &["getinfo", "-c", "wc", "-c"], &picture);
+    }
+}
+
+#[test]
+fn a_picture_that_ends_early_is_filtered_as_far_as_it_goes() {
+    let picture = gradient(40, 33);
+    let run = radsight_with(&["pfilt", "-x", "/2", "-y", "/2"], &picture[..picture.len() / 2]);
+    assert_eq!(run.code, 1);
+    assert!(run.messages.contains("warning - partial frame ("), "{}", run.messages);
+    assert!(Picture::read(&run.output).is_ok_and(|picture| picture.height() < 16));
+}
+
+#[test]
+fn a_wrong_option_is_named() {
+    for (words, message) in [
+        (&["pfilt", "-q"][..], "radsight: pfilt: option \"-q\" is unknown"),
+        (&["pfilt", "-x"], "radsight: pfilt: option \"-x\" ends the command line"),
+        (&["pfilt", "-r", "wide"], "radsight: pfilt: option \"-r\" is followed by \"wide\", expected a number"),
+        (&["pvalue", "-dq"], "radsight: pvalue: option \"-dq\" is unknown"),
+    ] {
+        let run = run_with(&mut command(words), b"");
+        assert_eq!(run.code, 2, "{words:?}");
+        assert!(run.messages.starts_with(message), "{}", run.messages);
+    }
+}
