@@ -1,0 +1,132 @@
+//! XML as BSDF files use it: elements by name, whatever the name space, and where they stand.
+
+use crate::mistake::{Mistake, Place};
+use roxmltree::{Document, Node, ParsingOptions};
+use std::borrow::Cow;
+
+/// A file with more elements is no BSDF.
+const MOST_NODES: u32 = 1 << 20;
+
+/// A file as text. What is not UTF-8 is taken for Latin-1: makers' names are written in it.
+pub(crate) struct Text<'b> {
+    text: Cow<'b, str>,
+}
+
+impl<'b> Text<'b> {
+    pub(crate) fn decode(bytes: &'b [u8]) -> Self {
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
+        };
+        Text { text }
+    }
+
+    /// Makes the place of a mistake one of the bytes that were decoded.
+    pub(crate) fn in_bytes(&self, mistake: &mut Mistake) {
+        let place = mistake.place_mut();
+        if let Cow::Owned(text) = &self.text {
+            let bytes = |at: usize| text.get(..at).map_or(at, |before| before.chars().count());
+            *place = bytes(place.start)..bytes(place.end);
+        }
+    }
+}
+
+/// A document.
+pub(crate) struct Xml<'t> {
+    document: Document<'t>,
+}
+
+impl<'t> Xml<'t> {
+    pub(crate) fn parse(text: &'t Text<'_>) -> Result<Xml<'t>, Mistake> {
+        // A document type is the way to bombs of entities; BSDF files have none.
+        let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+        let document = Document::parse_with_options(&text.text, options).map_err(|error| {
+            let at = offset(&text.text, error.pos());
+            let line = text.text[at..].lines().next().unwrap_or("").len();
+            Mistake::Xml { what: error.to_string(), place: at..at + line.clamp(1, 20) }
+        })?;
+        Ok(Xml { document })
+    }
+
+    pub(crate) fn root(&self) -> Element<'_, 't> {
+        Element(self.document.root_element())
+    }
+}
+
+/// The byte at a row and column, both from 1.
+fn offset(text: &str, position: roxmltree::TextPos) -> usize {
+    let row = text.split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
+    let line = &text[row..];
+    line.char_indices().nth(position.col.saturating_sub(1) as usize).map_or(text.len(), |(at, _)| row + at)
+}
+
+/// An element.
+#[derive(Clone, Copy)]
+pub(crate) struct Element<'a, 't>(Node<'a, 't>);
+
+impl<'a, 't: 'a> Element<'a, 't> {
+    pub(crate) fn name(&self) -> &'a str {
+        self.0.tag_name().name()
+    }
+
+    pub(crate) fn attribute(&self, name: &str) -> Option<&'a str> {
+        self.0.attribute(name)
+    }
+
+    pub(crate) fn children(self, name: &'static str) -> impl Iterator<Item = Element<'a, 't>> {
+        self.0.children().filter(move |child| child.is_element() && child.tag_name().name() == name).map(Element)
+    }
+
+    pub(crate) fn child(self, name: &str) -> Option<Element<'a, 't>> {
+        self.0.children().find(|child| child.is_element() && child.tag_name().name() == name).map(Element)
+    }
+
+    pub(crate) fn need(self, element: &'static str) -> Result<Element<'a, 't>, Mistake> {
+        self.child(element).ok_or_else(|| Mistake::Missing {
+            element,
+            inside: self.name().chars().take(40).collect(),
+            place: self.tag_place(),
+        })
+    }
+
+    /// Its own text, without that of elements in it.
+    pub(crate) fn text(&self) -> Cow<'a, str> {
+        let mut texts = self.0.children().filter(Node::is_text).filter_map(|child| child.text());
+        let first = texts.next().unwrap_or("");
+        match texts.next() {
+            None => Cow::Borrowed(first),
+            Some(second) => Cow::Owned([first, second].into_iter().chain(texts).collect()),
+        }
+    }
+
+    /// Where its opening tag begins, up to its name's end.
+    pub(crate) fn tag_place(&self) -> Place {
+        let start = self.0.range().start;
+        start..start + 1 + self.name().len()
+    }
+
+    /// Where its text stands, without the white space around it.
+    pub(crate) fn text_place(&self) -> Place {
+        let Some(child) = self.0.children().find(Node::is_text) else { return self.tag_place() };
+        let (range, text) = (child.range(), child.text().unwrap_or(""));
+        let inner = text.trim();
+        if range.len() != text.len() || inner.is_empty() {
+            return range;
+        }
+        let start = range.start + (text.len() - text.trim_start().len());
+        start..start + inner.len()
+    }
+
+    /// Moves the place of a mistake from this element's text into the file; where text and file differ it is that of the whole.
+    pub(crate) fn within(&self, mut mistake: Mistake) -> Mistake {
+        let place = mistake.place_mut();
+        let mut texts = self.0.children().filter(Node::is_text);
+        *place = match (texts.next(), texts.next()) {
+            (Some(only), None) if only.range().len() == only.text().unwrap_or("").len() => {
+                only.range().start + place.start..only.range().start + place.end
+            }
+            _ => self.tag_place(),
+        };
+        mistake
+    }
+}

@@ -1,0 +1,156 @@
+//! BSDF files made for tests.
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+use glam::DVec3;
+use std::fmt::Write;
+
+/// Numbers that look random; the same on every run.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    /// In [0,1). SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
+    pub(crate) fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A unit vector, uniform over the sphere.
+    pub(crate) fn direction(&mut self) -> DVec3 {
+        let z = 2.0 * self.number() - 1.0;
+        let (sine, cosine) = (std::f64::consts::TAU * self.number()).sin_cos();
+        let radius = (1.0 - z * z).sqrt();
+        DVec3::new(radius * cosine, radius * sine, z)
+    }
+
+    /// A scattering value: mostly small, some large.
+    fn value(&mut self) -> f64 {
+        0.02 + 0.4 * self.number().powi(3)
+    }
+}
+
+pub(crate) const DIRECTIONS: [&str; 4] =
+    ["Reflection Front", "Reflection Back", "Transmission Front", "Transmission Back"];
+
+/// A file around its `<DataDefinition>` and `<WavelengthData>`.
+pub(crate) fn file(structure: &str, bases: &str, data: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<WindowElement xmlns=\"http://windows.lbl.gov\">\n\
+         <FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
+         <Material><Name>sample</Name><Manufacturer>nobody</Manufacturer><Thickness unit=\"Millimeter\">2</Thickness></Material>\n\
+         <DataDefinition><IncidentDataStructure>{structure}</IncidentDataStructure>{bases}</DataDefinition>\n\
+         {data}</Layer>\n</Optical>\n</WindowElement>\n"
+    )
+}
+
+/// One block of data of one channel.
+pub(crate) fn block(channel: &str, direction: &str, bases: &str, data: &str) -> String {
+    format!(
+        "<WavelengthData><Wavelength unit=\"Integral\">{channel}</Wavelength><WavelengthDataBlock>\
+         <WavelengthDataDirection>{direction}</WavelengthDataDirection>{bases}\
+         <ScatteringData>\n{data}\n</ScatteringData></WavelengthDataBlock></WavelengthData>\n"
+    )
+}
+
+/// What to make a file of.
+pub(crate) struct Recipe<'a> {
+    pub(crate) directions: &'a [&'a str],
+    pub(crate) is_colored: bool,
+    pub(crate) seed: u64,
+}
+
+/// Matrices between two bases of so many patches.
+pub(crate) fn matrix(
+    structure: &str,
+    (column, columns): (&str, usize),
+    (row, rows): (&str, usize),
+    recipe: &Recipe<'_>,
+) -> String {
+    let mut random = Random(recipe.seed);
+    let bases = format!("<ColumnAngleBasis>{column}</ColumnAngleBasis><RowAngleBasis>{row}</RowAngleBasis>");
+    let mut data = String::new();
+    for direction in recipe.directions {
+        let values: Vec<f64> = (0..columns * rows).map(|_| random.value()).collect();
+        let channels: &[&str] = if recipe.is_colored { &["Visible", "CIE-X", "CIE-Z"] } else { &["Visible"] };
+        for channel in channels {
+            let mut text = String::new();
+            for value in &values {
+                let tint = if *channel == "Visible" { 1.0 } else { 0.85 + 0.3 * random.number() };
+                write!(text, "{:.6}, ", value * tint).unwrap();
+            }
+            data += &block(channel, direction, &bases, &text);
+        }
+    }
+    file(structure, &own_basis(), &data)
+}
+
+/// A basis that no program knows, which ends before the horizon: 17 patches.
+fn own_basis() -> String {
+    let ring = |(lower, upper, patches): (f64, f64, usize)| {
+        format!(
+            "<AngleBasisBlock><nPhis>{patches}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta>\
+             <UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>"
+        )
+    };
+    let rings = [(0.0, 20.0, 1), (20.0, 50.0, 6), (50.0, 80.0, 10)].map(ring).concat();
+    format!("<AngleBasis><AngleBasisName>Own</AngleBasisName>{rings}</AngleBasis>")
+}
+
+/// Tensor trees that are halved at most so often.
+pub(crate) fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> String {
+    let mut random = Random(recipe.seed);
+    let basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>";
+    let mut data = String::new();
+    for direction in recipe.directions {
+        if recipe.is_colored {
+            // Radiance takes the Lambertian part off well only where the three trees have one form.
+            let channels: [(&str, f64, f64); 3] =
+                [("Visible", 0.05, 0.4), ("CIE-u", 0.19, 0.04), ("CIE-v", 0.45, 0.04)];
+            for (channel, least, range) in channels {
+                let values = 1 << (dimensions * halvings as usize);
+                let words: Vec<String> =
+                    (0..values).map(|_| format!("{:.5}", least + range * random.number())).collect();
+                data += &block(channel, direction, basis, &format!("{{ {} }}", words.join(" ")));
+            }
+        } else {
+            data += &block("Visible", direction, basis, &tree(dimensions, halvings, &mut random));
+        }
+    }
+    file(&format!("TensorTree{dimensions}"), "", &data)
+}
+
+fn tree(dimensions: usize, halvings: u32, random: &mut Random) -> String {
+    let branches = 1 << dimensions;
+    if halvings == 0 || random.number() < 0.2 {
+        return format!("{{ {:.5} }}", random.value());
+    }
+    if halvings == 1 && random.number() < 0.5 {
+        let words: Vec<String> = (0..branches).map(|_| format!("{:.5}", random.value())).collect();
+        return format!("{{ {} }}", words.join(" "));
+    }
+    let inner: Vec<String> = (0..branches).map(|_| tree(dimensions, halvings - 1, random)).collect();
+    format!("{{ {} }}", inner.join("\n"))
+}
+
+/// Files of every form, by name.
+pub(crate) fn all_forms() -> Vec<(&'static str, String)> {
+    let all = |is_colored, seed| Recipe { directions: &DIRECTIONS, is_colored, seed };
+    let one_way = |seed| Recipe { directions: &[DIRECTIONS[1], DIRECTIONS[3]], is_colored: false, seed };
+    let (full, half) = (("LBNL/Klems Full", 145), ("LBNL/Klems Half", 77));
+    let (quarter, own) = (("LBNL/Klems Quarter", 41), ("own", 17));
+    vec![
+        ("full matrix", matrix("Columns", full, full, &all(false, 1))),
+        ("half matrix by rows", matrix("Rows", half, half, &all(false, 2))),
+        ("matrix between two bases", matrix("Columns", quarter, half, &one_way(3))),
+        ("matrix on a basis of the file's", matrix("Columns", own, own, &one_way(4))),
+        ("coloured matrix", matrix("Columns", quarter, quarter, &all(true, 5))),
+        ("isotropic tree", tensor(3, 4, &all(false, 6))),
+        ("isotropic tree one way", tensor(3, 3, &one_way(7))),
+        ("coloured isotropic tree", tensor(3, 3, &all(true, 8))),
+        ("anisotropic tree", tensor(4, 3, &all(false, 9))),
+        ("anisotropic tree one way", tensor(4, 3, &one_way(10))),
+        ("coloured anisotropic tree", tensor(4, 2, &all(true, 11))),
+    ]
+}
