@@ -1,7 +1,9 @@
 //! Tables, pictures, fonts and meshes that primitives refer to.
 
-use crate::{Cube, ModifierHandle, Rgb};
+use crate::{Cube, ModifierHandle};
 use glam::DVec3;
+use radsight_bsdf::Bsdf;
+use std::sync::Arc;
 
 /// One axis of a [`DataGrid`].
 #[derive(Clone, Debug, PartialEq)]
@@ -104,16 +106,12 @@ pub struct MeshTriangle {
 }
 
 /// A measured or simulated BSDF from an XML file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct BsdfData {
     /// For messages and for writing back.
     pub file: String,
-    /// Reflectance for light from the front, each band a lambertian part.
-    pub diffuse_front: Rgb,
-    /// Reflectance for light from the back.
-    pub diffuse_back: Rgb,
-    /// Transmittance, lambertian part.
-    pub diffuse_transmitted: Rgb,
+    /// The data.
+    pub bsdf: Arc<Bsdf>,
 }
 
 impl Axis {

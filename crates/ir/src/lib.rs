@@ -41,8 +41,8 @@ pub use arena::{Arena, Handle};
 pub use data::{Axis, BsdfData, DataGrid, Font, Glyph, Mesh, MeshTriangle, PictureData};
 pub use function::{FunctionCall, GridCall, PictureCall};
 pub use material::{
-    Anisotropic, Dielectric, FunctionMaterial, Glossy, Interface, Material, Mist, MixtureArms, Prism, PrismFace, Rgb,
-    ScatteringFunction, ScatteringRole, Substitute, Translucent,
+    Anisotropic, BsdfForm, Dielectric, FunctionMaterial, Glossy, Interface, Material, Mist, MixtureArms, Prism,
+    PrismFace, Rgb, ScatteringFunction, ScatteringRole, Substitute, Translucent,
 };
 pub use names::{NameId, Names};
 pub use pattern::{Mixture, MixtureAmount, Pattern, Spectrum, TextPattern, Texture};

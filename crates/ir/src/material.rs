@@ -116,12 +116,10 @@ pub enum Material {
     Bsdf {
         /// The data.
         data: Handle<BsdfData>,
-        /// Up vector: three roots.
-        up: FunctionCall,
-        /// Scene units; zero for `aBSDF`.
-        thickness: f64,
-        /// Whether views along the peak pass undisturbed (`aBSDF`).
-        through_component: bool,
+        /// Roots: the up vector's three components; for [`BsdfForm::Proxy`] the thickness in scene units before them.
+        call: FunctionCall,
+        /// Which of the two.
+        form: BsdfForm,
         /// Added front reflectance, back reflectance, transmittance.
         added_diffuse: [Rgb; 3],
     },
@@ -212,6 +210,15 @@ pub struct Interface {
     pub inside: Dielectric,
     /// On its front.
     pub outside: Dielectric,
+}
+
+/// What a BSDF surface is beside a scatterer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BsdfForm {
+    /// `BSDF`: with a thickness it stands for geometry that views see instead.
+    Proxy,
+    /// `aBSDF`: views along the peak of transmission pass undisturbed.
+    Aperture,
 }
 
 /// Light-redirecting material.

@@ -235,6 +235,7 @@ fn collect_numbers(material: &Material, out: &mut Vec<f64>) {
             out.extend(mist.eccentricity);
         }
         Material::Plugin { numbers, .. } => out.extend(numbers),
+        Material::Bsdf { added_diffuse, .. } => added_diffuse.iter().for_each(rgb),
         _ => {}
     }
 }

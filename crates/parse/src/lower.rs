@@ -1,5 +1,6 @@
 //! From scene text to the scene: names become handles, commands run, transforms are applied, functions compiled.
 
+mod bsdf_file;
 mod data_file;
 mod functions;
 mod include;

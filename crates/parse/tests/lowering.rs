@@ -1,6 +1,6 @@
 //! What the words of a scene mean.
 
-use radsight_ir::{Material, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Shape, Substitute};
+use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Shape, Substitute};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, UnusedModifiers, read_scene};
 use std::sync::Arc;
@@ -209,4 +209,48 @@ fn a_long_text_is_forgotten_but_not_where_its_lines_are() {
     let span = read.scene.surfaces.items()[0].span.unwrap();
     assert!(read.sources.text(span.source).is_empty());
     assert_eq!(read.sources.position(span).line, 2);
+}
+
+/// A matrix that reflects a share of the light, evenly.
+fn even_bsdf(share: f64) -> String {
+    let data = format!("{:.6} ", share / std::f64::consts::PI).repeat(41 * 41);
+    format!(
+        "<WindowElement><FileType>BSDF</FileType><Optical><Layer>
+<DataDefinition><IncidentDataStructure>Columns</IncidentDataStructure></DataDefinition>
+<WavelengthData><Wavelength>Visible</Wavelength><WavelengthDataBlock>
+<WavelengthDataDirection>Reflection Back</WavelengthDataDirection>
+<ColumnAngleBasis>LBNL/Klems Quarter</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Quarter</RowAngleBasis>
+<ScatteringData>{data}</ScatteringData></WavelengthDataBlock></WavelengthData></Layer></Optical></WindowElement>"
+    )
+}
+
+#[test]
+fn bsdf_materials_have_their_data_and_functions() {
+    let loader = MemoryLoader::default().with("even.xml", even_bsdf(0.5));
+    let text = format!(
+        "void BSDF b 8 .1 even.xml 0 1 0 . -s 2 0 6 .1 .2 .3 .4 .5 .6 b {BALL}
+         void aBSDF a 5 even.xml Nx Ny 1 . 0 0 a {BALL}"
+    );
+    let scene = read_with(&text, &loader, &ReadOptions::default()).scene;
+    assert_eq!(scene.bsdfs.len(), 1);
+    let Material::Bsdf { data, call, form, added_diffuse } = material(&scene, 0) else { panic!("a BSDF") };
+    assert_eq!((*form, call.program.roots(), call.to_scene.scale), (BsdfForm::Proxy, 4, 2.0));
+    assert_eq!(added_diffuse[1..], [Rgb([0.4, 0.5, 0.6]), Rgb::BLACK]);
+    let reflectance = scene.bsdfs[*data].bsdf.diffuse_reflectance(radsight_bsdf::Side::Front);
+    assert!((reflectance[0] - 0.5).abs() < 1e-5);
+    let Material::Bsdf { call, form, .. } = material(&scene, 1) else { panic!("an aBSDF") };
+    assert_eq!((*form, call.program.roots()), (BsdfForm::Aperture, 3));
+}
+
+#[test]
+fn a_bsdf_that_is_wrong_is_shown_in_its_own_file() {
+    let wrong = even_bsdf(0.5).replacen("0.159155", "x.159155", 2);
+    let loader = MemoryLoader::default().with("wrong.xml", wrong).with("gain.xml", even_bsdf(1.2));
+    let text = format!("void BSDF b 6 0 wrong.xml 0 1 0 . 0 0 b {BALL} void BSDF c 6 0 gain.xml 0 1 0 . 0 0 c {BALL}");
+    let input = Input::Text { name: "scene.rad".to_owned(), text: text.as_bytes().into() };
+    let read = read_scene(&[input], &loader, &ReadOptions::default());
+    let said = read.render(9);
+    let mistake = "wrong.xml:6:17: warning: a scattering value is \"x.159155\", expected a finite number\n";
+    assert!(said.contains(mistake), "{said}");
+    assert!(said.contains("warning: \"gain.xml\" reflects 120.0 % of the light on its front\n"), "{said}");
 }

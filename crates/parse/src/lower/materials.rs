@@ -7,8 +7,8 @@ use crate::Kind;
 use glam::DVec3;
 use radsight_diag::Diagnostic;
 use radsight_ir::{
-    Anisotropic, Dielectric, FunctionMaterial, Glossy, Interface, Material, Mist, ModifierHandle, ModifierKind, Prism,
-    PrismFace, Rgb, ScatteringFunction, ScatteringRole, Substitute, Translucent,
+    Anisotropic, BsdfForm, Dielectric, FunctionMaterial, Glossy, Interface, Material, Mist, ModifierHandle,
+    ModifierKind, Prism, PrismFace, Rgb, ScatteringFunction, ScatteringRole, Substitute, Translucent,
 };
 
 /// The handle in the scene of a modifier as written.
@@ -76,6 +76,7 @@ impl Reader<'_> {
             Kind::MetFunc | Kind::MetData => self.scattering(raw, ScatteringRole::Metal)?,
             Kind::TransFunc | Kind::TransData => self.scattering(raw, ScatteringRole::Trans)?,
             Kind::BrtdFunc => self.brtd_function(raw)?,
+            Kind::Bsdf | Kind::ApertureBsdf => self.bsdf(raw)?,
             Kind::Antimatter => Material::Antimatter { cuts: cuts(raw, at) },
             Kind::BrdfPlugin => self.plugin(raw),
             _ => return self.not_yet(raw),
@@ -147,6 +148,18 @@ impl Reader<'_> {
         let call = self.call(raw, &CallForm { file: 9, roots: &roots })?;
         let diffuse = [0, 3, 6].map(|first| rgb(&raw.reals, first));
         Some(Material::BrtdFunction(FunctionMaterial { call, diffuse, modifiers: Vec::new() }))
+    }
+
+    fn bsdf(&mut self, raw: &Raw) -> Option<Material> {
+        let (form, first) = match raw.kind {
+            Kind::Bsdf => (BsdfForm::Proxy, 1),
+            _ => (BsdfForm::Aperture, 0),
+        };
+        let roots: Vec<RootWord> = (0..first).chain(first + 1..first + 4).map(RootWord::Expression).collect();
+        let call = self.call(raw, &CallForm { file: first + 4, roots: &roots })?;
+        let data = self.bsdf_data(&raw.strings[first])?;
+        let diffuse = |at: usize| if raw.reals.len() >= at + 3 { rgb(&raw.reals, at) } else { Rgb::BLACK };
+        Some(Material::Bsdf { data, call, form, added_diffuse: [0, 3, 6].map(diffuse) })
     }
 
     fn scattering(&mut self, raw: &Raw, role: ScatteringRole) -> Option<Material> {

@@ -8,7 +8,7 @@ use crate::placement::Placement;
 use glam::DVec3;
 use radsight_diag::{Diagnostic, SourceId, Span};
 use radsight_formats::{Octree, OctreeContent};
-use radsight_ir::{Cube, DataGrid, Font, Handle, OctreeScene, PictureData, Scene};
+use radsight_ir::{BsdfData, Cube, DataGrid, Font, Handle, OctreeScene, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
 use std::collections::HashMap;
 use std::mem::take;
@@ -37,6 +37,7 @@ struct Aside {
     grids: HashMap<String, Option<Handle<DataGrid>>>,
     pictures: HashMap<String, Option<Handle<PictureData>>>,
     fonts: HashMap<String, Option<Handle<Font>>>,
+    bsdfs: HashMap<String, Option<Handle<BsdfData>>>,
     meshes: Meshes,
     octrees: HashMap<String, Option<Handle<OctreeScene>>>,
 }
@@ -131,6 +132,7 @@ impl Reader<'_> {
         std::mem::swap(&mut self.grids, &mut aside.grids);
         std::mem::swap(&mut self.pictures, &mut aside.pictures);
         std::mem::swap(&mut self.fonts, &mut aside.fonts);
+        std::mem::swap(&mut self.bsdfs, &mut aside.bsdfs);
         std::mem::swap(&mut self.meshes, &mut aside.meshes);
         std::mem::swap(&mut self.octrees.by_file, &mut aside.octrees);
     }

@@ -10,9 +10,10 @@ use super::{BrdfReplacement, Input, Read, ReadOptions, Tolerance};
 use crate::Role;
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
+use radsight_bsdf::Bsdf;
 use radsight_diag::{Diagnostic, Severity, SourceId, SourceMap, Span, hint_nearest};
 use radsight_formats::Octree;
-use radsight_ir::{DataGrid, Font, Handle, PictureData, Scene};
+use radsight_ir::{BsdfData, DataGrid, Font, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::Header;
 use std::collections::{HashMap, HashSet};
@@ -37,6 +38,10 @@ pub(super) struct Reader<'a> {
     pub(super) pictures: HashMap<String, Option<Handle<PictureData>>>,
     /// Likewise.
     pub(super) fonts: HashMap<String, Option<Handle<Font>>>,
+    /// Likewise.
+    pub(super) bsdfs: HashMap<String, Option<Handle<BsdfData>>>,
+    /// Those of all scenes.
+    pub(super) bsdf_files: HashMap<String, Option<Arc<Bsdf>>>,
     pub(super) meshes: Meshes,
     pub(super) octrees: Octrees,
     /// The headers of octrees among the inputs.
@@ -97,6 +102,8 @@ impl<'a> Reader<'a> {
             grids: HashMap::new(),
             pictures: HashMap::new(),
             fonts: HashMap::new(),
+            bsdfs: HashMap::new(),
+            bsdf_files: HashMap::new(),
             meshes: Meshes::default(),
             octrees: Octrees::default(),
             history: Header::default(),

@@ -3,7 +3,7 @@
 use super::{Arguments, Writer};
 use crate::Kind;
 use radsight_ir::{
-    Anisotropic, Dielectric, FunctionCall, FunctionMaterial, Glossy, Material, Mist, Mixture, MixtureAmount,
+    Anisotropic, BsdfForm, Dielectric, FunctionCall, FunctionMaterial, Glossy, Material, Mist, Mixture, MixtureAmount,
     ModifierHandle, ModifierKind, Pattern, PrismFace, Rgb, ScatteringRole, Spectrum, Substitute, TextPattern, Texture,
     Translucent,
 };
@@ -72,9 +72,8 @@ impl Writer<'_> {
                 (kind, call(&function.call))
             }
             Material::BrtdFunction(function) => (Kind::BrtdFunc, call(&function.call)),
-            Material::Bsdf { up, through_component, .. } => {
-                (if *through_component { Kind::ApertureBsdf } else { Kind::Bsdf }, call(up))
-            }
+            Material::Bsdf { call: function, form: BsdfForm::Proxy, .. } => (Kind::Bsdf, call(function)),
+            Material::Bsdf { call: function, form: BsdfForm::Aperture, .. } => (Kind::ApertureBsdf, call(function)),
             Material::Antimatter { cuts } => {
                 let strings = cuts.iter().map(|cut| self.name_of(*cut).to_owned()).collect();
                 (Kind::Antimatter, Arguments { strings, reals: Vec::new() })
