@@ -6,23 +6,15 @@
 use crate::args::Reading;
 use crate::failure::Failure;
 use crate::switch::switched;
-use radsight_render::{BackFaces, RenderOptions};
+use radsight_ir::Rgb;
+use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, RenderOptions};
+use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
-const WITHOUT_EFFECT: [&str; 9] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss", "-st", "-lr", "-lw"];
+const WITHOUT_EFFECT: [&str; 7] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss", "-st"];
 
 /// Ambient options with one number that steer Radiance's interpolation of indirect light.
 const AMBIENT_WITHOUT_EFFECT: [&str; 5] = ["-aa", "-ar", "-ad", "-as", "-aw"];
-
-/// Options of Radiance's that nothing here does, unless their numbers are all zero.
-const ONLY_ZERO: [(&str, usize, &str); 6] = [
-    ("-av", 3, "a constant ambient light"),
-    ("-me", 3, "a medium around everything"),
-    ("-ma", 3, "a medium around everything"),
-    ("-mg", 1, "a medium around everything"),
-    ("-ms", 1, ""),
-    ("-am", 1, "a photon map"),
-];
 
 /// Takes the options of rendering out of a command line and gives them with what is left.
 ///
@@ -48,6 +40,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         options.back_faces = if visible { BackFaces::Visible } else { BackFaces::Invisible };
         return Ok(1);
     }
+    if let Some(visible) = switched(word, "-dv", options.lights == Lights::Visible) {
+        options.lights = if visible { Lights::Visible } else { Lights::Invisible };
+        return Ok(1);
+    }
     match word {
         "-ab" => {
             options.ambient_bounces = number(words, word, "a number of bounces, 0 or more")?;
@@ -58,26 +54,77 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             Ok(2)
         }
         "-af" => number::<String>(words, word, "a file for ambient values").map(|_| 2),
+        "-av" => color(words, "three radiances", &mut options.ambient_value),
+        "-me" => color(words, "three extinctions", &mut options.medium.extinction),
+        "-ma" => color(words, "three albedos", &mut options.medium.albedo),
+        "-mg" => {
+            options.medium.eccentricity = number(words, word, "a number from 0 to 1")?;
+            Ok(2)
+        }
+        "-ms" => {
+            options.mist_sample_length = number(words, word, "a length")?;
+            Ok(2)
+        }
+        "-lr" => {
+            options.path_limit = path_limit(number(words, word, "a number of reflections")?);
+            Ok(2)
+        }
+        "-lw" => {
+            options.least_weight = number(words, word, "a weight, 0 or more")?;
+            Ok(2)
+        }
+        "-ae" | "-ai" => {
+            let name: String = number(words, word, "the name of a modifier")?;
+            name_surfaces(options, word == "-ai", name);
+            Ok(2)
+        }
+        "-am" => no_photon_map(words),
         _ if WITHOUT_EFFECT.contains(&word) || AMBIENT_WITHOUT_EFFECT.contains(&word) => {
             let _: f64 = number(words, word, "a number")?;
             Ok(2)
         }
-        "-dv+" | "-dv1" | "-u" | "-u+" | "-u-" | "-u1" | "-u0" => Ok(1),
-        _ => match ONLY_ZERO.iter().find(|(name, ..)| *name == word) {
-            Some((_, count, what)) => only_zero(words, *count, what),
-            None => Ok(0),
-        },
+        "-u" | "-u+" | "-u-" | "-u1" | "-u0" => Ok(1),
+        _ => Ok(0),
     }
 }
 
-fn only_zero(words: &[String], count: usize, what: &str) -> Result<usize, Failure> {
-    for offset in 0..count {
-        let value: f64 = number(&words[offset.min(words.len() - 1)..], &words[0], "a number")?;
-        if value != 0.0 && !what.is_empty() {
-            return Err(Failure::usage(format!("option \"{}\" with {value}: {what} is not supported", words[0])));
-        }
+fn path_limit(limit: i32) -> PathLimit {
+    match limit.cmp(&0) {
+        Ordering::Greater => PathLimit::Cut(limit.unsigned_abs()),
+        Ordering::Equal => PathLimit::Roulette,
+        Ordering::Less => PathLimit::RouletteUpTo(limit.unsigned_abs()),
     }
-    Ok(1 + count)
+}
+
+fn no_photon_map(words: &[String]) -> Result<usize, Failure> {
+    let value: f64 = number(words, &words[0], "a number")?;
+    if value == 0.0 {
+        return Ok(2);
+    }
+    Err(Failure::usage(format!("option \"-am\" with {value}: a photon map is not supported")))
+}
+
+/// Three numbers after an option.
+fn color(words: &[String], expected: &str, color: &mut Rgb) -> Result<usize, Failure> {
+    for (band, value) in color.0.iter_mut().enumerate() {
+        let given: f64 = number(&words[band.min(words.len() - 1)..], &words[0], expected)?;
+        if !given.is_finite() || given < 0.0 {
+            let option = &words[0];
+            return Err(Failure::usage(format!("option \"{option}\" with {given}: expected {expected}, 0 or more")));
+        }
+        *value = given;
+    }
+    Ok(4)
+}
+
+/// Adds a name to those of `-ae` or `-ai`; as in Radiance the first of the other kind starts a new list.
+fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
+    match &mut options.ambient_surfaces {
+        AmbientSurfaces::Only(names) if only => names.push(name),
+        AmbientSurfaces::Except(names) if !only => names.push(name),
+        other if only => *other = AmbientSurfaces::Only(vec![name]),
+        other => *other = AmbientSurfaces::Except(vec![name]),
+    }
 }
 
 /// Takes one option of ours that Radiance's programs do not have: how scenes are read, and the seed.

@@ -1,14 +1,16 @@
 //! From chains of modifiers to shaders.
 
 use crate::compile_scatter::compile_scatterer;
+use crate::medium::MistKind;
 use crate::plan::{ModelRequest, ModelSource};
 use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
+use crate::refraction::Boundary;
 use crate::scatter::Look;
-use crate::shader::{Emitter, Function, GlossyKind, Home, Kind, Shader, Step};
+use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, Shader, Step, Substitution};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
-    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Scene, Substitute, Texture, ValidScene,
+    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Substitute, Texture, ValidScene,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -32,13 +34,14 @@ impl ShaderTable {
 
 /// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
 ///
-/// Models from elsewhere are first made for three bands. If the whole scene then proves to be grey, they are made again for one.
+/// `surroundings` are colours that come from elsewhere. Models from elsewhere are first made for three bands. If the whole scene then proves to be grey, they are made again for one.
 pub(crate) fn compile_shaders(
     scene: &ValidScene,
     models: &dyn ModelSource,
+    surroundings: &[Rgb],
 ) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
     let (shaders, table) = compile_for(scene, models, 3)?;
-    if !shaders.iter().all(Shader::is_grey) {
+    if !shaders.iter().all(Shader::is_grey) || !surroundings.iter().all(|color| color.is_grey()) {
         return Ok((shaders, table, 3));
     }
     if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {
@@ -76,10 +79,7 @@ impl Compiler<'_> {
         let of_triangles =
             scene.meshes.items().iter().flat_map(|mesh| &mesh.triangles).map(|triangle| triangle.modifier);
         for modifier in of_surfaces.chain(of_triangles) {
-            let place = &mut of_modifier[modifier.map_or(0, |handle| handle.index() + 1)];
-            if *place == NO_SHADER {
-                *place = self.compile_chain(scene, home, modifier);
-            }
+            self.compile_chain(&mut Chains { scene, home, of_modifier: &mut of_modifier, nesting: 0 }, modifier);
         }
         let octrees = scene.octrees.items().iter().map(|octree| self.compile_octree(&octree.scene));
         ShaderTable { octrees: octrees.collect(), of_modifier }
@@ -96,15 +96,62 @@ impl Compiler<'_> {
         table
     }
 
-    fn compile_chain(&mut self, scene: &Scene, home: &Home, modifier: Option<ModifierHandle>) -> ShaderId {
-        let (steps, kind) = compile(scene, modifier, self.models, self.bands).unwrap_or_else(|error| {
+    /// The shader of a modifier, which is made once.
+    fn compile_chain(&mut self, chains: &mut Chains<'_>, modifier: Option<ModifierHandle>) -> ShaderId {
+        let place = modifier.map_or(0, |handle| handle.index() + 1);
+        if chains.of_modifier[place] != NO_SHADER {
+            return chains.of_modifier[place];
+        }
+        let (steps, kind) = self.compile(chains, modifier).unwrap_or_else(|error| {
             self.errors.push(error);
             (Vec::new(), Kind::Transparent)
         });
-        self.shaders.push(recognised(Shader { steps, kind, home: home.clone(), modifier }));
-        ShaderId((self.shaders.len() - 1) as u32)
+        self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier }));
+        let id = ShaderId((self.shaders.len() - 1) as u32);
+        chains.of_modifier[place] = id;
+        id
+    }
+
+    /// What stands in for a material when it is seen; `None` for nothing of its own.
+    fn substitute(
+        &mut self,
+        chains: &mut Chains<'_>,
+        of: ModifierHandle,
+        substitute: Substitute,
+    ) -> Result<Option<Substitution>, Diagnostic> {
+        let modifier = match substitute {
+            Substitute::Own => return Ok(None),
+            Substitute::Void => return Ok(Some(Substitution::Void)),
+            Substitute::Modifier(modifier) => modifier,
+        };
+        // A substitute is defined before what it stands in for, so that there is no circle.
+        if modifier.index() >= of.index() || chains.nesting >= MAX_NESTING {
+            let name = chains.scene.modifier_name(Some(of));
+            let error = Diagnostic::error(format!("the materials that stand in for \"{name}\" are nested too deeply"));
+            return Err(match chains.scene.modifiers[of].span {
+                Some(span) => error.at(span),
+                None => error,
+            });
+        }
+        chains.nesting += 1;
+        let id = self.compile_chain(chains, Some(modifier));
+        chains.nesting -= 1;
+        Ok(Some(Substitution::Shader(id)))
     }
 }
+
+/// The chains of modifiers of one scene.
+struct Chains<'s> {
+    scene: &'s Scene,
+    home: &'s Home,
+    /// By modifier, `void` first.
+    of_modifier: &'s mut Vec<ShaderId>,
+    /// How many materials stand in for one another at this point.
+    nesting: u32,
+}
+
+/// More materials than this do not stand in for one another.
+const MAX_NESTING: u32 = 64;
 
 fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
     let error = Diagnostic::error(format!("{what} is read but not rendered yet"));
@@ -114,33 +161,93 @@ fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
     }
 }
 
-fn compile(
-    scene: &Scene,
-    first: Option<ModifierHandle>,
-    models: &dyn ModelSource,
-    bands: usize,
-) -> Result<(Vec<Step>, Kind), Diagnostic> {
-    let mut steps = Vec::new();
-    let mut material = None;
-    for (handle, modifier) in scene.chain(first) {
-        match &modifier.kind {
-            ModifierKind::Texture(texture) => steps.push(texture_step(texture, modifier)?),
-            ModifierKind::Pattern(pattern) => steps.push(pattern_step(pattern, modifier)?),
-            ModifierKind::Mixture(_) => return Err(not_yet("a mixture", modifier.span)),
-            ModifierKind::Material(found) if material.is_none() => material = Some((handle, found)),
-            ModifierKind::Material(_) => {
-                let name = scene.modifier_name(Some(handle));
-                let error = Diagnostic::error(format!("material \"{name}\" modifies another material"));
-                return Err(match modifier.span {
-                    Some(span) => error.at(span),
-                    None => error,
-                });
+impl Compiler<'_> {
+    fn compile(
+        &mut self,
+        chains: &mut Chains<'_>,
+        first: Option<ModifierHandle>,
+    ) -> Result<(Vec<Step>, Kind), Diagnostic> {
+        let scene = chains.scene;
+        let mut steps = Vec::new();
+        let mut material = None;
+        for (handle, modifier) in scene.chain(first) {
+            match &modifier.kind {
+                ModifierKind::Texture(texture) => steps.push(texture_step(texture, modifier)?),
+                ModifierKind::Pattern(pattern) => steps.push(pattern_step(pattern, modifier)?),
+                ModifierKind::Mixture(_) => return Err(not_yet("a mixture", modifier.span)),
+                ModifierKind::Material(found) if material.is_none() => material = Some((handle, found)),
+                ModifierKind::Material(_) => {
+                    let name = scene.modifier_name(Some(handle));
+                    let error = Diagnostic::error(format!("material \"{name}\" modifies another material"));
+                    return Err(match modifier.span {
+                        Some(span) => error.at(span),
+                        None => error,
+                    });
+                }
+            }
+        }
+        let Some((handle, material)) = material else { return Ok((Vec::new(), Kind::Transparent)) };
+        let kind = self.compile_material(chains, handle, material)?;
+        Ok((steps, kind))
+    }
+
+    fn compile_material(
+        &mut self,
+        chains: &mut Chains<'_>,
+        handle: ModifierHandle,
+        material: &Material,
+    ) -> Result<Kind, Diagnostic> {
+        let Compiler { models, bands, .. } = *self;
+        let scene = chains.scene;
+        let modifier = &scene.modifiers[handle];
+        let glossy = |surface: &Glossy, metallic| GlossyKind {
+            color: surface.color,
+            specularity: surface.specularity,
+            roughness: surface.roughness,
+            metallic,
+        };
+        match material {
+            Material::Light { radiance } => Ok(Kind::Emitter(Emitter::light(*radiance))),
+            Material::Glow { radiance, max_radius } => {
+                Ok(Kind::Emitter(Emitter { class: EmitterClass::Glow(*max_radius), ..Emitter::light(*radiance) }))
+            }
+            Material::Spotlight { radiance, cone_angle, direction, .. } => {
+                let cone = Some(((0.5 * cone_angle).cos(), *direction));
+                Ok(Kind::Emitter(Emitter { cone, ..Emitter::light(*radiance) }))
+            }
+            Material::Illum { radiance, substitute } => {
+                let substitute = self.substitute(chains, handle, *substitute)?.unwrap_or(Substitution::Void);
+                let emitter = Emitter { class: EmitterClass::Illum, ..Emitter::light(*radiance) };
+                Ok(Kind::Illum { emitter, substitute })
+            }
+            Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
+            Material::Metal(surface) => Ok(Kind::Glossy(glossy(surface, true))),
+            Material::Mirror { reflectance, substitute } => {
+                let substitute = self.substitute(chains, handle, *substitute)?;
+                Ok(Kind::Mirror { reflectance: *reflectance, substitute })
+            }
+            Material::Dielectric(body) => Ok(Kind::Dielectric(Boundary::of_body(body))),
+            Material::Interface(interface) => Ok(Kind::Dielectric(Boundary::between(interface))),
+            Material::Mist(mist) => Ok(Kind::Mist(MistKind::new(mist))),
+            Material::Glass { transmissivity, refractive_index } => {
+                Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
+            }
+            Material::Plugin { library, model, words, numbers, tokens } => {
+                let material = scene.modifier_name(Some(handle));
+                let request =
+                    ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
+                models.model(&request).map(Kind::Plugin)
+            }
+            Material::Unusable { .. } => Ok(Kind::Unusable),
+            other => {
+                let look = |modifier| compile_look(scene, modifier);
+                match compile_scatterer(other, modifier.modifier, look) {
+                    Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
+                    None => Err(not_yet("this type of material", modifier.span)),
+                }
             }
         }
     }
-    let Some((handle, material)) = material else { return Ok((Vec::new(), Kind::Transparent)) };
-    let kind = compile_material(scene, handle, material, models, bands)?;
-    Ok((steps, kind))
 }
 
 /// The patterns and textures of a modifier that a material names beside its own.
@@ -195,48 +302,5 @@ fn pattern_step(pattern: &Pattern, modifier: &Modifier) -> Result<Step, Diagnost
             Ok(Step::ColorData(Function::new(&grid.call), [grid.grids[0], grid.grids[1], grid.grids[2]]))
         }
         _ => Err(not_yet("this type of pattern", modifier.span)),
-    }
-}
-
-fn compile_material(
-    scene: &Scene,
-    handle: ModifierHandle,
-    material: &Material,
-    models: &dyn ModelSource,
-    bands: usize,
-) -> Result<Kind, Diagnostic> {
-    let modifier = &scene.modifiers[handle];
-    let glossy = |surface: &Glossy, metallic| GlossyKind {
-        color: surface.color,
-        specularity: surface.specularity,
-        roughness: surface.roughness,
-        metallic,
-    };
-    match material {
-        Material::Light { radiance } | Material::Glow { radiance, .. } => {
-            Ok(Kind::Emitter(Emitter { radiance: *radiance, cone: None }))
-        }
-        Material::Spotlight { radiance, cone_angle, direction, .. } => {
-            Ok(Kind::Emitter(Emitter { radiance: *radiance, cone: Some(((0.5 * cone_angle).cos(), *direction)) }))
-        }
-        Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
-        Material::Metal(surface) => Ok(Kind::Glossy(glossy(surface, true))),
-        Material::Mirror { reflectance, substitute: Substitute::Own } => Ok(Kind::Mirror { reflectance: *reflectance }),
-        Material::Glass { transmissivity, refractive_index } => {
-            Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
-        }
-        Material::Plugin { library, model, words, numbers, tokens } => {
-            let material = scene.modifier_name(Some(handle));
-            let request = ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
-            models.model(&request).map(Kind::Plugin)
-        }
-        Material::Unusable { .. } => Ok(Kind::Unusable),
-        other => {
-            let look = |modifier| compile_look(scene, modifier);
-            match compile_scatterer(other, modifier.modifier, look) {
-                Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
-                None => Err(not_yet("this type of material", modifier.span)),
-            }
-        }
     }
 }

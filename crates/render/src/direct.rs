@@ -1,17 +1,14 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
-use crate::geometry::RayFrame;
 use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::plan::RenderPlan;
-use crate::ray::{Crossing, PrimitiveId, Ray};
+use crate::ray::PrimitiveId;
 use crate::reach::Between;
-use crate::shader::{Kind, Shader, bands};
-use crate::surface_light::{Densities, LitPoint, pane};
+use crate::surface_light::{Densities, LitPoint};
 use crate::tilt::Peak;
-use crate::trace::{Tracer, emission, product};
+use crate::trace::{MediumId, Tracer, emission, product};
 use crate::view::Encounter;
 use glam::DVec3;
-use radsight_cal::Scratch;
 use radsight_sampling::DimensionSet;
 
 /// Up to this many lights each one is sampled at every point.
@@ -32,6 +29,10 @@ pub(crate) struct DirectSampler {
     /// Where on a light the highlight is bright.
     pub(crate) peak: Peak,
     pub(crate) travelled: f64,
+    /// What fills the space around it.
+    pub(crate) medium: MediumId,
+    /// Whether the path to it has a drawn ray.
+    pub(crate) drawn: bool,
 }
 
 impl DirectSampler {
@@ -137,26 +138,51 @@ impl DirectSampler {
         let diffuse_share = if self.shares_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
         let drawn_density = f64::from(self.highlight_draws) * response.highlight_density;
         let highlight_share = density / (density + drawn_density);
-        let mut value: [f64; BANDS] = std::array::from_fn(|band| {
+        let mut weight: [f64; BANDS] = std::array::from_fn(|band| {
             (response.diffuse[band] * diffuse_share + response.highlight[band] * highlight_share) / density
         });
-        if value.iter().all(|band| *band == 0.0) {
+        if weight.iter().all(|band| *band == 0.0) {
             return dark;
         }
         if light.focal_distance > 0.0 {
-            let focal = (sample.distance / (sample.distance + light.focal_distance)).powi(2);
-            value = value.map(|band| band * focal);
+            weight = weight.map(|band| band * light.focal_factor(sample.distance));
         }
         let radiance = self.radiance(tracer, light, &sample);
-        let value = product(value, radiance);
-        if value.iter().all(|band| *band == 0.0) {
+        if product(weight, radiance).iter().all(|band| *band == 0.0) {
             return dark;
         }
-        product(value, self.visibility(tracer, light, &sample, between))
+        let arriving = self.arriving(tracer, light, &sample, between, radiance);
+        product(weight, arriving)
+    }
+
+    /// Radiance that comes from a light to a point in space, from one place on the light, scaled by `weight` of the direction to it and divided
+    /// by the density of the place.
+    pub(crate) fn light_at<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        u: [f64; 2],
+        weight: impl Fn(DVec3) -> f64,
+    ) -> [f64; BANDS] {
+        let dark = [0.0; BANDS];
+        if light.misses(self.point) {
+            return dark;
+        }
+        let Some(sample) = light.sample(self.point, u, &self.peak) else { return dark };
+        if sample.distance > light.max_distance {
+            return dark;
+        }
+        let focal = light.focal_factor(sample.distance);
+        let radiance = self.radiance(tracer, light, &sample);
+        if radiance.iter().all(|band| *band == 0.0) {
+            return dark;
+        }
+        let scale = focal * weight(sample.direction) / sample.density;
+        self.arriving(tracer, light, &sample, &Between::Anything, radiance).map(|band| band * scale)
     }
 
     /// Radiance of the place in the direction of the point.
-    fn radiance<const BANDS: usize>(
+    pub(crate) fn radiance<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
         light: &Light,
@@ -164,7 +190,7 @@ impl DirectSampler {
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let shader = plan.shader(light.surface);
-        let Kind::Emitter(emitter) = &shader.kind else { return [0.0; BANDS] };
+        let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let ray = light.real_ray(self.point, sample.direction);
         let distant = matches!(light.form, LightForm::Distant { .. });
         let encounter = if distant {
@@ -175,138 +201,6 @@ impl DirectSampler {
             Encounter::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
         };
         emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch)
-    }
-
-    /// How much of the light comes through: 1 in each band where nothing is in the way.
-    fn visibility<const BANDS: usize>(
-        &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        light: &Light,
-        sample: &LightSample,
-        between: &Between,
-    ) -> [f64; BANDS] {
-        let mut ray = Ray { origin: self.point, direction: sample.direction };
-        let mut from = self.primitive;
-        let mut left = sample.distance;
-        let mut through = [1.0; BANDS];
-        for mirror in &light.mirrors {
-            let geometry = &tracer.plan.geometry;
-            let frame = RayFrame::new(&ray);
-            let scene = &tracer.plan.scene;
-            let Some(crossing) = geometry.intersect(scene, mirror.member, &ray, &frame, from, left) else {
-                return [0.0; BANDS];
-            };
-            let distance = crossing.distance;
-            if ray.direction.dot(mirror.normal) >= 0.0 {
-                return [0.0; BANDS];
-            }
-            let reflectance = self.mirror_reflectance(tracer, mirror, &ray, distance);
-            through = product(through, reflectance);
-            let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &Between::Anything);
-            through = product(through, clear);
-            ray = Ray { origin: ray.at(distance), direction: mirror.image_of_direction(ray.direction) };
-            from = Some(crossing.primitive);
-            left -= distance;
-            if through.iter().all(|band| *band == 0.0) {
-                return through;
-            }
-        }
-        let target = light.primitive.unwrap_or(PrimitiveId::NONE);
-        product(through, self.segment(tracer, &ray, from, left, target, between))
-    }
-
-    fn mirror_reflectance<const BANDS: usize>(
-        &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        mirror: &crate::light::Mirror,
-        ray: &Ray,
-        distance: f64,
-    ) -> [f64; BANDS] {
-        let shader = tracer.plan.shader(mirror.surface);
-        let Kind::Mirror { reflectance } = &shader.kind else { return [0.0; BANDS] };
-        let total = self.travelled + distance;
-        let encounter = Encounter::new(ray, ray.at(distance), mirror.normal, distance, total);
-        let pattern = shader.appearance::<BANDS>(&tracer.plan.scene, &encounter, &mut tracer.workspace.scratch);
-        product(bands(*reflectance), pattern.color)
-    }
-
-    /// One straight piece of a shadow ray, up to the primitive `target`.
-    fn segment<const BANDS: usize>(
-        &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        ray: &Ray,
-        from: Option<PrimitiveId>,
-        distance: f64,
-        target: PrimitiveId,
-        between: &Between,
-    ) -> [f64; BANDS] {
-        let plan = tracer.plan;
-        let mut through = [1.0; BANDS];
-        // The target itself lies at the end, give or take rounding.
-        let end = distance * (1.0 - 1e-9);
-        let travelled = self.travelled;
-        let scratch = &mut tracer.workspace.scratch;
-        let mut block = |crossing: Crossing| {
-            if crossing.primitive == target {
-                return false;
-            }
-            if !plan.see_through {
-                through = [0.0; BANDS];
-                return true;
-            }
-            let hit = plan.geometry.hit(&plan.scene, &plan.shader_table, ray, crossing);
-            let shader = plan.shader_at(hit.shader);
-            if matches!(shader.kind, Kind::Transparent) {
-                return false;
-            }
-            let behind = ray.direction.dot(hit.front) > 0.0;
-            if behind && plan.options.back_faces == crate::BackFaces::Invisible && shader.can_hide_its_back() {
-                return false;
-            }
-            let encounter = Encounter::at(ray, &hit, travelled + hit.distance);
-            match passage(plan, shader, &encounter, scratch) {
-                Some(share) => through = product(through, share),
-                None => through = [0.0; BANDS],
-            }
-            through.iter().all(|band| *band == 0.0)
-        };
-        match between {
-            Between::Dark => through = [0.0; BANDS],
-            Between::Nothing => {}
-            Between::Few(list) => {
-                let frame = RayFrame::new(ray);
-                for member in list {
-                    if plan.geometry.any_of_member(&plan.scene, *member, (ray, &frame), from, end, &mut block) {
-                        break;
-                    }
-                }
-            }
-            Between::Anything => {
-                plan.geometry.any_between(&plan.scene, ray, from, end, block);
-            }
-        }
-        through
-    }
-}
-
-/// What of a shadow ray goes on through a surface; none where it is opaque.
-fn passage<const BANDS: usize>(
-    plan: &RenderPlan,
-    shader: &Shader,
-    encounter: &Encounter,
-    scratch: &mut Scratch,
-) -> Option<[f64; BANDS]> {
-    if !shader.lets_light_through() {
-        return None;
-    }
-    let appearance = shader.appearance::<BANDS>(&plan.scene, encounter, scratch);
-    match &shader.kind {
-        Kind::Glass { transmissivity, refractive_index } => {
-            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
-            Some(product(transmitted, appearance.color))
-        }
-        Kind::Scatterer(scatterer) => scatterer.passage(shader.home.scene(&plan.scene), encounter, appearance, scratch),
-        _ => None,
     }
 }
 
@@ -319,7 +213,7 @@ fn promise(plan: &RenderPlan, point: DVec3, primitive: Option<PrimitiveId>, inde
     if dark || light.misses(point) {
         return 0.0;
     }
-    let Kind::Emitter(emitter) = &plan.shader(light.surface).kind else { return 0.0 };
+    let Some(emitter) = plan.shader(light.surface).kind.emitter() else { return 0.0 };
     let strength = emitter.radiance.0.iter().copied().fold(0.0, f64::max);
     if light.radius.is_infinite() {
         return strength * light.form.solid_angle(1.0);

@@ -8,29 +8,35 @@
 #![forbid(unsafe_code)]
 
 mod beyond;
+mod bodies;
 mod compile;
 mod compile_scatter;
 mod direct;
 mod frame;
 mod function_lobe;
 mod geometry;
+mod indirect;
 mod lens;
 mod light;
 mod lighting;
+mod link;
+mod medium;
 mod options;
 mod plan;
 mod ray;
 mod reach;
 mod recognise;
+mod refraction;
 mod renderer;
 mod scatter;
 mod shader;
+mod shadow;
 mod surface_light;
 mod tilt;
 mod trace;
 mod view;
 
-pub use options::{BackFaces, Quantity, RenderOptions, Skipping};
+pub use options::{AmbientSurfaces, BackFaces, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping};
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use ray::Ray;
 pub use renderer::{RayWorker, Renderer};

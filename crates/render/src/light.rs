@@ -419,6 +419,12 @@ impl Light {
         self.form.density(receiver, direction, distance, cosine, gradient)
     }
 
+    /// The factor of a spotlight's radiance at a distance.
+    #[inline]
+    pub(crate) fn focal_factor(&self, distance: f64) -> f64 {
+        if self.focal_distance > 0.0 { (distance / (distance + self.focal_distance)).powi(2) } else { 1.0 }
+    }
+
     /// Gradient of the logarithm of the highlight at the light's centre, by place (for a distant one, by direction).
     #[inline]
     fn gradient(&self, receiver: DVec3, peak: &Peak) -> DVec3 {

@@ -12,6 +12,7 @@ pub(crate) fn collect_lights<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
+    relay: impl Fn(SurfaceHandle) -> &'a Shader,
     relays: u32,
 ) -> Vec<Light> {
     let mut primitive_of = vec![None; scene.surfaces.len()];
@@ -21,10 +22,10 @@ pub(crate) fn collect_lights<'a>(
     let mut lights: Vec<Light> = scene
         .surfaces
         .iter()
-        .filter(|(handle, _)| matches!(shader(*handle).kind, Kind::Emitter(_)))
+        .filter(|(handle, _)| shader(*handle).kind.emitter().is_some())
         .filter_map(|(handle, _)| real_light(scene, handle, primitive_of[handle.index()]))
         .collect();
-    let mirrors = collect_mirrors(scene, geometry, &shader);
+    let mirrors = collect_mirrors(scene, geometry, &relay);
     let mut first = 0;
     for _ in 0..relays {
         let end = lights.len();
@@ -47,7 +48,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         _ => None,
     })?;
     let (cone, max_distance, focal_distance) = match material {
-        Material::Light { .. } => (None, f64::INFINITY, 0.0),
+        Material::Light { .. } | Material::Illum { .. } => (None, f64::INFINITY, 0.0),
         Material::Glow { max_radius, .. } if *max_radius > 0.0 => (None, *max_radius, 0.0),
         Material::Spotlight { cone_angle, direction, focal_distance, .. } => {
             let half_angle = 0.5 * cone_angle;
@@ -98,11 +99,11 @@ fn bounding_sphere(form: &LightForm) -> (DVec3, f64) {
 fn collect_mirrors<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
-    shader: &impl Fn(SurfaceHandle) -> &'a Shader,
+    relay: &impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<Mirror> {
     geometry
         .members()
-        .filter(|(_, handle)| matches!(shader(*handle).kind, Kind::Mirror { .. }))
+        .filter(|(_, handle)| matches!(relay(*handle).kind, Kind::Mirror { .. }))
         .filter_map(|(member, surface)| {
             let shape = scene.surfaces[surface].shape;
             let normal = flat_normal(scene, shape)?;

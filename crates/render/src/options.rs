@@ -1,5 +1,7 @@
 //! What a user can ask of the renderer.
 
+use radsight_ir::Rgb;
+
 /// Options of every program that traces rays; the names in brackets are Radiance's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
@@ -7,11 +9,25 @@ pub struct RenderOptions {
     pub seed: u64,
     /// Diffuse interreflections that are followed (`-ab`). Default 0, as in Radiance.
     pub ambient_bounces: u32,
+    /// Radiance of diffuse surroundings where they are not followed, W/(sr·m²) (`-av`). Default 0.
+    pub ambient_value: Rgb,
+    /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
+    pub ambient_surfaces: AmbientSurfaces,
+    /// Where paths end (`-lr`). Default roulette, and no more than ten reflections.
+    pub path_limit: PathLimit,
+    /// Share of the picture's radiance below which a path ends or is put to roulette (`-lw`). Default 1e-4.
+    pub least_weight: f64,
     /// How many plane mirrors may relay a light (`-dr`). Default 2.
     pub mirror_relays: u32,
+    /// Whether lights are seen directly (`-dv`).
+    pub lights: Lights,
+    /// What fills the scene (`-me`, `-ma`, `-mg`). Default nothing.
+    pub medium: GlobalMedium,
+    /// Length of a ray in mist for each sample of its light, scene units (`-ms`); 0 is one sample a ray. Default 0.
+    pub mist_sample_length: f64,
     /// Whether surfaces are seen from behind (`-bv`).
     pub back_faces: BackFaces,
-    /// Whether the input rays are points and normals whose irradiance is wanted (`-I`).
+    /// What is wanted of a ray (`-i`, `-I`).
     pub quantity: Quantity,
     /// Whether the plan may leave work out that cannot change the picture. Off only to test that it does not.
     pub skipping: Skipping,
@@ -22,12 +38,61 @@ impl Default for RenderOptions {
         RenderOptions {
             seed: 0,
             ambient_bounces: 0,
+            ambient_value: Rgb::BLACK,
+            ambient_surfaces: AmbientSurfaces::All,
+            path_limit: PathLimit::RouletteUpTo(10),
+            least_weight: 1e-4,
             mirror_relays: 2,
+            lights: Lights::Visible,
+            medium: GlobalMedium::default(),
+            mist_sample_length: 0.0,
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
             skipping: Skipping::Allowed,
         }
     }
+}
+
+/// On which surfaces diffuse interreflections are followed. The names are those of the modifiers that surfaces name themselves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AmbientSurfaces {
+    /// On all.
+    All,
+    /// On all but those of these modifiers (`-ae`).
+    Except(Vec<String>),
+    /// On those of these modifiers (`-ai`).
+    Only(Vec<String>),
+}
+
+/// Where paths end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathLimit {
+    /// After this many reflections, and where their weight falls below the least weight (`-lr` above 0). Loses light.
+    Cut(u32),
+    /// At random where their weight falls below the least weight, without loss on average (`-lr 0`).
+    Roulette,
+    /// The same, but after this many reflections at the latest (`-lr` below 0).
+    RouletteUpTo(u32),
+}
+
+/// Whether lights are seen by rays that do not look for them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lights {
+    /// They are.
+    Visible,
+    /// They are black, but for glows that are too far away to be sampled.
+    Invisible,
+}
+
+/// A participating medium around everything.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GlobalMedium {
+    /// Absorption and scattering, 1/scene unit (`-me`).
+    pub extinction: Rgb,
+    /// Share of the extinction that is scattering (`-ma`).
+    pub albedo: Rgb,
+    /// Henyey and Greenstein's eccentricity, 0…1: how much is scattered forward (`-mg`).
+    pub eccentricity: f64,
 }
 
 /// What a ray meets from behind.
@@ -44,8 +109,10 @@ pub enum BackFaces {
 pub enum Quantity {
     /// Radiance along the ray, W/(sr·m²).
     Radiance,
-    /// Irradiance at the ray's origin on a surface that faces the ray's direction, W/m².
+    /// Irradiance at the ray's origin on a surface that faces the ray's direction, W/m² (`-I`).
     Irradiance,
+    /// Irradiance of the first surface that is neither a light nor lets light through, W/m² (`-i`).
+    SurfaceIrradiance,
 }
 
 /// Whether the plan may skip work.

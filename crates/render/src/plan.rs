@@ -2,12 +2,14 @@
 
 use crate::compile::{ShaderTable, compile_shaders};
 use crate::geometry::Geometry;
+use crate::indirect::excluded;
 use crate::light::{Light, LightId};
 use crate::lighting::collect_lights;
-use crate::options::{RenderOptions, Skipping};
+use crate::medium::{Medium, MistLights};
+use crate::options::{GlobalMedium, RenderOptions, Skipping};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
-use crate::shader::{Kind, Shader, Step};
+use crate::shader::{Emitter, EmitterClass, Kind, Shader, Step, Substitution, bands};
 use crate::trace::FirstHit;
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
@@ -32,6 +34,16 @@ pub struct RenderPlan {
     pub(crate) reach: Reach,
     /// Whether anything lets light through, so that a shadow ray goes on after a hit.
     pub(crate) see_through: bool,
+    /// Whether anything bends or dims shadow rays, or stands in for something else, so that they are followed from surface to surface.
+    pub(crate) shadows_bend: bool,
+    /// Whether anything fills the space that rays cross.
+    pub(crate) has_media: bool,
+    /// Whether light sampling finds all the light of lights, so that drawn rays find none: light comes through mist as it would not to them.
+    pub(crate) lights_are_covered: bool,
+    /// The lights that mist scatters.
+    pub(crate) mist_lights: MistLights,
+    /// Whether interreflection is left out on the surfaces of a shader; empty for none.
+    excluded: Vec<bool>,
     pub(crate) bands: usize,
     /// The first surface with an unusable material that a ray met.
     pub(crate) unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
@@ -66,24 +78,34 @@ impl RenderPlan {
         options: RenderOptions,
         models: &dyn ModelSource,
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
-        let (shaders, shader_table, bands) = compile_shaders(&scene, models)?;
+        let colors = [options.ambient_value, options.medium.extinction, options.medium.albedo];
+        let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors)?;
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
             .map_err(|error| vec![error])?;
-        let lights = collect_lights(&scene, &geometry, shader, options.mirror_relays);
+        let relay = |handle: SurfaceHandle| relay_shader(&shaders, shader(handle));
+        let lights = collect_lights(&scene, &geometry, shader, relay, options.mirror_relays);
         let mut lights_of: Vec<_> =
             lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
         lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
-        let sky = collect_sky(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent), &lights);
+        let sky = collect_sky(&scene, shader);
+        let any = |is: fn(&Kind) -> bool| shaders.iter().any(|shader| is(&shader.kind));
         let see_through = shaders.iter().any(|shader| shader.lets_light_through())
             || geometry
-                .holds_void(&scene, &shader_table, |id| matches!(shaders[id.0 as usize].kind, Kind::Transparent))
-            || options.back_faces == crate::BackFaces::Invisible;
+                .holds_void(&scene, &shader_table, |id| matches!(shaders[id.0 as usize].kind, Kind::Transparent));
+        let in_medium = !options.medium.extinction.is_black();
+        let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
+        let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
+        let shadows_bend = has_media || stands_in;
+        let lights_are_covered = has_media
+            && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {
             Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky),
             Skipping::Forbidden => Reach::everything(),
         };
+        let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
+        let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
         let mut plan = RenderPlan {
             scene,
             options,
@@ -95,6 +117,11 @@ impl RenderPlan {
             sky,
             reach,
             see_through,
+            shadows_bend,
+            has_media,
+            lights_are_covered,
+            mist_lights,
+            excluded,
             bands,
             unusable_met: OnceLock::new(),
             decisions: Vec::new(),
@@ -203,6 +230,38 @@ impl RenderPlan {
         &self.shaders[id.0 as usize]
     }
 
+    /// The shader by which a surface relays lights: an illum's is that of its stand-in.
+    pub(crate) fn relay_shader(&self, surface: SurfaceHandle) -> &Shader {
+        relay_shader(&self.shaders, self.shader(surface))
+    }
+
+    /// What fills the scene outside of all bodies.
+    pub(crate) fn global_medium<const BANDS: usize>(&self) -> Medium<BANDS> {
+        let GlobalMedium { extinction, albedo, eccentricity } = self.options.medium;
+        Medium { extinction: bands(extinction), albedo: bands(albedo), eccentricity, lights: 0 }
+    }
+
+    /// Whether diffuse interreflection is left out on the surfaces of a shader.
+    pub(crate) fn excludes_indirect(&self, shader: ShaderId) -> bool {
+        self.excluded.get(shader.0 as usize).copied().unwrap_or(false)
+    }
+
+    /// The distant source that a ray along `direction` falls into, and what it shows; `drawn` rays see the light of an illum.
+    pub(crate) fn sky_at(&self, direction: glam::DVec3, drawn: bool) -> Option<(SurfaceHandle, &Shader)> {
+        // 1 − cos between the directions, from the chord: exact for the sun's quarter degree. The horizon belongs to the sky.
+        let half_versed = |sky: &Sky| 0.25 * sky.direction.distance_squared(direction);
+        let inside = self.sky.iter().filter(|sky| half_versed(sky) <= sky.cap * (1.0 + 1e-12));
+        for sky in inside {
+            let shader = self.shader(sky.surface);
+            match &shader.kind {
+                Kind::Illum { substitute: Substitution::Void, .. } if !drawn => {}
+                Kind::Illum { .. } if !drawn => return Some((sky.surface, relay_shader(&self.shaders, shader))),
+                _ => return Some((sky.surface, shader)),
+            }
+        }
+        None
+    }
+
     pub(crate) fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         self.reach.receiver(primitive)
     }
@@ -297,12 +356,25 @@ impl ModelSource for NoModels {
     }
 }
 
-/// Lights before glows: a ray takes the first light that it falls into, else the first glow.
-fn collect_sky(scene: &ValidScene, visible: impl Fn(SurfaceHandle) -> bool, lights: &[Light]) -> Vec<Sky> {
+/// An illum's stand-in, or else the shader itself.
+fn relay_shader<'a>(shaders: &'a [Shader], shader: &'a Shader) -> &'a Shader {
+    match shader.kind {
+        Kind::Illum { substitute: Substitution::Shader(id), .. } => &shaders[id.0 as usize],
+        _ => shader,
+    }
+}
+
+/// A ray takes the first light that it falls into, else the first illum that looks like nothing, else the first glow.
+fn collect_sky<'a>(scene: &ValidScene, shader: impl Fn(SurfaceHandle) -> &'a Shader) -> Vec<Sky> {
+    let rank = |kind: &Kind| match kind {
+        Kind::Illum { substitute: Substitution::Void, .. } => 1,
+        Kind::Emitter(Emitter { class: EmitterClass::Glow(_), .. }) => 2,
+        _ => 0,
+    };
     let mut sky: Vec<Sky> = scene
         .surfaces
         .iter()
-        .filter(|(handle, _)| visible(*handle))
+        .filter(|(handle, _)| shader(*handle).kind.emitter().is_some_and(|emitter| !emitter.radiance.is_black()))
         .filter_map(|(handle, surface)| match surface.shape {
             Shape::Source(source) => {
                 let source = scene.sources[source];
@@ -312,6 +384,6 @@ fn collect_sky(scene: &ValidScene, visible: impl Fn(SurfaceHandle) -> bool, ligh
             _ => None,
         })
         .collect();
-    sky.sort_by_key(|sky| !lights.iter().any(|light| light.surface == sky.surface));
+    sky.sort_by_key(|sky| rank(&shader(sky.surface).kind));
     sky
 }

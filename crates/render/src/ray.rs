@@ -61,6 +61,11 @@ pub(crate) struct PrimitiveId(pub(crate) u64);
 impl PrimitiveId {
     /// Names nothing.
     pub(crate) const NONE: PrimitiveId = PrimitiveId(u64::MAX);
+
+    /// The member that has this primitive's name, for one that no other holds.
+    pub(crate) fn member(self) -> MemberId {
+        MemberId(self.0 as u32)
+    }
 }
 
 /// Names a shader of the plan.

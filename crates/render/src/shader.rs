@@ -1,5 +1,8 @@
 //! What a surface does to light, compiled from its chain of modifiers once a scene.
 
+use crate::medium::MistKind;
+use crate::ray::ShaderId;
+use crate::refraction::Boundary;
 use crate::scatter::Scatterer;
 use crate::view::{Encounter, View};
 use glam::DVec3;
@@ -50,7 +53,20 @@ pub(crate) enum Kind {
     Mirror {
         /// Reflectance.
         reflectance: Rgb,
+        /// What it is to all rays but those that look for a light by way of it.
+        substitute: Option<Substitution>,
     },
+    /// A light that looks like something else.
+    Illum {
+        /// What it is to rays that look for light.
+        emitter: Emitter,
+        /// What it is to others.
+        substitute: Substitution,
+    },
+    /// `dielectric` and `interface`.
+    Dielectric(Boundary),
+    /// The surface of a participating medium.
+    Mist(MistKind),
     /// A thin pane.
     Glass {
         /// For one passage at normal incidence.
@@ -83,12 +99,60 @@ impl GlossyKind {
     }
 }
 
-/// A light, glow or spotlight.
+/// The material that is seen in place of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Substitution {
+    /// Rays go on.
+    Void,
+    /// A shader.
+    Shader(ShaderId),
+}
+
+/// Which rays find an emitter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum EmitterClass {
+    /// `light` and `spotlight`.
+    Light,
+    /// `glow`, with its radius in scene units: a sampled light up to there; below zero not even found by interreflection.
+    Glow(f64),
+    /// `illum`.
+    Illum,
+}
+
+/// A light, glow, spotlight or illum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emitter {
+    pub(crate) class: EmitterClass,
     pub(crate) radiance: Rgb,
     /// Cosine of the half angle of a spotlight's cone, and its unit axis.
     pub(crate) cone: Option<(f64, DVec3)>,
+}
+
+impl Emitter {
+    /// A `light`.
+    pub(crate) fn light(radiance: Rgb) -> Emitter {
+        Emitter { class: EmitterClass::Light, radiance, cone: None }
+    }
+
+    /// Whether a shadow ray to it ends at an illum: both may stand for the same light.
+    pub(crate) fn is_weak(&self) -> bool {
+        self.class != EmitterClass::Light
+    }
+}
+
+impl Kind {
+    /// What it emits.
+    pub(crate) fn emitter(&self) -> Option<&Emitter> {
+        match self {
+            Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => Some(emitter),
+            _ => None,
+        }
+    }
+
+    /// Whether Radiance calls it transparent: a measurement of irradiance (`-i`) looks through it.
+    pub(crate) fn is_transparent(&self) -> bool {
+        matches!(self, Kind::Transparent | Kind::Glass { .. } | Kind::Dielectric(_) | Kind::Mist(_))
+    }
 }
 
 /// A pattern or a texture.
@@ -162,15 +226,28 @@ impl Shader {
         appearance
     }
 
+    /// The same at the surface of a body: the colour, and what is added to the front normal.
+    pub(crate) fn body_appearance<const BANDS: usize>(
+        &self,
+        scene: &Scene,
+        encounter: &Encounter,
+        scratch: &mut Scratch,
+    ) -> ([f64; BANDS], DVec3) {
+        let Appearance { color, perturbation } = self.appearance(scene, encounter, scratch);
+        (color, if encounter.behind { -perturbation } else { perturbation })
+    }
+
     /// Whether every band is the same, whatever the encounter.
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
             Kind::Transparent | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
-            Kind::Emitter(emitter) => emitter.radiance,
+            Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => emitter.radiance,
+            Kind::Dielectric(boundary) => return boundary.is_grey() && !self.has_color_steps(),
+            Kind::Mist(mist) => return mist.is_grey() && !self.has_color_steps(),
             Kind::Glossy(glossy) | Kind::Retro(glossy) => glossy.color,
-            Kind::Mirror { reflectance } => *reflectance,
+            Kind::Mirror { reflectance, .. } => *reflectance,
             Kind::Glass { transmissivity, .. } => *transmissivity,
         };
         color.is_grey() && !self.has_color_steps()
@@ -178,7 +255,12 @@ impl Shader {
 
     /// Whether rays from behind pass where back faces are invisible.
     pub(crate) fn can_hide_its_back(&self) -> bool {
-        !matches!(&self.kind, Kind::Scatterer(scatterer) if scatterer.has_a_back())
+        match &self.kind {
+            Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
+            Kind::Dielectric(_) | Kind::Mist(_) | Kind::Illum { .. } => false,
+            Kind::Mirror { substitute, .. } => substitute.is_none(),
+            _ => true,
+        }
     }
 
     /// Whether shadow rays can go on through it.
@@ -188,6 +270,14 @@ impl Shader {
             Kind::Scatterer(scatterer) => scatterer.lets_through(),
             _ => false,
         }
+    }
+
+    /// Whether a shadow ray may end there or go on.
+    pub(crate) fn matters_to_shadow_rays(&self) -> bool {
+        let kind = &self.kind;
+        self.lets_light_through()
+            || kind.is_transparent()
+            || matches!(kind, Kind::Emitter(_) | Kind::Illum { .. } | Kind::Mirror { .. })
     }
 
     fn has_color_steps(&self) -> bool {

@@ -276,6 +276,13 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         self.coupling == Coupling::None && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
 
+    /// The share of even light from all around, but for sources, that is scattered as if diffuse.
+    pub(crate) fn ambient_reflectance(&self) -> [f64; BANDS] {
+        let [own, beyond] = self.ambient();
+        let through = self.beyond.map_or([0.0; BANDS], |beyond| beyond.diffuse);
+        sum(sum(self.diffuse, own), sum(through, beyond))
+    }
+
     /// What is scattered as if diffuse where the light is no source, on both sides.
     fn ambient(&self) -> [[f64; BANDS]; 2] {
         match &self.highlight {

@@ -7,13 +7,14 @@
 //! Russian roulette.
 
 use crate::direct::DirectSampler;
-use crate::light::LightForm;
-use crate::options::{BackFaces, Quantity};
+use crate::indirect::Indirect;
+use crate::link::{Link, Lobe};
+use crate::medium::Medium;
+use crate::options::{BackFaces, Lights, PathLimit, Quantity};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
-use crate::shader::{Appearance, Emitter, GlossyKind, Kind, Shader, bands};
+use crate::shader::{Appearance, Emitter, EmitterClass, GlossyKind, Kind, Shader, bands};
 use crate::surface_light::{Drawn, LitPoint, colored, pane};
-use crate::tilt::Peak;
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_brdf::Density;
@@ -74,41 +75,28 @@ const ROULETTE_SHARE: f64 = 0.25;
 /// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
 const MAX_DEPTH: u32 = 4096;
 
-/// The longest chain of mirrors that is compared with those of mirrored lights.
-const MAX_CHAIN: usize = 4;
-
-/// How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Link {
-    /// Density with which the direction was drawn, 1/sr.
-    density: f64,
-    /// Where it was drawn, the direction, and the highlight there.
-    receiver: DVec3,
-    direction: DVec3,
-    peak: Peak,
-    /// The primitive there.
-    primitive: Option<PrimitiveId>,
-    /// Distance since then.
-    length: f64,
-    /// Mirrors passed since then.
-    mirrors: [Option<SurfaceHandle>; MAX_CHAIN],
-    passed: usize,
-    /// Whether something was passed that light sampling does not see through.
-    broken: bool,
-}
+/// Names a medium that the present ray has met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MediumId(u32);
 
 /// A ray that waits to be traced.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment<const BANDS: usize> {
-    ray: Ray,
-    from: Option<PrimitiveId>,
-    throughput: [f64; BANDS],
-    travelled: f64,
-    link: Option<Link>,
-    depth: u32,
-    ambient_bounces: u32,
+    pub(crate) ray: Ray,
+    pub(crate) from: Option<PrimitiveId>,
+    pub(crate) throughput: [f64; BANDS],
+    pub(crate) travelled: f64,
+    pub(crate) link: Option<Link>,
+    pub(crate) depth: u32,
+    /// Reflections of any kind, which are limited.
+    pub(crate) reflections: u32,
+    pub(crate) ambient_bounces: u32,
+    /// What fills the space that the ray crosses.
+    pub(crate) medium: MediumId,
+    /// Whether interreflection is left out at the surface that the ray has met.
+    pub(crate) follows_no_diffuse: bool,
     /// Whether this is still the direct view, through nothing but plane mirrors and panes.
-    direct_view: bool,
+    pub(crate) direct_view: bool,
 }
 
 /// Follows rays through a plan, in `BANDS` bands; one a thread.
@@ -120,7 +108,9 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
     waiting: Vec<Segment<BANDS>>,
-    radiance: [f64; BANDS],
+    /// Media that the present ray has met; the first fills the scene.
+    media: Vec<Medium<BANDS>>,
+    pub(crate) radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
     effective_distance: f64,
 }
@@ -133,6 +123,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             next_set: 0,
             workspace: Workspace::default(),
             waiting: Vec::with_capacity(MAX_BRANCHES),
+            media: vec![plan.global_medium()],
             radiance: [0.0; BANDS],
             first_hit: None,
             effective_distance: f64::INFINITY,
@@ -143,6 +134,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         self.sampler = RaySampler::new(self.plan.options.seed, index);
         self.next_set = 0;
+        self.media.truncate(1);
         self.radiance = [0.0; BANDS];
         self.first_hit = None;
         self.effective_distance = f64::INFINITY;
@@ -153,11 +145,14 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             travelled: 0.0,
             link: None,
             depth: 0,
+            reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,
+            medium: MediumId(0),
+            follows_no_diffuse: false,
             direct_view: true,
         };
         match self.plan.options.quantity {
-            Quantity::Radiance => self.push(start),
+            Quantity::Radiance | Quantity::SurfaceIrradiance => self.push(start),
             Quantity::Irradiance => self.irradiance(&Segment { throughput: [PI; BANDS], ..start }),
         }
         while let Some(segment) = self.waiting.pop() {
@@ -178,7 +173,24 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.light_and_scatter(start, start.ray.origin, None, &point, 0.0);
     }
 
-    fn push(&mut self, segment: Segment<BANDS>) {
+    /// What fills the scene outside of all bodies.
+    pub(crate) fn global_medium(&self) -> Medium<BANDS> {
+        self.media[0]
+    }
+
+    pub(crate) fn medium(&self, id: MediumId) -> Medium<BANDS> {
+        self.media[id.0 as usize]
+    }
+
+    pub(crate) fn add_medium(&mut self, medium: Medium<BANDS>) -> MediumId {
+        if medium == self.media[0] {
+            return MediumId(0);
+        }
+        self.media.push(medium);
+        MediumId((self.media.len() - 1) as u32)
+    }
+
+    pub(crate) fn push(&mut self, segment: Segment<BANDS>) {
         if self.waiting.len() < MAX_BRANCHES && segment.throughput.iter().any(|band| *band > 0.0) {
             self.waiting.push(segment);
         }
@@ -192,20 +204,24 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             };
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
+                segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
                 segment = self.passed_through(segment, &hit);
                 continue;
             }
+            segment.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
             let behind = segment.ray.direction.dot(hit.front) > 0.0;
-            if behind && self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back() {
+            let can_hide = self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
+            if behind && can_hide {
+                segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
                 segment = self.passed_through(segment, &hit);
                 continue;
             }
-            return self.shade(&segment, &hit, shader, behind);
+            return self.shade(&segment, &hit, shader);
         }
     }
 
     /// The same ray, on the other side of what it hit.
-    fn passed_through(&self, mut segment: Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
+    pub(crate) fn passed_through(&self, mut segment: Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
         segment.ray.origin = hit.point;
         segment.from = Some(hit.primitive);
         segment.travelled += hit.distance;
@@ -215,28 +231,39 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         segment
     }
 
-    fn shade(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader, behind: bool) {
+    /// What a ray finds that met a surface with this shader.
+    pub(crate) fn shade(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) {
+        let behind = segment.ray.direction.dot(hit.front) > 0.0;
         let travelled = segment.travelled + hit.distance;
         let encounter = Encounter::at(&segment.ray, hit, travelled);
-        if segment.depth == 0 && self.first_hit.is_none() {
-            self.first_hit = Some(FirstHit {
-                distance: travelled,
-                point: hit.point,
-                normal: hit.front,
-                perturbed_normal: encounter.normal,
-                surface: hit.surface,
-                primitive: hit.primitive,
-            });
+        self.note_hit(segment, hit, &encounter);
+        let unseen = segment;
+        let segment = &self.crossed(segment, hit, shader);
+        if self.plan.options.quantity == Quantity::SurfaceIrradiance
+            && segment.reflections == 0
+            && segment.link.is_none()
+        {
+            match &shader.kind {
+                kind if kind.emitter().is_some() => {}
+                kind if kind.is_transparent() => return self.push(self.passed_through(*segment, hit)),
+                _ => return self.shade_white(segment, hit, &encounter),
+            }
         }
-        if segment.direct_view {
-            self.effective_distance = self.effective_distance.min(travelled);
+        if segment.link.is_some_and(|link| link.behind_illum) && !shader.matters_to_shadow_rays() {
+            return;
         }
         match &shader.kind {
             Kind::Emitter(emitter) if !behind => {
-                let share = self.emission_share(segment, hit.surface, hit.distance, encounter.cosine);
+                let share = self.emission_share(segment, hit.surface, emitter, hit.distance, encounter.cosine);
                 self.emit(segment, shader, emitter, &encounter, share);
             }
-            Kind::Mirror { reflectance } if !behind => {
+            Kind::Illum { emitter, substitute } => {
+                self.shade_illum([segment, unseen], hit, shader, (emitter, *substitute), &encounter);
+            }
+            Kind::Mirror { substitute: Some(substitute), .. } if self.is_replaced(segment, *substitute, behind) => {
+                self.shade_substitute([segment, unseen], hit, *substitute);
+            }
+            Kind::Mirror { reflectance, .. } if !behind => {
                 self.shade_mirror(segment, hit, shader, bands(*reflectance), &encounter);
             }
             // From behind, lights and mirrors are black; what has no material was passed.
@@ -247,6 +274,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             Kind::Glass { transmissivity, refractive_index } => {
                 self.shade_glass(segment, hit, shader, (bands(*transmissivity), *refractive_index), &encounter);
             }
+            Kind::Dielectric(boundary) => self.shade_dielectric(segment, hit, shader, boundary),
+            Kind::Mist(mist) => self.shade_mist(segment, hit, shader, mist),
             Kind::Glossy(glossy) | Kind::Retro(glossy) => {
                 let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let retro = matches!(shader.kind, Kind::Retro(_));
@@ -266,6 +295,31 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 self.light_and_scatter(&patterned, hit.point, Some(hit.primitive), &point, travelled);
             }
         }
+    }
+
+    fn note_hit(&mut self, segment: &Segment<BANDS>, hit: &Hit, encounter: &Encounter) {
+        if segment.depth == 0 && self.first_hit.is_none() {
+            self.first_hit = Some(FirstHit {
+                distance: encounter.total_distance,
+                point: hit.point,
+                normal: hit.front,
+                perturbed_normal: encounter.normal,
+                surface: hit.surface,
+                primitive: hit.primitive,
+            });
+        }
+        if segment.direct_view {
+            self.effective_distance = self.effective_distance.min(encounter.total_distance);
+        }
+    }
+
+    /// A measurement of irradiance where a surface is: the surface does not matter.
+    fn shade_white(&mut self, segment: &Segment<BANDS>, hit: &Hit, encounter: &Encounter) {
+        let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
+        let normal = encounter.normal;
+        let point = LitPoint::glossy(&white, false, [1.0; BANDS], -encounter.direction, normal, normal);
+        let segment = Segment { throughput: segment.throughput.map(|band| band * PI), ..*segment };
+        self.light_and_scatter(&segment, hit.point, Some(hit.primitive), &point, encounter.total_distance);
     }
 
     /// Patterns and textures, and the normal that they make.
@@ -325,7 +379,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.specular(segment, hit, reflect(encounter.direction, normal), reflected, Passage::Other);
     }
 
-    fn note_normal(&mut self, segment: &Segment<BANDS>, normal: DVec3) {
+    pub(crate) fn note_normal(&mut self, segment: &Segment<BANDS>, normal: DVec3) {
         if segment.depth == 0
             && let Some(first) = &mut self.first_hit
         {
@@ -333,12 +387,24 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         }
     }
 
-    /// Sends a ray on from a perfectly specular event.
+    /// Sends a ray on from a perfectly specular event, in the medium from which it came.
     pub(crate) fn specular(
         &mut self,
         segment: &Segment<BANDS>,
         hit: &Hit,
         direction: DVec3,
+        weight: [f64; BANDS],
+        passage: Passage,
+    ) {
+        self.specular_into(segment, hit, (direction, segment.medium), weight, passage);
+    }
+
+    /// The same in another medium.
+    pub(crate) fn specular_into(
+        &mut self,
+        segment: &Segment<BANDS>,
+        hit: &Hit,
+        (direction, medium): (DVec3, MediumId),
         weight: [f64; BANDS],
         passage: Passage,
     ) {
@@ -349,15 +415,17 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             link.length += hit.distance;
             match passage {
                 Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true } => {}
-                Passage::Mirror { straight: true } if link.passed < MAX_CHAIN => {
-                    link.mirrors[link.passed] = Some(hit.surface);
-                    link.passed += 1;
-                }
-                _ => link.broken = true,
+                Passage::Mirror { straight: true } => link.reflected(hit.surface),
+                Passage::Refraction { .. } => link.refracted(),
+                _ => link.lost(),
             }
         }
-        let Some(throughput) = self.roulette(throughput, segment.depth + 1) else { return };
-        let direct_view = segment.direct_view && !matches!(passage, Passage::Other | Passage::Sheet { .. });
+        let reflections =
+            segment.reflections + u32::from(direction.dot(hit.front) * segment.ray.direction.dot(hit.front) < 0.0);
+        let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
+        let hides_what_is_beyond =
+            matches!(passage, Passage::Other | Passage::Sheet { .. } | Passage::Refraction { flat: false });
+        let direct_view = segment.direct_view && !hides_what_is_beyond;
         if direct_view {
             self.effective_distance = f64::INFINITY;
         }
@@ -368,7 +436,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             travelled,
             link,
             depth: segment.depth + 1,
+            reflections,
             ambient_bounces: segment.ambient_bounces,
+            medium,
+            follows_no_diffuse: false,
             direct_view,
         });
     }
@@ -386,7 +457,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let lights_suffice = receiver.is_some_and(|receiver| receiver.sees_only_lights && receiver.lights_suffice);
         let follow_highlight = point.has_highlight() && !lights_suffice;
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
-        let follow_diffuse = point.has_diffuse() && segment.ambient_bounces > 0 && !alone;
+        let bounces = if segment.follows_no_diffuse { 0 } else { segment.ambient_bounces };
+        let indirect = Indirect::after(bounces);
+        let follow_diffuse = point.has_diffuse() && indirect == Indirect::Followed && !alone;
         let highlight_draws = if !follow_highlight {
             0
         } else if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
@@ -397,9 +470,22 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let set = self.next_set;
         self.next_set += highlight_draws.max(1);
         let peak = point.peak();
-        let shares_diffuse = follow_diffuse && point.diffuse_finds_lights();
-        let direct = DirectSampler { point: at, primitive, highlight_draws, shares_diffuse, peak, travelled };
-        let light = direct.sample(self, point);
+        // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
+        let shared = !self.plan.lights_are_covered;
+        let direct = DirectSampler {
+            point: at,
+            primitive,
+            highlight_draws: if shared { highlight_draws } else { 0 },
+            shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
+            peak,
+            travelled,
+            medium: segment.medium,
+            drawn: segment.link.is_some(),
+        };
+        let mut light = direct.sample(self, point);
+        if indirect == Indirect::Constant {
+            self.add_constant(&mut light, &point.ambient_reflectance());
+        }
         for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
             *sum += share * light;
         }
@@ -407,35 +493,40 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             let u = self.sampler.take(DimensionSet::render(set + draw));
             if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
                 let share = f64::from(highlight_draws);
-                self.scatter(segment, &direct, drawn.split(share), segment.ambient_bounces);
+                self.scatter(segment, &direct, (drawn.split(share), Lobe::Highlight), segment.ambient_bounces);
             }
         }
         if follow_diffuse {
             let u = self.sampler.take(DimensionSet::render(set));
             if let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
-                self.scatter(segment, &direct, drawn, segment.ambient_bounces - 1);
+                self.scatter(segment, &direct, (drawn, Lobe::Diffuse), segment.ambient_bounces - 1);
             }
         }
     }
 
     /// Sends a drawn ray on from a lit point.
-    fn scatter(&mut self, segment: &Segment<BANDS>, from: &DirectSampler, drawn: Drawn<BANDS>, ambient_bounces: u32) {
+    fn scatter(
+        &mut self,
+        segment: &Segment<BANDS>,
+        from: &DirectSampler,
+        (drawn, lobe): (Drawn<BANDS>, Lobe),
+        ambient_bounces: u32,
+    ) {
         let throughput = product(segment.throughput, drawn.weight);
-        let Some(throughput) = self.roulette(throughput, segment.depth + 1) else { return };
-        let link = match drawn.density {
-            Density::Continuous(density) => Some(Link {
-                density,
-                receiver: from.point,
-                direction: drawn.direction,
-                peak: from.peak,
-                primitive: from.primitive,
-                length: 0.0,
-                mirrors: [None; MAX_CHAIN],
-                passed: 0,
-                broken: false,
-            }),
-            Density::Delta => segment.link.map(|link| Link { broken: true, ..link }),
+        let reflections = segment.reflections + 1;
+        let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
+        let mut link = match drawn.density {
+            Density::Continuous(density) => {
+                let at = (from.point, drawn.direction);
+                Some(Link::new(density, at, from.peak, from.primitive, lobe))
+            }
+            Density::Delta => segment.link,
         };
+        match (&mut link, drawn.density) {
+            (Some(link), Density::Continuous(_)) if self.plan.lights_are_covered => link.covered(),
+            (Some(link), Density::Delta) => link.lost(),
+            _ => {}
+        }
         self.push(Segment {
             ray: Ray { origin: from.point, direction: drawn.direction.normalize() },
             from: from.primitive,
@@ -443,23 +534,37 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             travelled: from.travelled,
             link,
             depth: segment.depth + 1,
+            reflections,
             ambient_bounces,
+            medium: segment.medium,
+            follows_no_diffuse: false,
             direct_view: false,
         });
     }
 
-    /// Ends weak and long paths without bias; more readily when many branches wait.
-    fn roulette(&mut self, throughput: [f64; BANDS], depth: u32) -> Option<[f64; BANDS]> {
+    /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait.
+    fn go_on(&mut self, throughput: [f64; BANDS], segment: &Segment<BANDS>, reflections: u32) -> Option<[f64; BANDS]> {
         let strongest = throughput.iter().copied().fold(0.0, f64::max);
+        let depth = segment.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {
             return None;
         }
+        let least = self.plan.options.least_weight;
+        let roulette = match self.plan.options.path_limit {
+            PathLimit::Cut(most) if reflections > most || strongest < least => return None,
+            PathLimit::RouletteUpTo(most) if reflections > most => return None,
+            PathLimit::Cut(_) => 0.0,
+            PathLimit::Roulette | PathLimit::RouletteUpTo(_) => least,
+        };
         let crowded = self.waiting.len() + 2 >= MAX_BRANCHES;
-        if depth < ROULETTE_DEPTH && !crowded {
-            return Some(throughput);
-        }
-        let share = if crowded { 1.0 } else { ROULETTE_SHARE };
-        let survival = (strongest / share).min(if crowded { 0.5 } else { 1.0 });
+        let survival = if crowded {
+            strongest.min(0.5)
+        } else {
+            // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
+            let drawn = segment.link.is_some() && depth >= ROULETTE_DEPTH;
+            let share = if drawn { roulette.max(ROULETTE_SHARE) } else { roulette };
+            if share > 0.0 { (strongest / share).min(1.0) } else { 1.0 }
+        };
         if survival >= 1.0 {
             return Some(throughput);
         }
@@ -470,14 +575,11 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     /// The ray met no surface: the first distant source around its direction.
     fn leave(&mut self, segment: &Segment<BANDS>) {
+        let segment = &self.dimmed(segment, self.medium(segment.medium), f64::INFINITY);
         let direction = segment.ray.direction;
-        let found = self.plan.sky.iter().find(|sky| {
-            // 1 − cos between the directions, from the chord: exact for the sun's quarter degree.
-            0.25 * sky.direction.distance_squared(direction) <= sky.cap
-        });
-        let Some(sky) = found else { return };
-        let shader = self.plan.shader(sky.surface);
-        let Kind::Emitter(emitter) = &shader.kind else { return };
+        let plan = self.plan;
+        let Some((surface, shader)) = plan.sky_at(direction, segment.link.is_some()) else { return };
+        let Some(emitter) = shader.kind.emitter() else { return };
         let encounter = Encounter::distant(direction);
         if segment.depth == 0 {
             self.first_hit = Some(FirstHit {
@@ -485,15 +587,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 point: direction,
                 normal: -direction,
                 perturbed_normal: -direction,
-                surface: sky.surface,
+                surface,
                 primitive: PrimitiveId::NONE,
             });
         }
-        let share = self.emission_share(segment, sky.surface, f64::INFINITY, 1.0);
+        let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
         self.emit(segment, shader, emitter, &encounter, share);
     }
 
-    fn emit(
+    pub(crate) fn emit(
         &mut self,
         segment: &Segment<BANDS>,
         shader: &Shader,
@@ -511,38 +613,26 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// How much of the emission that a ray found counts: all of it, unless light sampling could have found it too.
-    fn emission_share(&self, segment: &Segment<BANDS>, surface: SurfaceHandle, distance: f64, cosine: f64) -> f64 {
-        let Some(link) = &segment.link else { return 1.0 };
-        if link.broken {
-            return 1.0;
-        }
-        let first = self.plan.lights_of.partition_point(|(handle, _)| *handle < surface);
-        let passed = link.mirrors[..link.passed].iter().copied();
-        let sampled =
-            self.plan.lights_of[first..].iter().take_while(|(handle, _)| *handle == surface).map(|(_, id)| *id).find(
-                |id| {
-                    let light = &self.plan.lights[id.0 as usize];
-                    passed.clone().eq(light.mirrors.iter().map(|mirror| Some(mirror.surface)))
-                },
-            );
-        let Some(id) = sampled else { return 1.0 };
-        let light = &self.plan.lights[id.0 as usize];
-        let length = link.length + distance;
-        if length > light.max_distance {
-            return 1.0;
-        }
-        // The distance factor of a spotlight belongs to its use as a sampled light; the same light must be found both ways.
-        let focal = if light.focal_distance > 0.0 { (length / (length + light.focal_distance)).powi(2) } else { 1.0 };
-        if light.misses(link.receiver) {
-            return focal;
-        }
-        let cosine = if matches!(light.form, LightForm::Distant { .. }) { 1.0 } else { cosine };
-        let other = light.density(link.receiver, link.direction, length, cosine, &link.peak) * self.selection(link, id);
-        focal * link.density / (link.density + other)
-    }
-
-    fn selection(&self, link: &Link, id: crate::light::LightId) -> f64 {
-        crate::direct::selection_density(self.plan, link.receiver, link.primitive, id)
+    pub(crate) fn emission_share(
+        &self,
+        segment: &Segment<BANDS>,
+        surface: SurfaceHandle,
+        emitter: &Emitter,
+        distance: f64,
+        cosine: f64,
+    ) -> f64 {
+        let Some(link) = &segment.link else {
+            // A glow that is too far away to be sampled is a surface as any other.
+            let total = segment.travelled + distance;
+            let far = matches!(emitter.class, EmitterClass::Glow(radius) if radius >= 0.0 && total > radius);
+            return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
+        };
+        let overcounted = match emitter.class {
+            EmitterClass::Glow(radius) => link.behind_illum || radius < 0.0,
+            EmitterClass::Illum => link.behind_illum,
+            EmitterClass::Light => false,
+        };
+        if overcounted { 0.0 } else { link.share(self.plan, surface, distance, cosine) }
     }
 }
 
@@ -555,6 +645,8 @@ pub(crate) enum Passage {
     Pane { undisturbed: bool },
     /// A scattering surface, going straight through.
     Sheet { undisturbed: bool },
+    /// Into or out of a body; `flat` where what is beyond appears in its place.
+    Refraction { flat: bool },
     /// Any other.
     Other,
 }
@@ -580,7 +672,7 @@ pub(crate) fn emission<const BANDS: usize>(
 }
 
 #[inline]
-fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+pub(crate) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * normal.dot(direction))
 }
 

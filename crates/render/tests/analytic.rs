@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, mean};
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Ring, Sphere};
-use radsight_render::{Quantity, RenderOptions, Skipping};
+use radsight_render::{PathLimit, Quantity, RenderOptions, Skipping};
 use std::f64::consts::PI;
 
 const DOWN: DVec3 = DVec3::new(0.0, 0.0, -1.0);
@@ -92,7 +92,7 @@ fn a_white_furnace_keeps_its_energy() {
     let glow = scene.light([1.0; 3]);
     scene.sphere(wall, Sphere { center: DVec3::ZERO, radius: 2.0, facing: Facing::Inward });
     scene.sphere(glow, Sphere { center: DVec3::ZERO, radius: 0.5, facing: Facing::Outward });
-    let options = RenderOptions { ambient_bounces: 200, ..RenderOptions::default() };
+    let options = RenderOptions { ambient_bounces: 200, path_limit: PathLimit::Roulette, ..RenderOptions::default() };
     let found = mean(&scene, options, DVec3::new(0.0, 0.0, 1.0), DVec3::Z, 1 << 14);
     // Power balance: Φ = πL·A_lamp; a share F of what the wall sends back meets the black lamp, F = A_lamp/A_wall = 1/16. The wall's
     // irradiance E then obeys E·A_wall = Φ + ρ·E·A_wall·(1 − F), and its radiance is ρE/π.

@@ -98,8 +98,9 @@ impl Options {
             "-h" | "-h-" => self.header = false,
             "-h+" => self.header = true,
             "-I" | "-I+" => self.render.quantity = Quantity::Irradiance,
-            "-I-" => self.render.quantity = Quantity::Radiance,
-            "-i-" | "-ld-" | "-w" | "-w+" | "-w-" | "-pRGB" => {}
+            "-i" | "-i+" => self.render.quantity = Quantity::SurfaceIrradiance,
+            "-I-" | "-i-" => self.render.quantity = Quantity::Radiance,
+            "-ld-" | "-w" | "-w+" | "-w-" | "-pRGB" => {}
             "-n" => {
                 self.threads = Some(number(words, word, "a number of threads")?);
                 return Ok(2);

@@ -1,0 +1,258 @@
+//! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
+
+use crate::direct::DirectSampler;
+use crate::geometry::is_flat;
+use crate::light::{Light, LightForm};
+use crate::medium::{Medium, MistKind};
+use crate::options::BackFaces;
+use crate::ray::Hit;
+use crate::refraction::Boundary;
+use crate::shader::{Emitter, Kind, Shader, Substitution, bands};
+use crate::tilt::Peak;
+use crate::trace::{Passage, Segment, Tracer, product};
+use crate::view::Encounter;
+use glam::DVec3;
+use radsight_sampling::DimensionSet;
+
+/// A ray in mist takes no more samples of a light than this, as in Radiance.
+const MAX_MIST_SAMPLES: f64 = 16.0;
+
+impl<const BANDS: usize> Tracer<'_, BANDS> {
+    /// The segment as it arrives at a surface: dimmed by the medium that it crossed, which the surface may know better.
+    pub(crate) fn crossed(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) -> Segment<BANDS> {
+        if !self.plan.has_media {
+            return *segment;
+        }
+        let behind = segment.ray.direction.dot(hit.front) > 0.0;
+        let known = self.medium(segment.medium);
+        let medium = match &shader.kind {
+            Kind::Dielectric(boundary) => match boundary.sides(behind)[0] {
+                Some(transmissivity) => {
+                    let pattern = self.body_appearance(segment, hit, shader).0;
+                    Medium::absorbing(transmissivity, pattern, known.lights)
+                }
+                None => known,
+            },
+            Kind::Mist(mist) if behind => mist.crossed(known, self.body_appearance(segment, hit, shader).0),
+            _ => known,
+        };
+        let mut dimmed = self.dimmed(segment, medium, hit.distance);
+        if medium != known {
+            dimmed.medium = self.add_medium(medium);
+        }
+        dimmed
+    }
+
+    /// Colour of the pattern and perturbation of the front normal of the surface of a body.
+    fn body_appearance(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) -> ([f64; BANDS], DVec3) {
+        let encounter = Encounter::at(&segment.ray, hit, segment.travelled + hit.distance);
+        shader.body_appearance(&self.plan.scene, &encounter, &mut self.workspace.scratch)
+    }
+
+    /// The segment after a distance in a medium; what the medium scatters into it is added to the ray's radiance.
+    pub(crate) fn dimmed(&mut self, segment: &Segment<BANDS>, medium: Medium<BANDS>, distance: f64) -> Segment<BANDS> {
+        if medium.extinction == [0.0; BANDS] {
+            return *segment;
+        }
+        let left = medium.transmission(distance);
+        if medium.scatters() {
+            let ambient: [f64; BANDS] = bands(self.plan.options.ambient_value);
+            for band in 0..BANDS {
+                let scattered = medium.albedo[band] * ambient[band] * (1.0 - left[band]);
+                self.radiance[band] += segment.throughput[band] * scattered;
+            }
+            if medium.scatters_lights() && distance.is_finite() {
+                self.scatter_lights(segment, &medium, distance);
+            }
+        }
+        Segment { throughput: product(segment.throughput, left), ..*segment }
+    }
+
+    /// Adds the light that mist scatters into a segment.
+    fn scatter_lights(&mut self, segment: &Segment<BANDS>, medium: &Medium<BANDS>, distance: f64) {
+        let plan = self.plan;
+        let length = plan.options.mist_sample_length;
+        let samples = if length > 0.0 { (distance / length).round().clamp(1.0, MAX_MIST_SAMPLES) } else { 1.0 };
+        let medium_id = self.add_medium(*medium);
+        for (bit, id) in plan.mist_lights.0.iter().enumerate() {
+            if medium.lights >> bit & 1 == 0 {
+                continue;
+            }
+            let light = &plan.lights[id.0 as usize];
+            let places = PlacesAlong::new(segment, medium, light, distance);
+            for sample in 0..samples as u32 {
+                let u = self.sampler.take(DimensionSet::render(self.next_set));
+                self.next_set += 1;
+                let (along, density) = places.draw((f64::from(sample) + u[0]) / samples, u[3]);
+                let point = segment.ray.at(along);
+                let sampler = DirectSampler {
+                    point,
+                    primitive: None,
+                    highlight_draws: 0,
+                    shares_diffuse: false,
+                    peak: Peak::NONE,
+                    travelled: segment.travelled + along,
+                    medium: medium_id,
+                    drawn: segment.link.is_some(),
+                };
+                let arriving = sampler.light_at(self, light, [u[1], u[2]], |towards| {
+                    medium.phase(segment.ray.direction, towards) / (density * samples)
+                });
+                let left = medium.transmission(along);
+                for band in 0..BANDS {
+                    let scattering = medium.extinction[band] * medium.albedo[band] * left[band];
+                    self.radiance[band] += segment.throughput[band] * scattering * arriving[band];
+                }
+            }
+        }
+    }
+
+    /// A refracting body.
+    pub(crate) fn shade_dielectric(
+        &mut self,
+        segment: &Segment<BANDS>,
+        hit: &Hit,
+        shader: &Shader,
+        boundary: &Boundary,
+    ) {
+        let direction = segment.ray.direction;
+        let behind = direction.dot(hit.front) > 0.0;
+        let (pattern, perturbation) = self.body_appearance(segment, hit, shader);
+        let met = boundary.refract(direction, hit.front, perturbation);
+        self.note_normal(segment, met.normal);
+        if let Some((onward, factor)) = met.onward {
+            let lights = self.medium(segment.medium).lights;
+            let next = match boundary.sides(behind)[1] {
+                Some(transmissivity) => Medium::absorbing(transmissivity, pattern, lights),
+                None => Medium { lights, ..self.global_medium() },
+            };
+            let next = self.add_medium(next);
+            let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO;
+            self.specular_into(segment, hit, (onward, next), [factor; BANDS], Passage::Refraction { flat });
+        }
+        let reflected = met.reflected(direction, hit.front);
+        self.specular(segment, hit, reflected, [met.reflectance; BANDS], Passage::Other);
+    }
+
+    /// The surface of mist: only the medium changes.
+    pub(crate) fn shade_mist(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader, mist: &MistKind) {
+        let pattern = self.body_appearance(segment, hit, shader).0;
+        let medium = self.medium(segment.medium);
+        let behind = segment.ray.direction.dot(hit.front) > 0.0;
+        let next = match behind {
+            true => mist.left(medium, pattern, &self.global_medium()),
+            false => mist.entered(medium, pattern),
+        };
+        let mut onward = self.passed_through(*segment, hit);
+        onward.medium = self.add_medium(next);
+        self.push(onward);
+    }
+
+    /// A light that looks like something else: a drawn ray finds its light, and behind it only lights that it does not stand for.
+    ///
+    /// `segment` is dimmed by the medium in front of the surface, `unseen` is not yet.
+    pub(crate) fn shade_illum(
+        &mut self,
+        [segment, unseen]: [&Segment<BANDS>; 2],
+        hit: &Hit,
+        shader: &Shader,
+        (emitter, substitute): (&Emitter, Substitution),
+        encounter: &Encounter,
+    ) {
+        let behind = segment.ray.direction.dot(hit.front) > 0.0;
+        if behind || segment.link.is_none() {
+            return self.shade_substitute([segment, unseen], hit, substitute);
+        }
+        let share = self.emission_share(segment, hit.surface, emitter, hit.distance, encounter.cosine);
+        self.emit(segment, shader, emitter, encounter, share);
+        let behind_illum = |segment: &Segment<BANDS>| {
+            let mut segment = *segment;
+            if let Some(link) = &mut segment.link {
+                link.behind_illum = true;
+            }
+            segment
+        };
+        self.shade_substitute([&behind_illum(segment), &behind_illum(unseen)], hit, substitute);
+    }
+
+    /// What is seen in place of a surface.
+    pub(crate) fn shade_substitute(
+        &mut self,
+        [segment, unseen]: [&Segment<BANDS>; 2],
+        hit: &Hit,
+        substitute: Substitution,
+    ) {
+        let behind = segment.ray.direction.dot(hit.front) > 0.0;
+        let plan = self.plan;
+        match substitute {
+            Substitution::Shader(id) => {
+                let shader = plan.shader_at(id);
+                let one_sided = plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
+                if !(behind && one_sided) {
+                    return self.shade(unseen, hit, shader);
+                }
+                self.push(self.passed_through(*segment, hit));
+            }
+            Substitution::Void => self.push(self.passed_through(*segment, hit)),
+        }
+    }
+
+    /// Whether a mirror's stand-in is met: a drawn ray that looks for lights by way of the mirror meets the mirror itself.
+    pub(crate) fn is_replaced(&self, segment: &Segment<BANDS>, substitute: Substitution, behind: bool) -> bool {
+        let lets_through = |id| self.plan.shader_at(id).kind.is_transparent();
+        behind || segment.link.is_none() || matches!(substitute, Substitution::Shader(id) if lets_through(id))
+    }
+}
+
+/// Places along a segment in mist: half of them where the light is near, by equal angles as seen from it (Kulla and Fajardo, Computer
+/// Graphics Forum 31, 2012), half where much of the light reaches the viewer.
+struct PlacesAlong {
+    distance: f64,
+    /// Mean extinction, 1/scene unit.
+    extinction: f64,
+    /// How far along the light's centre is nearest, and its distance there; none for a distant light.
+    nearest: Option<(f64, f64)>,
+}
+
+impl PlacesAlong {
+    fn new<const BANDS: usize>(
+        segment: &Segment<BANDS>,
+        medium: &Medium<BANDS>,
+        light: &Light,
+        distance: f64,
+    ) -> PlacesAlong {
+        let extinction = medium.extinction.iter().sum::<f64>() / BANDS as f64;
+        let nearest = (!matches!(light.form, LightForm::Distant { .. })).then(|| {
+            let offset = light.center - segment.ray.origin;
+            let along = offset.dot(segment.ray.direction);
+            let beside = (offset - segment.ray.direction * along).length();
+            (along, beside.max(0.5 * light.radius).max(1e-6 * distance))
+        });
+        PlacesAlong { distance, extinction, nearest }
+    }
+
+    /// A place from a number of the unit interval and another that chooses how; its density, 1/scene unit.
+    fn draw(&self, u: f64, choice: f64) -> (f64, f64) {
+        let Some((along, beside)) = self.nearest else {
+            let place = self.exponential(u);
+            return (place, self.exponential_density(place));
+        };
+        let first = (-along / beside).atan();
+        let range = ((self.distance - along) / beside).atan() - first;
+        let place = if choice < 0.5 { along + beside * (first + u * range).tan() } else { self.exponential(u) };
+        let place = place.clamp(0.0, self.distance);
+        let off = place - along;
+        let by_angle = beside / (range * (beside * beside + off * off));
+        (place, 0.5 * (by_angle + self.exponential_density(place)))
+    }
+
+    fn exponential(&self, u: f64) -> f64 {
+        let lost = -(-self.extinction * self.distance).exp_m1();
+        (-(-u * lost).ln_1p() / self.extinction).min(self.distance)
+    }
+
+    fn exponential_density(&self, place: f64) -> f64 {
+        let lost = -(-self.extinction * self.distance).exp_m1();
+        self.extinction * (-self.extinction * place).exp() / lost
+    }
+}

@@ -1,0 +1,168 @@
+//! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
+
+use crate::direct::selection_density;
+use crate::geometry::RayFrame;
+use crate::light::{Light, LightForm, LightId};
+use crate::plan::RenderPlan;
+use crate::ray::{PrimitiveId, Ray};
+use crate::tilt::Peak;
+use glam::DVec3;
+use radsight_ir::SurfaceHandle;
+
+/// The longest chain of mirrors that is compared with those of mirrored lights.
+const MAX_CHAIN: usize = 4;
+
+/// A ray's last draw from a lobe, and what happened since.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// Density with which the direction was drawn, 1/sr.
+    pub(crate) density: f64,
+    /// Where it was drawn, the direction, and the highlight there.
+    pub(crate) receiver: DVec3,
+    pub(crate) direction: DVec3,
+    pub(crate) peak: Peak,
+    /// The primitive there.
+    pub(crate) primitive: Option<PrimitiveId>,
+    /// From what it was drawn.
+    pub(crate) lobe: Lobe,
+    /// Distance since then.
+    pub(crate) length: f64,
+    /// Mirrors passed since then.
+    mirrors: [Option<SurfaceHandle>; MAX_CHAIN],
+    passed: usize,
+    course: Course,
+    /// Whether an illum was passed that stands for what is behind it, so that only lights that shine through count.
+    pub(crate) behind_illum: bool,
+}
+
+/// What a direction was drawn from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lobe {
+    Diffuse,
+    Highlight,
+}
+
+/// Whether sampling a light could have found the same path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// Straight, but for mirrors and panes.
+    Straight,
+    /// Through a refracting body, as shadow rays go too.
+    Refracted,
+    /// In a way that no light sampling finds.
+    Lost,
+    /// In a way that light sampling finds with all its weight.
+    Covered,
+}
+
+impl Link {
+    pub(crate) fn new(
+        density: f64,
+        (receiver, direction): (DVec3, DVec3),
+        peak: Peak,
+        primitive: Option<PrimitiveId>,
+        lobe: Lobe,
+    ) -> Link {
+        Link {
+            density,
+            receiver,
+            direction,
+            peak,
+            primitive,
+            lobe,
+            length: 0.0,
+            mirrors: [None; MAX_CHAIN],
+            passed: 0,
+            course: Course::Straight,
+            behind_illum: false,
+        }
+    }
+
+    /// After a mirror.
+    pub(crate) fn reflected(&mut self, surface: SurfaceHandle) {
+        if self.passed < MAX_CHAIN {
+            self.mirrors[self.passed] = Some(surface);
+            self.passed += 1;
+        } else {
+            self.lost();
+        }
+    }
+
+    /// After a refraction.
+    pub(crate) fn refracted(&mut self) {
+        if self.course == Course::Straight {
+            self.course = Course::Refracted;
+        }
+    }
+
+    /// After anything that light sampling does not see through.
+    pub(crate) fn lost(&mut self) {
+        if self.course != Course::Covered {
+            self.course = Course::Lost;
+        }
+    }
+
+    /// After what light sampling sees through in its own way.
+    pub(crate) fn covered(&mut self) {
+        self.course = Course::Covered;
+    }
+
+    /// How much of the emission of a surface counts that was found after another `distance` under `cosine`: what light sampling leaves.
+    pub(crate) fn share(&self, plan: &RenderPlan, surface: SurfaceHandle, distance: f64, cosine: f64) -> f64 {
+        let first = plan.lights_of.partition_point(|(handle, _)| *handle < surface);
+        let lights = plan.lights_of[first..].iter().take_while(|(handle, _)| *handle == surface).map(|(_, id)| *id);
+        let mut lights = lights.peekable();
+        if lights.peek().is_none() {
+            return 1.0;
+        }
+        // As in Radiance, diffuse interreflection finds no sampled light by way of a curved mirror: direct light is for lights.
+        let stray = if self.lobe == Lobe::Highlight && !self.behind_illum { 1.0 } else { 0.0 };
+        match self.course {
+            Course::Lost => return stray,
+            Course::Covered => return 0.0,
+            Course::Straight | Course::Refracted => {}
+        }
+        let passed = self.mirrors[..self.passed].iter().copied();
+        let is_seen = |id: &LightId| {
+            let light = &plan.lights[id.0 as usize];
+            passed.clone().eq(light.mirrors.iter().map(|mirror| Some(mirror.surface)))
+        };
+        let Some(id) = lights.find(is_seen) else { return stray };
+        let light = &plan.lights[id.0 as usize];
+        let length = self.length + distance;
+        if length > light.max_distance {
+            return 1.0;
+        }
+        // The distance factor of a spotlight belongs to its use as a sampled light; the same light must be found both ways.
+        let focal = light.focal_factor(length);
+        let straight = match self.course {
+            Course::Refracted => self.straight_view(plan, light),
+            _ => Some((length, if light.radius.is_infinite() { 1.0 } else { cosine })),
+        };
+        let Some((length, cosine)) = straight else { return focal * stray };
+        if light.misses(self.receiver) {
+            return focal;
+        }
+        let selection = selection_density(plan, self.receiver, self.primitive, id);
+        let other = light.density(self.receiver, self.direction, length, cosine, &self.peak) * selection;
+        focal * self.density / (self.density + other)
+    }
+
+    /// Distance and cosine at which the drawn direction would meet the light if nothing bent it.
+    fn straight_view(&self, plan: &RenderPlan, light: &Light) -> Option<(f64, f64)> {
+        if !light.mirrors.is_empty() {
+            return None;
+        }
+        if let LightForm::Distant { direction, half_angle_sin_squared_half, .. } = light.form {
+            let met = 0.25 * direction.distance_squared(self.direction) <= half_angle_sin_squared_half;
+            return met.then_some((f64::INFINITY, 1.0));
+        }
+        let member = light.primitive?.member();
+        let ray = Ray { origin: self.receiver, direction: self.direction };
+        let (frame, scene) = (RayFrame::new(&ray), &plan.scene);
+        let crossing = plan.geometry.intersect(scene, member, &ray, &frame, self.primitive, f64::INFINITY)?;
+        let hit = plan.geometry.hit(scene, &plan.shader_table, &ray, crossing);
+        let cosine = -ray.direction.dot(hit.front);
+        (cosine > 0.0).then_some((hit.distance, cosine))
+    }
+}

@@ -1,0 +1,405 @@
+//! What a shadow ray brings from a light: through panes straight on, through refracting bodies bent, through mist dimmed.
+//!
+//! Where nothing in the scene bends or dims, the order of what stands between does not matter, and one search for anything in the way is
+//! enough. Else the ray is followed from surface to surface as any other. A refracted shadow ray brings light if it still ends on the
+//! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
+
+use crate::direct::DirectSampler;
+use crate::geometry::RayFrame;
+use crate::light::{Light, LightSample, Mirror};
+use crate::medium::Medium;
+use crate::options::BackFaces;
+use crate::plan::RenderPlan;
+use crate::ray::{self, Hit, MemberId, PrimitiveId, Ray};
+use crate::reach::Between;
+use crate::shader::{Kind, Shader, Substitution, bands};
+use crate::surface_light::pane;
+use crate::trace::{Tracer, emission, product, reflect};
+use crate::view::Encounter;
+use glam::DVec3;
+use radsight_cal::Scratch;
+use radsight_ir::Shape;
+
+/// A shadow ray that crosses more surfaces than this is taken to be lost.
+const MAX_CROSSINGS: u32 = 1000;
+
+/// What a surface in the way does to a shadow ray.
+enum Crossing<const BANDS: usize> {
+    Blocked,
+    /// It goes on in this direction, weakened.
+    Onward(DVec3, [f64; BANDS]),
+    /// It goes on in another medium.
+    Into(Medium<BANDS>, DVec3, [f64; BANDS]),
+}
+
+/// A shadow ray on its way.
+struct Walk<const BANDS: usize> {
+    ray: Ray,
+    from: Option<PrimitiveId>,
+    medium: Medium<BANDS>,
+    through: [f64; BANDS],
+    travelled: f64,
+    /// How many of the light's mirrors are behind it.
+    relayed: usize,
+    /// Whether it was bent, so that it may miss.
+    bent: bool,
+}
+
+impl DirectSampler {
+    /// Radiance that arrives from a place on a light which sends `radiance` in a straight line.
+    pub(crate) fn arriving<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        between: &Between,
+        radiance: [f64; BANDS],
+    ) -> [f64; BANDS] {
+        if !tracer.plan.shadows_bend || self.is_clear(tracer, between) {
+            return product(radiance, self.visibility(tracer, light, sample, between));
+        }
+        self.walk(tracer, light, sample, radiance)
+    }
+
+    /// Whether only surfaces that block can be in the way, in a medium that does nothing.
+    fn is_clear<const BANDS: usize>(&self, tracer: &Tracer<'_, BANDS>, between: &Between) -> bool {
+        let plan = tracer.plan;
+        let blocks = |member: &MemberId| {
+            let shader = plan.shader(plan.geometry.surface_of(*member));
+            plan.geometry.is_plain(*member) && !shader.matters_to_shadow_rays()
+        };
+        tracer.medium(self.medium).extinction == [0.0; BANDS]
+            && match between {
+                Between::Dark | Between::Nothing => true,
+                Between::Few(list) => list.iter().all(blocks),
+                Between::Anything => false,
+            }
+    }
+
+    fn walk<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        radiance: [f64; BANDS],
+    ) -> [f64; BANDS] {
+        let plan = tracer.plan;
+        let dark = [0.0; BANDS];
+        let mut walk = Walk {
+            ray: Ray { origin: self.point, direction: sample.direction },
+            from: self.primitive,
+            medium: tracer.medium(self.medium),
+            through: [1.0; BANDS],
+            travelled: self.travelled,
+            relayed: 0,
+            bent: false,
+        };
+        for _ in 0..MAX_CROSSINGS {
+            let Some(hit) = plan.first_hit(&walk.ray, walk.from) else {
+                return leave(&walk, plan, light, radiance);
+            };
+            walk.travelled += hit.distance;
+            if let Some(mirror) = light.mirrors.get(walk.relayed) {
+                if mirror.member.primitive() == hit.primitive {
+                    if !self.relay(tracer, &mut walk, mirror, &hit) {
+                        return dark;
+                    }
+                    continue;
+                }
+            } else if light.primitive == Some(hit.primitive) {
+                return arrive(tracer, &walk, light, &hit, radiance);
+            }
+            let last = walk.relayed == light.mirrors.len();
+            let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
+            let dimmed = walk.medium.shadow_transmission(hit.distance);
+            walk.through = product(walk.through, dimmed);
+            let (direction, weight) = match crossing {
+                Crossing::Blocked => return dark,
+                Crossing::Onward(direction, weight) => (direction, weight),
+                Crossing::Into(medium, direction, weight) => {
+                    walk.medium = medium;
+                    (direction, weight)
+                }
+            };
+            walk.bent |= direction != walk.ray.direction;
+            walk.through = product(walk.through, weight);
+            if walk.through.iter().all(|band| *band <= 0.0) {
+                return dark;
+            }
+            walk.ray = Ray { origin: hit.point, direction };
+            walk.from = Some(hit.primitive);
+        }
+        dark
+    }
+
+    /// Passes a mirror on the way to the light; false where its back is met.
+    fn relay<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        walk: &mut Walk<BANDS>,
+        mirror: &Mirror,
+        hit: &Hit,
+    ) -> bool {
+        if walk.ray.direction.dot(hit.front) >= 0.0 {
+            return false;
+        }
+        walk.through = product(walk.through, walk.medium.shadow_transmission(hit.distance));
+        let before = walk.travelled - self.travelled - hit.distance;
+        let reflectance = self.mirror_reflectance(tracer, mirror, &walk.ray, before + hit.distance);
+        walk.through = product(walk.through, reflectance);
+        walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
+        walk.from = Some(hit.primitive);
+        walk.relayed += 1;
+        walk.through.iter().any(|band| *band > 0.0)
+    }
+
+    /// What a surface does that is neither the light nor a mirror on the way; `target` is the light where it is aimed at itself.
+    fn cross<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'p, BANDS>,
+        walk: &mut Walk<BANDS>,
+        hit: &Hit,
+        mut shader: &'p Shader,
+        target: Option<&Light>,
+    ) -> Crossing<BANDS> {
+        let plan = tracer.plan;
+        let direction = walk.ray.direction;
+        let behind = direction.dot(hit.front) > 0.0;
+        let onward = Crossing::Onward(direction, [1.0; BANDS]);
+        loop {
+            let substitute = match &shader.kind {
+                Kind::Transparent => return onward,
+                Kind::Illum { substitute, .. } => {
+                    let is_weak =
+                        |light: &Light| plan.shader(light.surface).kind.emitter().is_some_and(|e| e.is_weak());
+                    if !behind && target.is_some_and(is_weak) {
+                        return Crossing::Blocked;
+                    }
+                    *substitute
+                }
+                Kind::Mirror { substitute: Some(substitute), .. } => match *substitute {
+                    substitute if behind || !self.drawn => substitute,
+                    Substitution::Shader(id) if plan.shader_at(id).kind.is_transparent() => *substitute,
+                    _ => return Crossing::Blocked,
+                },
+                _ => break,
+            };
+            match substitute {
+                Substitution::Void => return onward,
+                Substitution::Shader(id) => shader = plan.shader_at(id),
+            }
+        }
+        let scene = &plan.scene;
+        let global = tracer.global_medium();
+        let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
+        let scratch = &mut tracer.workspace.scratch;
+        match &shader.kind {
+            Kind::Dielectric(boundary) => {
+                let (pattern, perturbation) = shader.body_appearance::<BANDS>(scene, &encounter, scratch);
+                let [before, after] = boundary.sides(behind);
+                let lights = walk.medium.lights;
+                if let Some(before) = before {
+                    walk.medium = Medium::absorbing(before, pattern, lights);
+                }
+                let after = match after {
+                    Some(after) => Medium::absorbing(after, pattern, lights),
+                    None => Medium { lights, ..global },
+                };
+                match boundary.refract(direction, hit.front, perturbation).onward {
+                    Some((onward, factor)) => Crossing::Into(after, onward, [factor; BANDS]),
+                    None => Crossing::Blocked,
+                }
+            }
+            Kind::Mist(mist) => {
+                let (pattern, _) = shader.body_appearance(scene, &encounter, scratch);
+                let next = if behind {
+                    walk.medium = mist.crossed(walk.medium, pattern);
+                    mist.left(walk.medium, pattern, &global)
+                } else {
+                    mist.entered(walk.medium, pattern)
+                };
+                Crossing::Into(next, direction, [1.0; BANDS])
+            }
+            _ => match straight(plan, shader, (&walk.ray, hit, walk.travelled), scratch) {
+                Some(weight) => Crossing::Onward(direction, weight),
+                None => Crossing::Blocked,
+            },
+        }
+    }
+
+    /// How much of the light comes through where nothing bends: 1 in each band where nothing is in the way.
+    fn visibility<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        between: &Between,
+    ) -> [f64; BANDS] {
+        let mut ray = Ray { origin: self.point, direction: sample.direction };
+        let mut from = self.primitive;
+        let mut left = sample.distance;
+        let mut through = [1.0; BANDS];
+        for mirror in &light.mirrors {
+            let geometry = &tracer.plan.geometry;
+            let frame = RayFrame::new(&ray);
+            let scene = &tracer.plan.scene;
+            let Some(crossing) = geometry.intersect(scene, mirror.member, &ray, &frame, from, left) else {
+                return [0.0; BANDS];
+            };
+            let distance = crossing.distance;
+            if ray.direction.dot(mirror.normal) >= 0.0 {
+                return [0.0; BANDS];
+            }
+            let reflectance = self.mirror_reflectance(tracer, mirror, &ray, distance);
+            through = product(through, reflectance);
+            let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &Between::Anything);
+            through = product(through, clear);
+            ray = Ray { origin: ray.at(distance), direction: mirror.image_of_direction(ray.direction) };
+            from = Some(crossing.primitive);
+            left -= distance;
+            if through.iter().all(|band| *band == 0.0) {
+                return through;
+            }
+        }
+        let target = light.primitive.unwrap_or(PrimitiveId::NONE);
+        product(through, self.segment(tracer, &ray, from, left, target, between))
+    }
+
+    fn mirror_reflectance<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        mirror: &Mirror,
+        ray: &Ray,
+        distance: f64,
+    ) -> [f64; BANDS] {
+        let shader = tracer.plan.relay_shader(mirror.surface);
+        let Kind::Mirror { reflectance, .. } = &shader.kind else { return [0.0; BANDS] };
+        let total = self.travelled + distance;
+        let encounter = Encounter::new(ray, ray.at(distance), mirror.normal, distance, total);
+        let pattern = shader.appearance::<BANDS>(&tracer.plan.scene, &encounter, &mut tracer.workspace.scratch);
+        product(bands(*reflectance), pattern.color)
+    }
+
+    /// One straight piece of a shadow ray, up to the primitive `target`.
+    fn segment<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        distance: f64,
+        target: PrimitiveId,
+        between: &Between,
+    ) -> [f64; BANDS] {
+        let plan = tracer.plan;
+        let mut through = [1.0; BANDS];
+        // The target itself lies at the end, give or take rounding.
+        let end = distance * (1.0 - 1e-9);
+        let travelled = self.travelled;
+        let scratch = &mut tracer.workspace.scratch;
+        let mut block = |crossing: ray::Crossing| {
+            if crossing.primitive == target {
+                return false;
+            }
+            let open = if plan.see_through {
+                let hit = plan.geometry.hit(&plan.scene, &plan.shader_table, ray, crossing);
+                let shader = plan.shader_at(hit.shader);
+                straight(plan, shader, (ray, &hit, travelled + hit.distance), scratch)
+            } else {
+                None
+            };
+            through = product(through, open.unwrap_or([0.0; BANDS]));
+            open.is_none()
+        };
+        match between {
+            Between::Dark => through = [0.0; BANDS],
+            Between::Nothing => {}
+            Between::Few(list) => {
+                let frame = RayFrame::new(ray);
+                for member in list {
+                    if plan.geometry.any_of_member(&plan.scene, *member, (ray, &frame), from, end, &mut block) {
+                        break;
+                    }
+                }
+            }
+            Between::Anything => {
+                plan.geometry.any_between(&plan.scene, ray, from, end, block);
+            }
+        }
+        through
+    }
+}
+
+/// What comes straight through a surface; `None` where it blocks.
+fn straight<const BANDS: usize>(
+    plan: &RenderPlan,
+    shader: &Shader,
+    (ray, hit, travelled): (&Ray, &Hit, f64),
+    scratch: &mut Scratch,
+) -> Option<[f64; BANDS]> {
+    if matches!(shader.kind, Kind::Transparent) {
+        return Some([1.0; BANDS]);
+    }
+    if !shader.lets_light_through() {
+        return None;
+    }
+    // Only what lets light through heeds `-bv-`: in Radiance what is opaque casts shadows from behind too.
+    let behind = ray.direction.dot(hit.front) > 0.0;
+    if behind && plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back() {
+        return Some([1.0; BANDS]);
+    }
+    let encounter = Encounter::at(ray, hit, travelled);
+    let appearance = shader.appearance::<BANDS>(&plan.scene, &encounter, scratch);
+    match &shader.kind {
+        Kind::Glass { transmissivity, refractive_index } => {
+            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
+            Some(product(transmitted, appearance.color))
+        }
+        Kind::Scatterer(scatterer) => {
+            scatterer.passage(shader.home.scene(&plan.scene), &encounter, appearance, scratch)
+        }
+        _ => None,
+    }
+}
+
+/// What a shadow ray brings that met its light.
+fn arrive<const BANDS: usize>(
+    tracer: &mut Tracer<'_, BANDS>,
+    walk: &Walk<BANDS>,
+    light: &Light,
+    hit: &Hit,
+    radiance: [f64; BANDS],
+) -> [f64; BANDS] {
+    let plan = tracer.plan;
+    let mut found = radiance;
+    if walk.bent {
+        if walk.ray.direction.dot(hit.front) >= 0.0 {
+            return [0.0; BANDS];
+        }
+        let shader = plan.shader(light.surface);
+        let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
+        let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
+        found = emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch);
+    }
+    product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
+}
+
+/// What a shadow ray brings that left the scene.
+fn leave<const BANDS: usize>(
+    walk: &Walk<BANDS>,
+    plan: &RenderPlan,
+    light: &Light,
+    radiance: [f64; BANDS],
+) -> [f64; BANDS] {
+    let Shape::Source(source) = plan.scene.surfaces[light.surface].shape else { return [0.0; BANDS] };
+    if walk.relayed < light.mirrors.len() {
+        return [0.0; BANDS];
+    }
+    if walk.bent {
+        let source = &plan.scene.sources[source];
+        let sin = (0.25 * source.extent.full_angle).sin();
+        if 0.25 * source.direction.distance_squared(walk.ray.direction) > sin * sin {
+            return [0.0; BANDS];
+        }
+    }
+    product(product(radiance, walk.through), walk.medium.shadow_transmission(f64::INFINITY))
+}
