@@ -24,6 +24,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("generate", &["cal", "diag", "loader"]),
     ("ir", &["bsdf", "cal", "diag"]),
     ("loader", &[]),
+    ("octree", &["formats", "ir"]),
     ("parse", &["bsdf", "cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),
     ("picture-tools", &["picture"]),

@@ -5,6 +5,7 @@ mod capture;
 mod check;
 mod explain;
 mod install_links;
+mod oconv;
 mod picture;
 mod pinhole;
 mod plugin;
@@ -21,13 +22,14 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    ["rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
+    ["oconv", "rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     let name = words.first()?.as_str();
     match name {
+        "oconv" => return Some(oconv::run(words)),
         "rpict" => return Some(rpict::run(words)),
         "rtrace" => return Some(rtrace::run(&words[1..])),
         "vwrays" => return Some(vwrays::run(&words[1..])),

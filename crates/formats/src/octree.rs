@@ -83,7 +83,7 @@ impl<'a> Octree<'a> {
         let mut out = self.header.to_bytes();
         push_integer(&mut out, MAGIC + INDEX_SIZE as i64, 2);
         for number in self.origin.into_iter().chain([self.size]) {
-            push_string(&mut out, number.to_string().as_bytes());
+            push_string(&mut out, format!("{number:?}").as_bytes());
         }
         if let OctreeContent::Files(files) = &self.content {
             files.iter().for_each(|file| push_string(&mut out, file));

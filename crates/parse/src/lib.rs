@@ -38,6 +38,8 @@ mod xform;
 
 pub use bounds::{Bounds, bounds, cube};
 pub use kind::{Kind, Role};
-pub use lower::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, UnusedModifiers, read_scene};
+pub use lower::{
+    BrdfReplacement, Input, KeepPrimitives, Numbering, Read, ReadOptions, Tolerance, UnusedModifiers, read_scene,
+};
 pub use write::write_scene;
 pub use xform::xform;

@@ -8,6 +8,7 @@ mod log;
 mod materials;
 mod meshes;
 mod modifiers;
+mod numbering;
 mod objects;
 mod octrees;
 mod options;
@@ -19,7 +20,8 @@ mod surfaces;
 mod texts;
 mod volumes;
 
-pub use options::{Input, Read, ReadOptions, Tolerance, UnusedModifiers};
+pub use numbering::Numbering;
+pub use options::{Input, KeepPrimitives, Read, ReadOptions, Tolerance, UnusedModifiers};
 pub use replacement::BrdfReplacement;
 
 use radsight_loader::Loader;

@@ -72,6 +72,7 @@ impl Reader<'_> {
             }
         };
         let surfaces = self.surface_modifiers.len();
+        let numberer = std::mem::take(&mut self.numberer);
         self.modifiers.open_scope();
         let handles = objects.iter().map(|object| {
             if let Some(item) = items.advance() {
@@ -81,6 +82,7 @@ impl Reader<'_> {
         });
         let handles = handles.collect();
         self.modifiers.close_scope();
+        self.numberer = numberer;
         if self.surface_modifiers.len() > surfaces {
             self.log.push(Diagnostic::error(format!("\"{path}\" has surfaces among its materials")).at(span));
         }

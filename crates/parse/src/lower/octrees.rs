@@ -2,6 +2,7 @@
 
 use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle, RawWord};
+use super::numbering::Numberer;
 use super::objects::scene_text;
 use super::reader::{Context, Here, Reader};
 use crate::placement::Placement;
@@ -40,6 +41,7 @@ struct Aside {
     bsdfs: HashMap<String, Option<Handle<BsdfData>>>,
     meshes: Meshes,
     octrees: HashMap<String, Option<Handle<OctreeScene>>>,
+    numberer: Numberer,
 }
 
 impl Reader<'_> {
@@ -52,7 +54,9 @@ impl Reader<'_> {
     pub(super) fn read_octree(&mut self, path: &str, bytes: &[u8]) {
         match Octree::read(bytes) {
             Ok(octree) => {
-                octree.header.history().lines().for_each(|line| self.history.push_line(&String::from_utf8_lossy(line)));
+                let history = octree.header.history();
+                let lines = history.lines().filter(|line| !line.starts_with(b"#?"));
+                lines.for_each(|line| self.history.push_line(&String::from_utf8_lossy(line)));
                 self.read_content(path, &octree, None);
             }
             Err(error) => self.log.push(Diagnostic::error(format!("\"{path}\": {error}"))),
@@ -135,6 +139,7 @@ impl Reader<'_> {
         std::mem::swap(&mut self.bsdfs, &mut aside.bsdfs);
         std::mem::swap(&mut self.meshes, &mut aside.meshes);
         std::mem::swap(&mut self.octrees.by_file, &mut aside.octrees);
+        std::mem::swap(&mut self.numberer, &mut aside.numberer);
     }
 
     fn read_content(&mut self, path: &str, octree: &Octree<'_>, placed_at: Option<Span>) {

@@ -1,6 +1,6 @@
 //! What is read, how, and what comes of it.
 
-use super::BrdfReplacement;
+use super::{BrdfReplacement, Numbering};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use radsight_ir::Scene;
 use radsight_picture::Header;
@@ -32,6 +32,8 @@ pub struct ReadOptions {
     /// Texts with more bytes are forgotten once they were read, unless a message is about them; later messages about them
     /// then have line and column, but do not show the line. Default: 16 MiB.
     pub longest_kept_text: usize,
+    /// Whether the primitives are kept as lists of words and numbers beside the scene. Default: no.
+    pub primitives: KeepPrimitives,
     /// The most surfaces that a scene may have; more is an error instead of an exhausted machine. Default: 50 million.
     pub most_surfaces: usize,
 }
@@ -43,9 +45,20 @@ impl Default for ReadOptions {
             tolerance: Tolerance::AsRadiance,
             brdf: Vec::new(),
             longest_kept_text: 16 << 20,
+            primitives: KeepPrimitives::No,
             most_surfaces: 50_000_000,
         }
     }
+}
+
+/// Whether the primitives of a scene are kept as they will stand in a frozen octree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeepPrimitives {
+    /// They are not.
+    #[default]
+    No,
+    /// They are, in [`Numbering::primitives`].
+    Yes,
 }
 
 /// What becomes of modifiers that no surface uses.
@@ -76,6 +89,8 @@ pub struct Read {
     pub scene: Scene,
     /// All texts that were read.
     pub sources: SourceMap,
+    /// The numbers of the primitives.
+    pub numbering: Numbering,
     /// The headers of the octrees among the inputs: how they came to be, for the header of what is made of them.
     pub history: Header,
     /// What is wrong or suspect, in the order in which it was found.

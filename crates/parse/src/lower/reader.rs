@@ -5,8 +5,9 @@ use super::include::{Inclusions, SceneLoader};
 use super::log::Log;
 use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle};
+use super::numbering::Numberer;
 use super::octrees::Octrees;
-use super::{BrdfReplacement, Input, Read, ReadOptions, Tolerance};
+use super::{BrdfReplacement, Input, KeepPrimitives, Read, ReadOptions, Tolerance};
 use crate::Role;
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
@@ -44,6 +45,7 @@ pub(super) struct Reader<'a> {
     pub(super) bsdf_files: HashMap<String, Option<Arc<Bsdf>>>,
     pub(super) meshes: Meshes,
     pub(super) octrees: Octrees,
+    pub(super) numberer: Numberer,
     /// The headers of octrees among the inputs.
     pub(super) history: Header,
     pub(super) replacements: Vec<BrdfReplacement>,
@@ -89,6 +91,7 @@ impl Here<'_> {
 
 impl<'a> Reader<'a> {
     pub(super) fn new(loader: &'a dyn Loader, options: &'a ReadOptions) -> Self {
+        let modifiers = (options.primitives == KeepPrimitives::Yes).then(HashMap::new);
         Reader {
             loader: Rc::new(SceneLoader::new(loader)),
             options,
@@ -106,6 +109,7 @@ impl<'a> Reader<'a> {
             bsdf_files: HashMap::new(),
             meshes: Meshes::default(),
             octrees: Octrees::default(),
+            numberer: Numberer { modifiers, ..Numberer::default() },
             history: Header::default(),
             replacements: options.brdf.clone(),
             replaced: HashSet::new(),
@@ -188,10 +192,18 @@ impl<'a> Reader<'a> {
 
     pub(super) fn item(&mut self, item: Result<Item<'_>, SyntaxError>, here: Here<'_>) {
         match item {
-            Ok(Item::Primitive(primitive)) if primitive.kind.is_modifier() => self.define(&primitive, here),
-            Ok(Item::Primitive(primitive)) if primitive.kind.role() == Role::Volume => self.volume(&primitive, here),
-            Ok(Item::Primitive(primitive)) => self.surface(&primitive, here),
-            Ok(Item::Alias(alias)) => self.define_alias(&alias, here),
+            Ok(Item::Primitive(primitive)) => {
+                self.number_primitive(&primitive, here);
+                match primitive.kind.role() {
+                    Role::Surface => self.surface(&primitive, here),
+                    Role::Volume => self.volume(&primitive, here),
+                    _ => self.define(&primitive, here),
+                }
+            }
+            Ok(Item::Alias(alias)) => {
+                self.number_alias(&alias);
+                self.define_alias(&alias, here);
+            }
             Ok(Item::Command(place)) => self.command(place, here),
             Ok(Item::Comment(place)) => self.comment(place, here),
             Err(error) => self.log.push(error.diagnostic(here.source)),
@@ -263,6 +275,7 @@ impl<'a> Reader<'a> {
                 self.sources.forget_text(source);
             }
         }
-        Read { scene: self.scene, sources: self.sources, history: self.history, diagnostics, omitted }
+        let numbering = self.numberer.numbering;
+        Read { scene: self.scene, sources: self.sources, numbering, history: self.history, diagnostics, omitted }
     }
 }

@@ -71,6 +71,7 @@ impl Reader<'_> {
         let span = Some(here.span(primitive.place()));
         self.scene.surfaces.add(Surface { name, span, modifier: None, shape });
         self.surface_modifiers.push(modifier);
+        self.numberer.note_surface();
     }
 
     fn has_right_reals(&mut self, primitive: &Primitive<'_>, here: Here<'_>) -> bool {

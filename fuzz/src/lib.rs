@@ -1,0 +1,130 @@
+//! What each fuzz target does with its bytes: reads them as a user's file would be read, and uses what comes of it.
+//!
+//! `cargo fuzz run scene` runs a target on a nightly toolchain. On a stable one
+//! `RUSTFLAGS="$(cat fuzz/instrumentation.flags)" cargo build --release --target TRIPLE` in this folder builds them all; a target
+//! is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`.
+#![forbid(unsafe_code)]
+
+use radsight_formats::{Font, Mesh, Octree};
+use radsight_loader::MemoryLoader;
+use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
+use radsight_picture::{FloatMatrix, Header, Picture, View, ViewOptions, read_image};
+
+/// A name that the bytes have in scenes that ask for them.
+const NAME: &str = "fuzzed";
+
+/// Reads a scene from its text, with the bytes as a file that it may ask for, and uses it.
+fn read(text: &[u8], loader: &MemoryLoader) {
+    let options = ReadOptions { unused: UnusedModifiers::Lower, most_surfaces: 20_000, ..ReadOptions::default() };
+    let read = read_scene(&[Input::Text { name: "scene.rad".to_owned(), text: text.into() }], loader, &options);
+    let _ = (read.render(20), bounds(&read.scene), cube(&read.scene));
+    let mut written = String::new();
+    let _ = write_scene(&read.scene, &mut written);
+    let _ = read.scene.validate();
+}
+
+fn read_with(text: &str, bytes: &[u8]) {
+    read(text.as_bytes(), &MemoryLoader::default().with(NAME, bytes));
+}
+
+/// Scene text, commands included, and the same text through `xform`.
+pub fn scene(bytes: &[u8]) {
+    let ball = "void plastic p 0 0 5 1 1 1 0 0\np sphere ball 0 0 4 0 0 0 1\n";
+    let loader = MemoryLoader::default()
+        .with("ball.rad", ball)
+        .with("a.rad", "!xform -t 1 0 0 ball.rad\n")
+        .with("table.dat", "1 0 1 3 1 2 3\n")
+        .with("f.cal", "f(x) = x*A1;\n");
+    read(bytes, &loader);
+    let argv = ["xform", "-n", "name", "-rx", "30", "-s", "2", "-mx", "-"].map(str::to_owned);
+    let _ = xform(&argv, Some(bytes), &loader);
+}
+
+/// A function file.
+pub fn function(bytes: &[u8]) {
+    let text = format!(
+        "void brightfunc a 2 f(Px,1) {NAME} 0 3 1 2 3\na colorfunc b 4 red green blue {NAME} 0 0\n\
+         b plastic p 0 0 5 1 1 1 0 0\np sphere s 0 0 4 0 0 0 1\n"
+    );
+    read_with(&text, bytes);
+    let loader = MemoryLoader::default().with(NAME, bytes);
+    let argv = ["rcalc", "-f", NAME, "-o", "${f(x,1)} ${red}\n"].map(str::to_owned);
+    let _ = radsight_generate::run(&argv, Some(b"1 2\n3 4\n"), &loader);
+}
+
+/// A data file.
+pub fn data(bytes: &[u8]) {
+    let text = format!(
+        "void brightdata a 5 noop {NAME} . Px Py 0 0\nvoid brightdata b 4 noop {NAME} . Px 0 0\nvoid specfile c 1 {NAME} 0 0\n\
+         a plastic p 0 0 5 1 1 1 0 0\np sphere s 0 0 4 0 0 0 1\n"
+    );
+    read_with(&text, bytes);
+}
+
+/// A picture, a float matrix or another image, and a pattern of it.
+pub fn picture(bytes: &[u8]) {
+    let text =
+        format!("void colorpict a 7 red green blue {NAME} . Px Py 0 0\nvoid specpict b 5 noop {NAME} . Px Py 0 0\n");
+    read_with(&text, bytes);
+    let _ = (read_image(bytes), FloatMatrix::read_first(bytes), Picture::read_partial(bytes));
+    if let Ok(picture) = Picture::read(bytes) {
+        let again = Picture::read(&picture.to_bytes()).expect("what was written can be read");
+        assert!(picture.width() > 0x7fff || again.pixels() == picture.pixels());
+    }
+}
+
+/// A mesh.
+pub fn mesh(bytes: &[u8]) {
+    let _ = Mesh::read(bytes);
+    read_with(&format!("void mesh m 3 {NAME} -rx 30 0 0\n"), bytes);
+}
+
+/// An octree, as a scene and placed.
+pub fn octree(bytes: &[u8]) {
+    let _ = Octree::read(bytes);
+    read(bytes, &MemoryLoader::default().with("scene.rad", "void sphere s 0 0 4 0 0 0 1\n"));
+    read_with(&format!("void instance i 3 {NAME} -rx 30 0 0\n"), bytes);
+}
+
+/// A font.
+pub fn font(bytes: &[u8]) {
+    let _ = Font::read(bytes);
+    let frame = "0 0 0 1 0 0 0 -1 0";
+    read_with(
+        &format!(
+            "void brighttext t 4 {NAME} . a line 0 12 {frame} 1 0 -.1\nvoid brighttext u 2 {NAME} {NAME} 0 11 {frame} 1 0\n"
+        ),
+        bytes,
+    );
+}
+
+/// An IES luminaire.
+pub fn luminaire(bytes: &[u8]) {
+    let loader = MemoryLoader::default().with(NAME, bytes);
+    let argv = ["ies2rad", "-o", "lamp", "-t", "default", NAME].map(str::to_owned);
+    if let Ok(output) = radsight_generate::run(&argv, None, &loader) {
+        let loader = output.files.iter().fold(loader, |loader, (name, content)| loader.with(name, content));
+        read(&output.standard_output, &loader);
+        for (name, content) in &output.files {
+            if name.ends_with(".rad") {
+                read(content, &loader);
+            }
+        }
+    }
+}
+
+/// A view file.
+pub fn view(bytes: &[u8]) {
+    let mut options = ViewOptions::default();
+    if options.apply_file(bytes).is_err() {
+        return;
+    }
+    let _ = (options.to_full_string(), options.to_minimal_string(), Header::read_text(bytes).exposure());
+    let Ok(view) = View::new(options) else { return };
+    for place in [[0.5, 0.5], [0.0, 1.0], [0.3, 0.2], [1e9, -1e9]] {
+        if let Some(ray) = view.ray(place) {
+            let _ = view.locate(ray.origin + ray.direction);
+        }
+    }
+    let _ = (view.crop([0.1, 0.1], [0.7, 0.9]), view.fit(512, 512, 1.0));
+}

@@ -1,0 +1,188 @@
+//! `oconv`: scenes into an octree.
+
+use crate::disk::Commands;
+use crate::failure::{Failure, Outcome, render, say};
+use crate::input::{read, read_file, scene_inputs};
+use crate::output::write_standard_output;
+use glam::DVec3;
+use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
+use radsight_ir::{Cube, Scene};
+use radsight_octree::BuildOptions;
+use radsight_parse::{Input, KeepPrimitives, Read, ReadOptions, UnusedModifiers, bounds, cube};
+use radsight_picture::Header;
+
+/// How much a given cube grows on each side, scene units; as in Radiance.
+const CUBE_MARGIN: f64 = 1e-5;
+
+const USAGE: &str =
+    "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [--allow-commands] [- | scene ...]";
+
+/// What the command line says.
+struct Arguments {
+    /// `-i`
+    octree: Option<String>,
+    /// `-b`
+    cube: Option<Cube>,
+    build: BuildOptions,
+    /// `-f`
+    is_frozen: bool,
+    /// `-w`
+    is_quiet: bool,
+    commands: Commands,
+    files: Vec<String>,
+}
+
+/// Runs the program; `words[0]` is its name.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let arguments = Arguments::read(&words[1..])?;
+    let (mut inputs, mut names) = (Vec::new(), Vec::new());
+    let mut old = None;
+    if let Some(path) = &arguments.octree {
+        let bytes = read_file(path, "octree")?;
+        old = Some(Old::read(path, &bytes)?);
+        inputs.push(Input::Text { name: path.clone(), text: bytes.into() });
+    }
+    names.extend(old.iter().flat_map(|old| old.files.clone()));
+    for file in &arguments.files {
+        names.push(file.clone());
+        match file.starts_with('!') {
+            true => inputs.push(Input::File(file.clone())),
+            false => inputs.extend(scene_inputs(std::slice::from_ref(file), None)?),
+        }
+    }
+    let is_frozen = arguments.is_frozen || arguments.files.iter().any(|file| file == "-");
+    let was_frozen = old.as_ref().is_some_and(|old| old.files.is_empty());
+    if was_frozen && !is_frozen {
+        arguments.warn("the octree of -i is frozen, and so is the new one");
+    }
+    let is_frozen = is_frozen || was_frozen;
+    let read = arguments.read_scene(inputs, is_frozen)?;
+    let cube = arguments.cube(old.as_ref(), &read.scene)?;
+    let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &arguments.build);
+    if built.left_out > 0 {
+        arguments.warn(&format!("{} surfaces too many in one place are left out there", built.left_out));
+    }
+    let content = if is_frozen {
+        OctreeContent::Objects(read.numbering.primitives)
+    } else {
+        OctreeContent::Files(names.iter().map(String::as_bytes).collect())
+    };
+    let octree = Octree {
+        header: header(words, &read.history),
+        origin: cube.origin.to_array(),
+        size: cube.size,
+        object_count: read.numbering.count,
+        content,
+    };
+    let bytes = octree.write(&built.tree).map_err(|error| Failure::input(format!("oconv: {error}")))?;
+    write_standard_output(&bytes)
+}
+
+/// What is kept of the octree of `-i`.
+struct Old {
+    cube: Cube,
+    /// Empty if it is frozen.
+    files: Vec<String>,
+}
+
+impl Old {
+    fn read(path: &str, bytes: &[u8]) -> Result<Old, Failure> {
+        let octree = Octree::read(bytes).map_err(|error| Failure::input(format!("oconv: \"{path}\": {error}")))?;
+        let files = match &octree.content {
+            OctreeContent::Files(files) => {
+                files.iter().map(|file| String::from_utf8_lossy(file).into_owned()).collect()
+            }
+            OctreeContent::Objects(_) => Vec::new(),
+        };
+        Ok(Old { cube: Cube { origin: DVec3::from_array(octree.origin), size: octree.size }, files })
+    }
+}
+
+impl Arguments {
+    fn read(words: &[String]) -> Result<Arguments, Failure> {
+        let mut arguments = Arguments {
+            octree: None,
+            cube: None,
+            build: BuildOptions::default(),
+            is_frozen: false,
+            is_quiet: false,
+            commands: Commands::Refused,
+            files: Vec::new(),
+        };
+        let mut rest = words.iter();
+        while let Some(word) = rest.as_slice().first().filter(|word| word.starts_with('-') && *word != "-") {
+            rest.next();
+            let mut value = || {
+                rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
+            };
+            match word.as_str() {
+                "-i" => arguments.octree = Some(value()?.clone()),
+                "-b" => {
+                    let mut number = || number::<f64>(word, value()?);
+                    let origin = DVec3::new(number()?, number()?, number()?) - CUBE_MARGIN;
+                    arguments.cube = Some(Cube { origin, size: number()? + 2.0 * CUBE_MARGIN });
+                }
+                "-n" => arguments.build.object_limit = number(word, value()?)?,
+                "-r" => arguments.build.resolution = number(word, value()?)?,
+                "-f" => arguments.is_frozen = true,
+                "-w" => arguments.is_quiet = true,
+                "--allow-commands" => arguments.commands = Commands::Allowed,
+                _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
+            }
+        }
+        arguments.files = rest.cloned().collect();
+        if arguments.octree.is_some() && arguments.cube.is_some() {
+            return Err(Failure::usage("oconv: -i and -b both give the cube, expected one of them"));
+        }
+        Ok(arguments)
+    }
+
+    fn read_scene(&self, inputs: Vec<Input>, is_frozen: bool) -> Result<Read, Failure> {
+        let options = ReadOptions {
+            primitives: if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No },
+            unused: UnusedModifiers::Skip,
+            ..ReadOptions::default()
+        };
+        let read = read(inputs, self.commands, &options);
+        if read.has_errors() {
+            return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
+        }
+        if !self.is_quiet {
+            say(&render(&read.diagnostics, &read.sources));
+        }
+        Ok(read)
+    }
+
+    /// The cube that is asked for, or the one around the scene.
+    fn cube(&self, old: Option<&Old>, scene: &Scene) -> Result<Cube, Failure> {
+        let Some(given) = self.cube.or(old.map(|old| old.cube).filter(|cube| cube.size > 0.0)) else {
+            return Ok(cube(scene).unwrap_or_default());
+        };
+        let (low, high) = (given.origin, given.origin + given.size);
+        match bounds(scene) {
+            Some(found) if found.low.cmplt(low).any() || found.high.cmpgt(high).any() => {
+                Err(Failure::input("oconv: the cube does not hold the whole scene"))
+            }
+            _ => Ok(given),
+        }
+    }
+
+    fn warn(&self, message: &str) {
+        if !self.is_quiet {
+            say(&format!("oconv: warning - {message}\n"));
+        }
+    }
+}
+
+fn number<T: std::str::FromStr>(option: &str, word: &str) -> Result<T, Failure> {
+    word.parse().map_err(|_| Failure::usage(format!("oconv: option \"{option}\" is \"{word}\", expected a number")))
+}
+
+/// Where the octree comes from, that of `-i` included.
+fn header(words: &[String], history: &Header) -> Header {
+    let mut header = Header::new("RADIANCE");
+    history.lines().for_each(|line| header.push_line(&String::from_utf8_lossy(line)));
+    header.push_command(words.iter().map(String::as_str));
+    header.push_variable("FORMAT", OCTREE_FORMAT);
+    header
+}
