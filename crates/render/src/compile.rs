@@ -10,7 +10,8 @@ use crate::scatter::Look;
 use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, Shader, Step, Substitution};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
-    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Substitute, Texture, ValidScene,
+    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Shape, Substitute, Texture,
+    ValidScene,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -56,7 +57,7 @@ fn compile_for(
     bands: usize,
 ) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
     let mut compiler = Compiler { models, bands, shaders: Vec::new(), errors: Vec::new(), octrees: HashMap::new() };
-    let table = compiler.compile_scene(scene, &Home::default());
+    let table = compiler.compile_scene(scene, &Home::default(), Use::Shown);
     let Compiler { shaders, errors, .. } = compiler;
     if errors.is_empty() { Ok((shaders, table)) } else { Err(errors) }
 }
@@ -66,32 +67,47 @@ struct Compiler<'a> {
     bands: usize,
     shaders: Vec<Shader>,
     errors: Vec<Diagnostic>,
-    octrees: HashMap<*const Scene, Arc<ShaderTable>>,
+    octrees: HashMap<(*const Scene, Use), Arc<ShaderTable>>,
 }
 
-/// What stands in the table for a modifier that nothing names.
+/// Whether modifiers of a scene are used, or those of its instances override them all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Use {
+    Shown,
+    Overridden,
+}
+
+/// What stands in the table for a modifier that nothing uses.
 const NO_SHADER: ShaderId = ShaderId(u32::MAX);
 
 impl Compiler<'_> {
-    fn compile_scene(&mut self, scene: &Scene, home: &Home) -> ShaderTable {
+    fn compile_scene(&mut self, scene: &Scene, home: &Home, used: Use) -> ShaderTable {
         let mut of_modifier = vec![NO_SHADER; scene.modifiers.len() + 1];
         let of_surfaces = scene.surfaces.items().iter().map(|surface| surface.modifier);
         let of_triangles =
             scene.meshes.items().iter().flat_map(|mesh| &mesh.triangles).map(|triangle| triangle.modifier);
-        for modifier in of_surfaces.chain(of_triangles) {
+        let modifiers = of_surfaces.chain(of_triangles).filter(|_| used == Use::Shown);
+        for modifier in modifiers {
             self.compile_chain(&mut Chains { scene, home, of_modifier: &mut of_modifier, nesting: 0 }, modifier);
         }
-        let octrees = scene.octrees.items().iter().map(|octree| self.compile_octree(&octree.scene));
+        let mut uses = vec![Use::Overridden; scene.octrees.len()];
+        for surface in scene.surfaces.items() {
+            if let (Shape::Instance(handle), None) = (surface.shape, surface.modifier) {
+                uses[scene.instances[handle].octree.index()] = used;
+            }
+        }
+        let octrees =
+            scene.octrees.items().iter().zip(uses).map(|(octree, used)| self.compile_octree(&octree.scene, used));
         ShaderTable { octrees: octrees.collect(), of_modifier }
     }
 
     /// A scene that several others place is compiled once.
-    fn compile_octree(&mut self, scene: &Arc<Scene>) -> Arc<ShaderTable> {
-        let key = Arc::as_ptr(scene);
+    fn compile_octree(&mut self, scene: &Arc<Scene>, used: Use) -> Arc<ShaderTable> {
+        let key = (Arc::as_ptr(scene), used);
         if let Some(known) = self.octrees.get(&key) {
             return known.clone();
         }
-        let table = Arc::new(self.compile_scene(scene, &Home(Some(scene.clone()))));
+        let table = Arc::new(self.compile_scene(scene, &Home(Some(scene.clone())), used));
         self.octrees.insert(key, table.clone());
         table
     }

@@ -91,8 +91,9 @@ impl RenderPlan {
         let sky = collect_sky(&scene, shader);
         let any = |is: fn(&Kind) -> bool| shaders.iter().any(|shader| is(&shader.kind));
         let see_through = shaders.iter().any(|shader| shader.lets_light_through())
-            || geometry
-                .holds_void(&scene, &shader_table, |id| matches!(shaders[id.0 as usize].kind, Kind::Transparent));
+            || geometry.holds_void(&scene, &shader_table, |id| {
+                shaders.get(id.0 as usize).is_some_and(|shader| matches!(shader.kind, Kind::Transparent))
+            });
         let in_medium = !options.medium.extinction.is_black();
         let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
