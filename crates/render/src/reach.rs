@@ -76,7 +76,6 @@ impl Reach {
         let tolerance = IN_PLANE * radius;
         let receivers = bodies
             .iter()
-            .take_while(|body| geometry.is_plain(body.member))
             .map(|body| Receiver {
                 between: lights.iter().map(|light| between(body, light, &bodies, tolerance)).collect(),
                 sees_only_lights: !unsampled_sky && sees_only_lights(body, &bodies, lights, tolerance),

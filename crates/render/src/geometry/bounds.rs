@@ -4,7 +4,7 @@ use glam::DVec3;
 use radsight_ir::Transform;
 
 /// An axis-aligned box in double precision.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Bounds {
     pub(crate) min: DVec3,
     pub(crate) max: DVec3,

@@ -12,6 +12,8 @@ use radsight_ir::{Mesh, MeshTriangle};
 #[derive(Debug)]
 pub(super) struct MeshGeometry {
     hierarchy: Hierarchy,
+    /// The corners by slot, and the index of the triangle there.
+    slots: Vec<([u32; 3], u32)>,
     nearest: f64,
 }
 
@@ -26,23 +28,29 @@ pub(super) struct MeshPoint {
 
 impl MeshGeometry {
     pub(super) fn build(mesh: &Mesh) -> MeshGeometry {
-        let boxes: Vec<Bounds> = mesh.triangles.iter().map(|triangle| bounds(mesh, triangle)).collect();
-        let hierarchy = Hierarchy::build(&boxes);
+        let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
+        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of);
+        let slots = order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();
-        MeshGeometry { hierarchy, nearest }
+        MeshGeometry { hierarchy, slots, nearest }
+    }
+
+    /// Which triangle a primitive is.
+    pub(super) fn triangle<'m>(&self, mesh: &'m Mesh, primitive: PrimitiveId) -> &'m MeshTriangle {
+        &mesh.triangles[self.slots[primitive.0 as usize].1 as usize]
     }
 
     pub(super) fn bounds(&self) -> Bounds {
         self.hierarchy.bounds()
     }
 
-    /// The first triangle along the ray, `from` excluded; primitives are triangles.
+    /// The first triangle along the ray, `from` excluded; primitives are triangles, by slot.
     pub(super) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut best = None;
-        self.hierarchy.visit(ray, limits.farthest, |index| {
-            if let Some(crossing) = crossing(mesh, index, ray, &frame, from, &limits) {
+        self.hierarchy.visit(ray, limits.farthest, |slot| {
+            if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits) {
                 limits.farthest = crossing.distance;
                 best = Some(crossing);
             }
@@ -63,43 +71,43 @@ impl MeshGeometry {
         let frame = RayFrame::new(ray);
         let limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut blocked = false;
-        self.hierarchy.visit(ray, limits.farthest, |index| {
-            blocked = blocked || crossing(mesh, index, ray, &frame, from, &limits).is_some_and(&mut *block);
+        self.hierarchy.visit(ray, limits.farthest, |slot| {
+            blocked = blocked || self.crossing(mesh, slot, ray, &frame, from, &limits).is_some_and(&mut *block);
             if blocked { -1.0 } else { limits.farthest }
         });
         blocked
     }
-}
 
-fn crossing(
-    mesh: &Mesh,
-    index: u32,
-    ray: &Ray,
-    frame: &RayFrame,
-    from: Option<PrimitiveId>,
-    limits: &Limits,
-) -> Option<Crossing> {
-    let primitive = PrimitiveId(u64::from(index));
-    if from == Some(primitive) {
-        return None;
+    #[inline]
+    fn crossing(
+        &self,
+        mesh: &Mesh,
+        slot: u32,
+        ray: &Ray,
+        frame: &RayFrame,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let primitive = PrimitiveId(u64::from(slot));
+        let corners = corners(mesh, self.slots[slot as usize].0);
+        let distance = polygon::intersect_triangle(&corners, ray, frame, limits.range())?;
+        (from != Some(primitive)).then_some(Crossing { distance, primitive })
     }
-    let corners = corners(mesh, &mesh.triangles[index as usize]);
-    let distance = polygon::intersect(&corners, ray, frame, limits.range())?;
-    Some(Crossing { distance, primitive })
 }
 
-fn corners(mesh: &Mesh, triangle: &MeshTriangle) -> [DVec3; 3] {
-    triangle.vertices.map(|vertex| mesh.vertices[vertex as usize])
+#[inline]
+fn corners(mesh: &Mesh, vertices: [u32; 3]) -> [DVec3; 3] {
+    vertices.map(|vertex| mesh.vertices[vertex as usize])
 }
 
-fn bounds(mesh: &Mesh, triangle: &MeshTriangle) -> Bounds {
-    let [a, b, c] = corners(mesh, triangle);
+fn bounds(mesh: &Mesh, vertices: [u32; 3]) -> Bounds {
+    let [a, b, c] = corners(mesh, vertices);
     Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
 }
 
 /// What a mesh is like at a point of a triangle.
 pub(super) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
-    let corners = corners(mesh, triangle);
+    let corners = corners(mesh, triangle.vertices);
     let area = polygon::area_vector(&corners);
     let front = area.normalize_or(DVec3::Z);
     let mut found = MeshPoint { front, smooth: None, uv: [0.0; 2] };

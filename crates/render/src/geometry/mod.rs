@@ -1,13 +1,14 @@
 //! Exact intersections under bounding volume hierarchies.
 //!
 //! Each mesh and each scene that is placed in another has one hierarchy, in its own coordinates, which all its copies share: a ray that
-//! meets the box of a copy goes on in there. [`PrimitiveId`]s number what a ray can hit without gaps through all copies: first the
-//! surfaces that hold no others, then the content of each mesh and instance, one after the other.
+//! meets the box of a copy goes on in there. [`PrimitiveId`]s number what a ray can hit through all copies: first the members, then the
+//! content of each mesh and instance, one after the other.
 
 mod bounds;
 mod cone;
 mod disk;
 mod hierarchy;
+mod hierarchy_build;
 mod mesh;
 mod polygon;
 mod sphere;
@@ -20,7 +21,9 @@ use glam::DVec3;
 use hierarchy::Hierarchy;
 use mesh::MeshGeometry;
 use radsight_diag::Diagnostic;
-use radsight_ir::{Instance, Mesh, MeshInstance, Scene, Shape, Surface, SurfaceHandle, Transform, ValidScene};
+use radsight_ir::{
+    Instance, Mesh, MeshInstance, MeshTriangle, Scene, Shape, Surface, SurfaceHandle, Transform, ValidScene,
+};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -53,13 +56,15 @@ impl Limits {
 }
 
 /// All surfaces of a scene that a ray can hit at a finite distance.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Geometry {
-    /// The surface of each member: first the plain ones, then those that hold others.
+    /// The surface of each member; members stand in the order of the hierarchy's slots.
     members: Vec<SurfaceHandle>,
-    /// How many of them are plain.
-    plain: u32,
-    /// The first primitive of each member that is not plain, and the number of all primitives.
+    /// Their shapes, beside each other for the rays.
+    shapes: Vec<Shape>,
+    /// The members that hold others, ascending.
+    holders: Vec<MemberId>,
+    /// The first primitive in each of them, and the number of all primitives.
     firsts: Vec<u64>,
     hierarchy: Hierarchy,
     nearest: f64,
@@ -103,40 +108,45 @@ impl Geometry {
             known.insert(key, geometry.clone());
             octrees.push(geometry);
         }
-        let mut geometry = Geometry {
-            members: Vec::new(),
-            plain: 0,
-            firsts: Vec::new(),
-            hierarchy: Hierarchy::build(&[]),
-            nearest: 0.0,
-            meshes,
-            octrees,
+        let mut geometry = Geometry { meshes, octrees, ..Geometry::default() };
+        let has_content = |handle: SurfaceHandle, shape| match shape {
+            Shape::Source(_) => false,
+            Shape::Mesh(_) | Shape::Instance(_) => geometry.primitives_in(scene, shape) > 0,
+            _ => wanted(handle),
         };
-        let mut boxes = Vec::new();
-        let holds_others = |shape| matches!(shape, Shape::Mesh(_) | Shape::Instance(_));
-        for (handle, surface) in scene.surfaces.iter() {
-            if holds_others(surface.shape) || !wanted(handle) {
-                continue;
-            }
-            if let Some(bounds) = geometry.bounds(scene, surface.shape) {
-                geometry.members.push(handle);
-                boxes.push(bounds);
-            }
-        }
-        geometry.plain = geometry.members.len() as u32;
-        geometry.firsts.push(u64::from(geometry.plain));
-        for (handle, surface) in scene.surfaces.iter().filter(|(_, surface)| holds_others(surface.shape)) {
-            let count = geometry.primitives_in(scene, surface.shape);
-            let first = geometry.firsts[geometry.firsts.len() - 1];
-            if let (Some(bounds), true) = (geometry.bounds(scene, surface.shape), count > 0) {
-                geometry.members.push(handle);
-                boxes.push(bounds);
-                geometry.firsts.push(first.checked_add(count).filter(|end| *end < u64::MAX).ok_or_else(too_many)?);
-            }
-        }
-        geometry.hierarchy = Hierarchy::build(&boxes);
-        geometry.nearest = SELF_HIT * geometry.hierarchy.bounds().reach();
+        let handles: Vec<SurfaceHandle> = scene
+            .surfaces
+            .iter()
+            .filter(|(handle, surface)| has_content(*handle, surface.shape))
+            .map(|(h, _)| h)
+            .collect();
+        let bounds_of = |index: usize| {
+            let shape = scene.surfaces[handles[index]].shape;
+            geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
+        };
+        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of);
+        geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
+        geometry.hierarchy = hierarchy;
+        geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
+        geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
+        geometry.number_primitives(scene)?;
         Ok(geometry)
+    }
+
+    fn number_primitives(&mut self, scene: &Scene) -> Result<(), Diagnostic> {
+        let mut end = self.members.len() as u64;
+        self.firsts.push(end);
+        for (index, shape) in self.shapes.iter().enumerate() {
+            if matches!(shape, Shape::Mesh(_) | Shape::Instance(_)) {
+                end = end
+                    .checked_add(self.primitives_in(scene, *shape))
+                    .filter(|end| *end < u64::MAX)
+                    .ok_or_else(too_many)?;
+                self.holders.push(MemberId(index as u32));
+                self.firsts.push(end);
+            }
+        }
+        Ok(())
     }
 
     /// How many primitives a mesh or an instance holds.
@@ -197,28 +207,28 @@ impl Geometry {
     }
 
     /// Whether a member holds no other surfaces, so that its own name is that of its primitive.
+    #[inline]
     pub(crate) fn is_plain(&self, member: MemberId) -> bool {
-        member.0 < self.plain
+        !matches!(self.shapes[member.0 as usize], Shape::Mesh(_) | Shape::Instance(_))
     }
 
     /// The member that a primitive belongs to, and the number of the primitive within it.
     fn member_of(&self, primitive: PrimitiveId) -> (MemberId, PrimitiveId) {
-        if primitive.0 < u64::from(self.plain) {
+        if primitive.0 < self.members.len() as u64 {
             return (MemberId(primitive.0 as u32), PrimitiveId(0));
         }
         let holder = self.firsts.partition_point(|first| *first <= primitive.0) - 1;
-        (MemberId(self.plain + holder as u32), PrimitiveId(primitive.0 - self.firsts[holder]))
+        (self.holders[holder], PrimitiveId(primitive.0 - self.firsts[holder]))
     }
 
-    /// The first primitive of a member that holds others.
-    fn first_of(&self, member: MemberId) -> u64 {
-        self.firsts[(member.0 - self.plain) as usize]
+    /// The primitives of a member that holds others.
+    fn primitives_of(&self, member: MemberId) -> Range<u64> {
+        let holder = self.holders.partition_point(|holder| holder.0 < member.0);
+        self.firsts[holder]..self.firsts[holder + 1]
     }
 
-    /// The number of a primitive within a member that holds others, if it lies in there.
-    fn within(&self, member: MemberId, primitive: Option<PrimitiveId>) -> Option<PrimitiveId> {
-        let holder = (member.0 - self.plain) as usize;
-        let range = self.firsts[holder]..self.firsts[holder + 1];
+    /// The number of a primitive among those of a member, if it is one of them.
+    fn within(range: &Range<u64>, primitive: Option<PrimitiveId>) -> Option<PrimitiveId> {
         primitive
             .filter(|primitive| range.contains(&primitive.0))
             .map(|primitive| PrimitiveId(primitive.0 - range.start))
@@ -275,12 +285,15 @@ impl Geometry {
     ) -> Option<Crossing> {
         let range = limits.range();
         let from_here = from == Some(member.primitive());
-        let distance = match scene.surfaces[self.members[member.0 as usize]].shape {
+        let distance = match self.shapes[member.0 as usize] {
             // A flat surface is never met again by a ray that starts on it.
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
             Shape::Polygon { start, count } => {
                 let vertices = &scene.vertices[start as usize..][..count as usize];
-                polygon::intersect(vertices, ray, frame, range)
+                match vertices.try_into() {
+                    Ok(triangle) => polygon::intersect_triangle(triangle, ray, frame, range),
+                    Err(_) => polygon::intersect(vertices, ray, frame, range),
+                }
             }
             Shape::Sphere(handle) => sphere::intersect(&scene.spheres[handle], ray, range),
             Shape::Cone(handle) => cone::intersect(&scene.cones[handle], ray, range),
@@ -301,8 +314,9 @@ impl Geometry {
         from: Option<PrimitiveId>,
         limits: &Limits,
     ) -> Option<Crossing> {
-        let from = self.within(member, from);
-        let (scale, found) = match scene.surfaces[self.members[member.0 as usize]].shape {
+        let primitives = self.primitives_of(member);
+        let from = Geometry::within(&primitives, from);
+        let (scale, found) = match self.shapes[member.0 as usize] {
             Shape::Mesh(handle) => {
                 let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
                 let local = limits.seen_from(to_scene.scale);
@@ -321,7 +335,7 @@ impl Geometry {
         };
         let Crossing { distance, primitive } = found?;
         let distance = distance * scale;
-        let primitive = PrimitiveId(self.first_of(member) + primitive.0);
+        let primitive = PrimitiveId(primitives.start + primitive.0);
         (distance < limits.farthest).then_some(Crossing { distance, primitive })
     }
 
@@ -389,9 +403,10 @@ impl Geometry {
         limits: &Limits,
         block: &mut dyn FnMut(Crossing) -> bool,
     ) -> bool {
-        let from = self.within(member, from);
-        let first = self.first_of(member);
-        match scene.surfaces[self.members[member.0 as usize]].shape {
+        let primitives = self.primitives_of(member);
+        let from = Geometry::within(&primitives, from);
+        let first = primitives.start;
+        match self.shapes[member.0 as usize] {
             Shape::Mesh(handle) => {
                 let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
                 let (local, ray) = (limits.seen_from(to_scene.scale), ray.seen_from(to_scene));
@@ -414,9 +429,9 @@ impl Geometry {
     #[inline]
     pub(crate) fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
         let Crossing { distance, primitive } = crossing;
-        if primitive.0 < u64::from(self.plain) {
+        if primitive.0 < self.members.len() as u64 {
             let surface = self.members[primitive.0 as usize];
-            let Surface { modifier, shape, .. } = scene.surfaces[surface];
+            let (modifier, shape) = (scene.surfaces[surface].modifier, self.shapes[primitive.0 as usize]);
             let (point, front) = surface_point(scene, shape, ray.at(distance));
             return Hit { distance, primitive, surface, shader: shaders.of(modifier), point, front, placed: None };
         }
@@ -438,7 +453,8 @@ impl Geometry {
         match surface.shape {
             Shape::Mesh(handle) => {
                 let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
-                describe_triangle(&scene.meshes[*mesh], to_scene, surface, shaders, inner, point)
+                let triangle = self.meshes[mesh.index()].triangle(&scene.meshes[*mesh], inner);
+                describe_triangle((&scene.meshes[*mesh], triangle), to_scene, surface, shaders, point)
             }
             Shape::Instance(handle) => {
                 let Instance { octree, to_scene } = &scene.instances[handle];
@@ -463,8 +479,8 @@ impl Geometry {
         let surface = &scene.surfaces[handle];
         match surface.shape {
             Shape::Mesh(placed) if surface.modifier.is_none() => {
-                let mesh = &scene.meshes[scene.mesh_instances[placed].mesh];
-                match mesh.triangles[inner.0 as usize].modifier {
+                let mesh = scene.mesh_instances[placed].mesh;
+                match self.meshes[mesh.index()].triangle(&scene.meshes[mesh], inner).modifier {
                     None => [scene.surface_name(handle), "void"],
                     modifier => [TRIANGLE_NAME, scene.modifier_name(modifier)],
                 }
@@ -507,15 +523,13 @@ fn shifted(block: &mut dyn FnMut(Crossing) -> bool, first: u64, scale: f64) -> i
 
 /// A triangle has its own modifier, in the coordinates of the mesh, unless the surface's modifier overrides it.
 fn describe_triangle(
-    mesh: &Mesh,
+    (mesh, triangle): (&Mesh, &MeshTriangle),
     to_scene: &Transform,
     surface: &Surface,
     shaders: &ShaderTable,
-    index: PrimitiveId,
     point: DVec3,
 ) -> Described {
     let to_local = to_scene.inverse();
-    let triangle = &mesh.triangles[index.0 as usize];
     let found = mesh::mesh_point(mesh, triangle, to_local.point(point));
     let front = to_scene.direction(found.front);
     let perturbation = found.smooth.map_or(DVec3::ZERO, |smooth| to_scene.direction(smooth) - front);

@@ -10,8 +10,8 @@ use std::ops::Range;
 /// (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayFrame {
-    axes: [usize; 3],
-    shear: [f64; 2],
+    u: DVec3,
+    v: DVec3,
 }
 
 impl RayFrame {
@@ -27,14 +27,18 @@ impl RayFrame {
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let d = ray.direction.to_array();
-        RayFrame { axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z]] }
+        let axis = |axis: usize| {
+            let mut projection = [0.0; 3];
+            projection[axis] = 1.0;
+            projection[z] = -d[axis] / d[z];
+            DVec3::from_array(projection)
+        };
+        RayFrame { u: axis(x), v: axis(y) }
     }
 
     #[inline]
     fn project(&self, point: DVec3) -> (f64, f64) {
-        let p = point.to_array();
-        let z = p[self.axes[2]];
-        (p[self.axes[0]] - self.shear[0] * z, p[self.axes[1]] - self.shear[1] * z)
+        (self.u.dot(point), self.v.dot(point))
     }
 }
 
@@ -49,22 +53,39 @@ pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: 
     (distance > range.start && distance < range.end).then_some(distance)
 }
 
+/// [`intersect`] for three vertices.
+#[inline]
+pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    let from_origin = vertices.map(|vertex| vertex - ray.origin);
+    let [a, b, c] = from_origin.map(|vertex| frame.project(vertex));
+    if !(crosses(c, a) ^ crosses(a, b) ^ crosses(b, c)) {
+        return None;
+    }
+    let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]);
+    let distance = normal.dot(from_origin[0]) / normal.dot(ray.direction);
+    (distance > range.start && distance < range.end).then_some(distance)
+}
+
 /// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive half axis.
 #[inline]
 fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
     let mut inside = false;
-    let (mut u0, mut v0) = frame.project(vertices[vertices.len() - 1] - origin);
+    let mut previous = frame.project(vertices[vertices.len() - 1] - origin);
     for vertex in vertices {
-        let (u1, v1) = frame.project(*vertex - origin);
-        if (v0 >= 0.0) != (v1 >= 0.0) {
-            // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a
-            // crossing at zero counts for neither of the polygons that share the edge.
-            let determinant = u0 * v1 - u1 * v0;
-            inside ^= if v1 > v0 { determinant > 0.0 } else { determinant < 0.0 };
-        }
-        (u0, v0) = (u1, v1);
+        let next = frame.project(*vertex - origin);
+        inside ^= crosses(previous, next);
+        previous = next;
     }
     inside
+}
+
+/// Whether an edge crosses the positive half of the u axis.
+#[inline]
+fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
+    // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a crossing at
+    // zero counts for neither of the polygons that share the edge.
+    let determinant = u0 * v1 - u1 * v0;
+    (v0 >= 0.0) != (v1 >= 0.0) && if v1 > v0 { determinant > 0.0 } else { determinant < 0.0 }
 }
 
 /// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
