@@ -90,6 +90,12 @@ pub(crate) fn pipeline(commands: Vec<Command>) -> Vec<u8> {
     last.done()
 }
 
+/// Runs any program with nothing on standard input.
+pub(crate) fn finish_command(command: &mut Command) -> Run {
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    finish(command.spawn().expect("the program starts"))
+}
+
 fn finish(child: Child) -> Run {
     let output = child.wait_with_output().expect("the program ends");
     Run {

@@ -43,6 +43,16 @@ impl Radiance {
         command
     }
 
+    /// Its folder of function files.
+    pub(crate) fn library(&self) -> Option<PathBuf> {
+        self.home.as_ref().map(|home| home.join("lib"))
+    }
+
+    /// Where it and what should do the same look for files: the working directory, then its library.
+    pub(crate) fn raypath(&self) -> String {
+        self.library().map_or_else(|| ".".to_owned(), |library| format!(".:{}", library.display()))
+    }
+
     /// An octree of scene files.
     pub(crate) fn octree(&self, folder: &Folder, scenes: &[&str]) -> String {
         let mut command = self.command("oconv", scenes);

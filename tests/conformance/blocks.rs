@@ -1,0 +1,144 @@
+//! How one picture agrees with another: the mean, and the distribution of differences over blocks of pixels.
+
+use radsight_picture::Image;
+use std::fmt;
+
+/// A block agrees when it is within this share of the reference.
+const TOLERANCE: f64 = 0.05;
+
+/// Or within so many standard errors of the reference's own noise.
+const STANDARD_ERRORS: f64 = 3.0;
+
+/// Blocks darker than this share of the mean are compared with it instead.
+const DARK: f64 = 0.01;
+
+/// A comparison.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Agreement {
+    /// Mean over mean, less one.
+    pub(crate) mean: f64,
+    /// Standard error of the reference's mean, as a share of it.
+    pub(crate) mean_error: f64,
+    /// Share of the blocks that agree, 0…1.
+    pub(crate) blocks: f64,
+    /// The difference that 95 % of the blocks stay below, as a share.
+    pub(crate) percentile_95: f64,
+}
+
+impl Agreement {
+    /// Compares two pictures of the same size in blocks of `side` pixels. `noise` is the standard error of each of the
+    /// reference's values, if it is known; else it is estimated from what a plane through each block leaves over.
+    ///
+    /// # Panics
+    /// If the sizes differ.
+    pub(crate) fn new(actual: &Image<f32>, expected: &Image<f32>, noise: Option<&Image<f32>>, side: usize) -> Agreement {
+        let size = (expected.width(), expected.height());
+        assert_eq!((actual.width(), actual.height()), size, "the size of the picture");
+        let expected_mean = mean(expected);
+        let mut differences = Vec::new();
+        let mut agreeing = 0;
+        let mut variance = 0.0;
+        for top in (0..size.1).step_by(side) {
+            for left in (0..size.0).step_by(side) {
+                let block = Block { left, top, right: (left + side).min(size.0), bottom: (top + side).min(size.1) };
+                let difference = (block.mean(actual) - block.mean(expected)).abs();
+                let error = noise.map_or_else(|| block.residual_error(expected), |noise| block.combined_error(noise));
+                variance += (error * block.count()).powi(2);
+                let scale = block.mean(expected).max(DARK * expected_mean);
+                let share = if difference == 0.0 { 0.0 } else { difference / scale };
+                agreeing += usize::from(share <= TOLERANCE || difference <= STANDARD_ERRORS * error);
+                differences.push(share);
+            }
+        }
+        differences.sort_by(f64::total_cmp);
+        let count = differences.len();
+        Agreement {
+            mean: if expected_mean > 0.0 { mean(actual) / expected_mean - 1.0 } else { mean(actual) },
+            mean_error: variance.sqrt() / (size.0 * size.1) as f64 / expected_mean.max(f64::MIN_POSITIVE),
+            blocks: agreeing as f64 / count as f64,
+            percentile_95: differences[(0.95 * (count - 1) as f64).ceil() as usize],
+        }
+    }
+
+    /// What issue and manual ask: the mean within 1 % (or the reference's noise), 95 % of the blocks.
+    pub(crate) fn is_good(&self) -> bool {
+        self.mean.abs() <= f64::max(0.01, STANDARD_ERRORS * self.mean_error) && self.blocks >= 0.95
+    }
+}
+
+impl fmt::Display for Agreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "mean {:+7.2} % (±{:.2}), blocks {:5.1} %, 95th percentile {:6.2} %",
+            100.0 * self.mean,
+            100.0 * self.mean_error,
+            100.0 * self.blocks,
+            100.0 * self.percentile_95
+        )
+    }
+}
+
+fn mean(image: &Image<f32>) -> f64 {
+    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
+}
+
+/// Pixels from `left`, `top` to before `right`, `bottom`.
+struct Block {
+    left: usize,
+    top: usize,
+    right: usize,
+    bottom: usize,
+}
+
+impl Block {
+    fn count(&self) -> f64 {
+        ((self.right - self.left) * (self.bottom - self.top)) as f64
+    }
+
+    /// The mean over the bands of each pixel, with its place.
+    fn pixels<'a>(&'a self, image: &'a Image<f32>) -> impl Iterator<Item = (f64, f64, f64)> + 'a {
+        (self.top..self.bottom).flat_map(move |y| {
+            (self.left..self.right).map(move |x| {
+                let pixel = image.pixel(x, y);
+                let sum: f64 = pixel.iter().map(|value| f64::from(*value)).sum();
+                (x as f64, y as f64, sum / pixel.len() as f64)
+            })
+        })
+    }
+
+    fn mean(&self, image: &Image<f32>) -> f64 {
+        self.pixels(image).map(|(_, _, value)| value).sum::<f64>() / self.count()
+    }
+
+    /// Standard error of the block's mean from those of its pixels.
+    fn combined_error(&self, noise: &Image<f32>) -> f64 {
+        self.pixels(noise).map(|(_, _, error)| error * error).sum::<f64>().sqrt() / self.count()
+    }
+
+    /// Standard error of the block's mean, if all that a plane leaves over were noise.
+    fn residual_error(&self, image: &Image<f32>) -> f64 {
+        let count = self.count();
+        if count < 4.0 {
+            return 0.0;
+        }
+        let center_x = 0.5 * (self.left + self.right - 1) as f64;
+        let center_y = 0.5 * (self.top + self.bottom - 1) as f64;
+        let mean = self.mean(image);
+        let [mut xx, mut yy, mut xv, mut yv] = [0.0; 4];
+        for (x, y, value) in self.pixels(image) {
+            let (x, y) = (x - center_x, y - center_y);
+            xx += x * x;
+            yy += y * y;
+            xv += x * value;
+            yv += y * value;
+        }
+        let slope = |product: f64, square: f64| if square > 0.0 { product / square } else { 0.0 };
+        let (slope_x, slope_y) = (slope(xv, xx), slope(yv, yy));
+        let left_over: f64 = self
+            .pixels(image)
+            .map(|(x, y, value)| (value - mean - slope_x * (x - center_x) - slope_y * (y - center_y)).powi(2))
+            .sum();
+        (left_over / (count - 3.0) / count).sqrt()
+    }
+}

@@ -1,0 +1,36 @@
+//! Conformance with real Radiance: the same scenes and options, and pictures that agree.
+//!
+//! - `cases`: small scenes of this repository, one a primitive type, argument variant or option, against references that real
+//!   Radiance made once (`cargo test --release --test conformance make_references -- --ignored` makes the missing ones).
+//! - `renders`, `scripts`: Radiance's own render tests, and scenes of others with their scripts, in the folder that `RADSIGHT_SHARED`
+//!   names; they take minutes, so they run only when asked for (`-- --ignored --nocapture`).
+//!
+//! Each writes expected | difference | actual beside the build's other results. References are never our own pictures.
+
+#[path = "../program/mod.rs"]
+mod program;
+#[path = "../real_radiance/mod.rs"]
+mod real_radiance;
+
+mod blocks;
+mod cases;
+mod renders;
+mod scripts;
+mod side_by_side;
+
+use std::path::{Path, PathBuf};
+
+/// The folder with scenes of others and what real Radiance made of them.
+fn shared() -> Option<PathBuf> {
+    let shared = std::env::var_os("RADSIGHT_SHARED").map(|folder| PathBuf::from(folder).join("radiance"));
+    let shared = shared.filter(|folder| folder.is_dir());
+    if shared.is_none() {
+        println!("skipped: RADSIGHT_SHARED names no folder with scenes");
+    }
+    shared
+}
+
+/// Where pictures for people go.
+fn pictures_folder() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("conformance")
+}
