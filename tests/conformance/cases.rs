@@ -103,7 +103,8 @@ impl Case {
     fn real(&self, radiance: &Radiance) -> Result<[Image<f32>; 2], String> {
         let place = Folder::new();
         let octree = place.word("case.oct");
-        let raypath = format!(".:lib:{}", radiance.raypath());
+        let font = root().join("crates/formats/library");
+        let raypath = format!(".:lib:{}:{}", font.display(), radiance.raypath());
         let mut oconv = radiance.command("oconv", &[&self.instead]);
         let built = finish_command(oconv.env("RAYPATH", &raypath).current_dir(folder()));
         assert_eq!(built.code, 0, "{}: {}", self.name, built.messages);
