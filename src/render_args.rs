@@ -13,8 +13,8 @@ use std::cmp::Ordering;
 /// Options with one number that steer approximations which radsight does not make.
 const WITHOUT_EFFECT: [&str; 7] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss", "-st"];
 
-/// Ambient options with one number that steer Radiance's interpolation of indirect light.
-const AMBIENT_WITHOUT_EFFECT: [&str; 5] = ["-aa", "-ar", "-ad", "-as", "-aw"];
+/// The weight of Radiance's ambient value among gathered ones: ours stands only where nothing is gathered.
+const AMBIENT_WEIGHT: &str = "-aw";
 
 /// Takes the options of rendering out of a command line and gives them with what is left.
 ///
@@ -49,6 +49,22 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             options.ambient_bounces = number(words, word, "a number of bounces, 0 or more")?;
             Ok(2)
         }
+        "-aa" => {
+            options.gathering.accuracy = number(words, word, "an error, 0 or more")?;
+            Ok(2)
+        }
+        "-ar" => {
+            options.gathering.resolution = number(words, word, "a resolution, 0 or more")?;
+            Ok(2)
+        }
+        "-ad" => {
+            options.gathering.divisions = number(words, word, "a number of rays, 0 or more")?;
+            Ok(2)
+        }
+        "-as" => {
+            options.gathering.super_samples = number(words, word, "a number of rays, 0 or more")?;
+            Ok(2)
+        }
         "-dr" => {
             options.mirror_relays = number(words, word, "a number of relays, 0 or more")?;
             Ok(2)
@@ -79,7 +95,7 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             Ok(2)
         }
         "-am" => no_photon_map(words),
-        _ if WITHOUT_EFFECT.contains(&word) || AMBIENT_WITHOUT_EFFECT.contains(&word) => {
+        _ if WITHOUT_EFFECT.contains(&word) || word == AMBIENT_WEIGHT => {
             let _: f64 = number(words, word, "a number")?;
             Ok(2)
         }

@@ -23,20 +23,21 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("frame", &["picture", "render", "sampling"]),
     ("generate", &["cal", "diag", "loader"]),
     ("ir", &["bsdf", "cal", "diag"]),
+    ("irradiance", &[]),
     ("loader", &[]),
     ("octree", &["formats", "ir"]),
     ("parse", &["bsdf", "cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),
     ("picture-tools", &["picture"]),
     ("pinhole", &["sampling"]),
-    ("render", &["brdf", "cal", "diag", "ir", "retro", "sampling"]),
+    ("render", &["brdf", "cal", "diag", "ir", "irradiance", "retro", "sampling"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
     ("sensor", &[]),
 ];
 
 /// What tests, benchmarks and examples of a crate may know beyond that.
-const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[("camera", &["sampling"])];
+const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[("camera", &["sampling"]), ("irradiance", &["sampling"])];
 
 /// What a plugin may know: the layer for plugin authors. The plugin of the built-in models wraps them.
 const ALLOWED_IN_PLUGINS: &[&str] = &["brdf-sdk"];

@@ -31,7 +31,12 @@ impl Agreement {
     ///
     /// # Panics
     /// If the sizes differ.
-    pub(crate) fn new(actual: &Image<f32>, expected: &Image<f32>, noise: Option<&Image<f32>>, side: usize) -> Agreement {
+    pub(crate) fn new(
+        actual: &Image<f32>,
+        expected: &Image<f32>,
+        noise: Option<&Image<f32>>,
+        side: usize,
+    ) -> Agreement {
         let size = (expected.width(), expected.height());
         assert_eq!((actual.width(), actual.height()), size, "the size of the picture");
         let expected_mean = mean(expected);

@@ -79,7 +79,10 @@ fn radiance_render_tests() {
         let agreement = Agreement::new(&actual, &expected, None, 8);
         side_by_side::write(&pictures_folder(), &format!("renders-{name}"), &actual, &expected);
         let good = if agreement.is_good() { "good" } else { "BAD" };
-        println!("{name:16} {agreement}, {seconds:6.1} s (real: {:6.1} s of processor time)  {good}", reference.seconds);
+        println!(
+            "{name:16} {agreement}, {seconds:6.1} s (real: {:6.1} s of processor time)  {good}",
+            reference.seconds
+        );
         if !agreement.is_good() {
             failed.push(name.to_owned());
         }

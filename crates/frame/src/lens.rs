@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 use radsight_picture::{View, ViewKind};
+use radsight_render::Ray;
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
+use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_8;
 
 /// Where the rays of a picture start and go.
@@ -67,6 +69,14 @@ impl Lens {
     #[must_use]
     pub fn central_ray(&self, column: usize, row: usize) -> Option<LensRay> {
         self.view_ray(&self.view, self.place(column, row, [0.5, 0.5]))
+    }
+
+    /// The rays through the middles of all pixels, top row first: those for which irradiance is gathered beforehand.
+    #[must_use]
+    pub fn central_rays(&self) -> Vec<Option<Ray>> {
+        let ray = |pixel| self.central_ray(pixel % self.columns, pixel / self.columns);
+        let pixels = (0..self.columns * self.rows).into_par_iter();
+        pixels.map(|pixel| ray(pixel).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
     /// A ray through a pixel at the sampler's place in pixel, aperture and time; `None` where the view shows nothing.

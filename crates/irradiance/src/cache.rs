@@ -84,9 +84,10 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.records.push(record);
     }
 
-    /// The irradiance at a point with this unit normal; `None` where no record reaches.
+    /// The irradiance at a point of a surface with this unit normal, on a facet of it that is turned to the unit normal `facet`;
+    /// `None` where no record reaches.
     #[must_use]
-    pub fn irradiance(&self, position: DVec3, normal: DVec3) -> Option<[f64; BANDS]> {
+    pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
         let mut sum = [0.0; BANDS];
         let mut weights = 0.0;
         self.visit(position, |index| {
@@ -96,7 +97,7 @@ impl<const BANDS: usize> Cache<BANDS> {
                 // Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
                 let weight = 1.0 - error;
                 weights += weight;
-                for (sum, value) in sum.iter_mut().zip(record.at(position, normal)) {
+                for (sum, value) in sum.iter_mut().zip(record.at(position, facet)) {
                     *sum += weight * value;
                 }
             }

@@ -19,9 +19,9 @@
 //! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
 //! let mut cache = Cache::new(limits);
 //! cache.insert(record);
-//! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z).unwrap();
+//! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z).unwrap();
 //! assert!((irradiance - 2.0 * std::f64::consts::PI).abs() < 1e-9);
-//! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z).is_none());
+//! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z, DVec3::Z).is_none());
 //! ```
 #![forbid(unsafe_code)]
 

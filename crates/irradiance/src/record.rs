@@ -126,6 +126,12 @@ impl<const BANDS: usize> Record<BANDS> {
         })
     }
 
+    /// The irradiance of the place itself, on a facet that is turned to this unit normal.
+    #[must_use]
+    pub fn irradiance_on(&self, facet: DVec3) -> [f64; BANDS] {
+        self.at(self.position, facet)
+    }
+
     /// No record may be trusted further than a neighbour's trust and the way to it: something near that one of them saw the
     /// other may have missed.
     pub(crate) fn restrain(&mut self, other: &Record<BANDS>) {

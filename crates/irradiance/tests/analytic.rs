@@ -39,7 +39,7 @@ fn disk_irradiance(a: f64) -> f64 {
 fn at(record: Record<1>, position: DVec3, normal: DVec3) -> f64 {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record);
-    cache.irradiance(position, normal).expect("the record reaches")[0]
+    cache.irradiance(position, normal, normal).expect("the record reaches")[0]
 }
 
 #[test]
@@ -78,9 +78,9 @@ fn a_small_turn_follows_the_gradient() {
 fn a_record_does_not_reach_round_an_edge() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)));
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z).is_some());
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X).is_none());
-    assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z).is_none());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X, DVec3::X).is_none());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z, DVec3::Z).is_none());
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn a_near_neighbour_shortens_the_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)));
     let far = DVec3::new(0.5, 0.0, 0.0);
-    assert!(cache.irradiance(far, DVec3::Z).is_some());
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_some());
     cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 0.1)));
-    assert!(cache.irradiance(far, DVec3::Z).is_none());
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_none());
 }

@@ -14,6 +14,7 @@ mod compile_scatter;
 mod direct;
 mod frame;
 mod function_lobe;
+mod gather;
 mod geometry;
 mod indirect;
 mod lens;
@@ -32,11 +33,14 @@ mod scatter;
 mod shader;
 mod shadow;
 mod surface_light;
+mod survey;
 mod tilt;
 mod trace;
 mod view;
 
-pub use options::{AmbientSurfaces, BackFaces, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping};
+pub use options::{
+    AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping, Unshared,
+};
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use ray::Ray;
 pub use renderer::{RayWorker, Renderer};

@@ -11,6 +11,8 @@ pub struct RenderOptions {
     pub ambient_bounces: u32,
     /// Radiance of diffuse surroundings where they are not followed, W/(sr·m²) (`-av`). Default 0.
     pub ambient_value: Rgb,
+    /// How interreflection is found at the first diffuse surface on a ray's way (`-aa`, `-ar`, `-ad`). Default one ray each time.
+    pub gathering: Gathering,
     /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
     pub ambient_surfaces: AmbientSurfaces,
     /// Where paths end (`-lr`). Default roulette, and no more than ten reflections.
@@ -39,6 +41,7 @@ impl Default for RenderOptions {
             seed: 0,
             ambient_bounces: 0,
             ambient_value: Rgb::BLACK,
+            gathering: Gathering::default(),
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
             least_weight: 1e-4,
@@ -51,6 +54,43 @@ impl Default for RenderOptions {
             skipping: Skipping::Allowed,
         }
     }
+}
+
+/// Looking around from a point for its irradiance, and sharing it with the points around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gathering {
+    /// Error that sharing aims at, as a share (`-aa`); 0 shares nothing. Default 0.
+    pub accuracy: f64,
+    /// The scene's size over the least distance at which details of irradiance are wanted, times `accuracy` (`-ar`); 0 is no bound. Default 256.
+    pub resolution: u32,
+    /// Rays that look around from a point (`-ad`). Default 1024.
+    pub divisions: u32,
+    /// Further ones, spread like the others (`-as`). Default 0.
+    pub super_samples: u32,
+    /// What a point does that no shared irradiance reaches.
+    pub unshared: Unshared,
+}
+
+impl Default for Gathering {
+    fn default() -> Self {
+        Gathering { accuracy: 0.0, resolution: 256, divisions: 1024, super_samples: 0, unshared: Unshared::DrawOne }
+    }
+}
+
+impl Gathering {
+    /// All rays that look around from a point; with fewer than two a single one is drawn instead.
+    pub(crate) fn rays(&self) -> usize {
+        self.divisions as usize + self.super_samples as usize
+    }
+}
+
+/// What a point does that no shared irradiance reaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unshared {
+    /// Draws one ray: for pictures, whose pixels are means over many.
+    DrawOne,
+    /// Looks around with all its rays: for single rays, whose value counts by itself.
+    LookAround,
 }
 
 /// On which surfaces diffuse interreflections are followed. The names are those of the modifiers that surfaces name themselves.

@@ -2,13 +2,23 @@
 
 use crate::plan::RenderPlan;
 use crate::ray::Ray;
+use crate::survey::gather;
 use crate::trace::{Traced, Tracer};
+use radsight_irradiance::Cache;
 use rayon::prelude::*;
 
 /// Answers rays.
 #[derive(Debug)]
 pub struct Renderer {
     plan: RenderPlan,
+    shared: SharedIrradiance,
+}
+
+/// Irradiance that was gathered before the rays are answered, in as many bands as are traced.
+#[derive(Debug, Default)]
+struct SharedIrradiance {
+    grey: Option<Cache<1>>,
+    color: Option<Cache<3>>,
 }
 
 /// The memory with which one thread answers rays.
@@ -28,7 +38,7 @@ impl Renderer {
     /// Renders according to a plan.
     #[must_use]
     pub fn new(plan: RenderPlan) -> Renderer {
-        Renderer { plan }
+        Renderer { plan, shared: SharedIrradiance::default() }
     }
 
     /// The plan.
@@ -37,12 +47,25 @@ impl Renderer {
         &self.plan
     }
 
+    /// Gathers irradiance where rays like these will want it, if the options ask for sharing (`-aa`), and says from how many points. What was
+    /// gathered for other rays before is kept. The rays should be
+    /// spread over all that will be asked for later: one a pixel is plenty.
+    pub fn gather_irradiance(&mut self, rays: &[Option<Ray>]) -> usize {
+        if !self.plan.shares_irradiance() {
+            return 0;
+        }
+        match self.plan.bands {
+            1 => gather(&self.plan, &mut self.shared.grey, rays),
+            _ => gather(&self.plan, &mut self.shared.color, rays),
+        }
+    }
+
     /// A worker for the calling thread.
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
         RayWorker(match self.plan.bands {
-            1 => Bands::Grey(Tracer::new(&self.plan)),
-            _ => Bands::Color(Tracer::new(&self.plan)),
+            1 => Bands::Grey(Tracer::new(&self.plan, self.shared.grey.as_ref())),
+            _ => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref())),
         })
     }
 

@@ -128,7 +128,7 @@ impl<const BANDS: usize> Highlight<'_, BANDS> {
     }
 }
 
-fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
+pub(crate) fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| a[band] + b[band])
 }
 
@@ -281,6 +281,15 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let [own, beyond] = self.ambient();
         let through = self.beyond.map_or([0.0; BANDS], |beyond| beyond.diffuse);
         sum(sum(self.diffuse, own), sum(through, beyond))
+    }
+
+    /// What is scattered as if diffuse of light that comes from each side, but for sources: the unit normals of the surface and of
+    /// its facet, and the share.
+    pub(crate) fn ambient_sides(&self) -> [(DVec3, DVec3, [f64; BANDS]); 2] {
+        let [own, beyond] = self.ambient();
+        let (facet, through) =
+            self.beyond.map_or((-self.diffuse_normal, [0.0; BANDS]), |beyond| (-beyond.normal, beyond.diffuse));
+        [(self.normal, self.diffuse_normal, sum(self.diffuse, own)), (-self.normal, facet, sum(through, beyond))]
     }
 
     /// What is scattered as if diffuse where the light is no source, on both sides.

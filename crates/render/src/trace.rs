@@ -7,6 +7,7 @@
 //! Russian roulette.
 
 use crate::direct::DirectSampler;
+use crate::gather::Place;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
@@ -14,12 +15,13 @@ use crate::options::{BackFaces, Lights, PathLimit, Quantity};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
 use crate::shader::{Appearance, Emitter, EmitterClass, GlossyKind, Kind, Shader, bands};
-use crate::surface_light::{Drawn, LitPoint, colored, pane};
+use crate::surface_light::{Drawn, LitPoint, colored, pane, sum};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, SurfaceHandle};
+use radsight_irradiance::Cache;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
@@ -103,6 +105,8 @@ pub(crate) struct Segment<const BANDS: usize> {
 #[derive(Debug)]
 pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) plan: &'p RenderPlan,
+    /// Number of the ray in hand.
+    pub(crate) index: u64,
     pub(crate) sampler: RaySampler,
     /// The next unused set of dimensions.
     pub(crate) next_set: u32,
@@ -113,12 +117,29 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
     effective_distance: f64,
+    /// Irradiance that was gathered before.
+    pub(crate) cache: Option<&'p Cache<BANDS>>,
+    /// While looking for points whose irradiance is wanted: those found.
+    pub(crate) survey: Option<Vec<Place<BANDS>>>,
+}
+
+/// A ray that was put aside.
+#[derive(Debug)]
+pub(crate) struct SetAside<const BANDS: usize> {
+    sampler: RaySampler,
+    next_set: u32,
+    waiting: Vec<Segment<BANDS>>,
+    media: Vec<Medium<BANDS>>,
+    radiance: [f64; BANDS],
+    first_hit: Option<FirstHit>,
+    effective_distance: f64,
 }
 
 impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
-    pub(crate) fn new(plan: &'p RenderPlan) -> Self {
+    pub(crate) fn new(plan: &'p RenderPlan, cache: Option<&'p Cache<BANDS>>) -> Self {
         Tracer {
             plan,
+            index: 0,
             sampler: RaySampler::new(plan.options.seed, 0),
             next_set: 0,
             workspace: Workspace::default(),
@@ -127,17 +148,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             radiance: [0.0; BANDS],
             first_hit: None,
             effective_distance: f64::INFINITY,
+            cache,
+            survey: None,
         }
     }
 
     /// Traces ray number `index`.
     pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
-        self.sampler = RaySampler::new(self.plan.options.seed, index);
-        self.next_set = 0;
-        self.media.truncate(1);
-        self.radiance = [0.0; BANDS];
-        self.first_hit = None;
-        self.effective_distance = f64::INFINITY;
+        self.index = index;
+        let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
         let start = Segment {
             ray: *ray,
             from: None,
@@ -147,22 +166,73 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             depth: 0,
             reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,
-            medium: MediumId(0),
+            medium,
             follows_no_diffuse: false,
             direct_view: true,
         };
-        match self.plan.options.quantity {
-            Quantity::Radiance | Quantity::SurfaceIrradiance => self.push(start),
-            Quantity::Irradiance => self.irradiance(&Segment { throughput: [PI; BANDS], ..start }),
-        }
-        while let Some(segment) = self.waiting.pop() {
-            self.follow(segment);
+        if self.plan.options.quantity == Quantity::Irradiance {
+            self.irradiance(&Segment { throughput: [PI; BANDS], ..start });
+            self.follow_waiting();
+        } else {
+            self.finish(start);
         }
         Traced {
             value: std::array::from_fn(|band| self.radiance[band.min(BANDS - 1)]),
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
         }
+    }
+
+    /// Forgets the ray before; the next one begins in this medium.
+    pub(crate) fn begin(&mut self, sampler: RaySampler, medium: Medium<BANDS>) -> MediumId {
+        self.sampler = sampler;
+        self.next_set = 0;
+        self.media.truncate(1);
+        self.radiance = [0.0; BANDS];
+        self.first_hit = None;
+        self.effective_distance = f64::INFINITY;
+        if medium == self.media[0] {
+            return MediumId(0);
+        }
+        self.media.push(medium);
+        MediumId(1)
+    }
+
+    /// Follows a ray and all that come of it.
+    pub(crate) fn finish(&mut self, segment: Segment<BANDS>) {
+        self.push(segment);
+        self.follow_waiting();
+    }
+
+    fn follow_waiting(&mut self) {
+        while let Some(segment) = self.waiting.pop() {
+            self.follow(segment);
+        }
+    }
+
+    /// How far away the first surface was; infinite for none.
+    pub(crate) fn first_distance(&self) -> f64 {
+        self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
+    }
+
+    /// Puts the ray in hand aside, for others to be followed in between.
+    pub(crate) fn set_aside(&mut self) -> SetAside<BANDS> {
+        SetAside {
+            sampler: self.sampler,
+            next_set: self.next_set,
+            waiting: std::mem::take(&mut self.waiting),
+            media: self.media.clone(),
+            radiance: self.radiance,
+            first_hit: self.first_hit,
+            effective_distance: self.effective_distance,
+        }
+    }
+
+    /// Goes on with the ray that was put aside.
+    pub(crate) fn take_up(&mut self, ray: SetAside<BANDS>) {
+        let SetAside { sampler, next_set, waiting, media, radiance, first_hit, effective_distance } = ray;
+        (self.sampler, self.next_set, self.waiting, self.media) = (sampler, next_set, waiting, media);
+        (self.radiance, self.first_hit, self.effective_distance) = (radiance, first_hit, effective_distance);
     }
 
     /// Irradiance is π times the radiance of a white Lambertian surface.
@@ -459,7 +529,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
         let bounces = if segment.follows_no_diffuse { 0 } else { segment.ambient_bounces };
         let indirect = Indirect::after(bounces);
-        let follow_diffuse = point.has_diffuse() && indirect == Indirect::Followed && !alone;
+        let wants_indirect = point.has_diffuse() && indirect == Indirect::Followed && !alone;
+        let gathered = if wants_indirect { self.gathered(segment, at, primitive, point) } else { None };
+        if self.survey.is_some() {
+            return;
+        }
+        let follow_diffuse = wants_indirect && gathered.is_none();
         let highlight_draws = if !follow_highlight {
             0
         } else if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
@@ -485,6 +560,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let mut light = direct.sample(self, point);
         if indirect == Indirect::Constant {
             self.add_constant(&mut light, &point.ambient_reflectance());
+        }
+        if let Some(gathered) = gathered {
+            light = sum(light, gathered);
         }
         for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
             *sum += share * light;

@@ -35,16 +35,18 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         let picture = Picture::prepare(&options, options.view, None)?;
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
-        let renderer = Renderer::new(plan);
+        let mut renderer = Renderer::new(plan);
+        renderer.gather_irradiance(&picture.lens.central_rays());
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
     let mut sequence = Sequence::new(&options)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
-    let renderer = Renderer::new(plan);
+    let mut renderer = Renderer::new(plan);
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
+        renderer.gather_irradiance(&picture.lens.central_rays());
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }

@@ -8,7 +8,7 @@ use crate::switch::switched;
 use crate::view_args;
 use radsight_frame::{Effort, MAX_SAMPLES};
 use radsight_picture::ViewOptions;
-use radsight_render::RenderOptions;
+use radsight_render::{Gathering, RenderOptions, Unshared};
 
 /// Error that is asked for when nothing is said.
 const DEFAULT_ERROR: f64 = 0.02;
@@ -51,8 +51,16 @@ pub(super) struct Options {
 
 impl Default for Options {
     fn default() -> Self {
+        // Radiance's defaults for pictures.
+        let gathering = Gathering {
+            accuracy: 0.2,
+            resolution: 64,
+            divisions: 512,
+            super_samples: 128,
+            unshared: Unshared::DrawOne,
+        };
         Options {
-            render: RenderOptions { mirror_relays: 1, ..RenderOptions::default() },
+            render: RenderOptions { mirror_relays: 1, gathering, ..RenderOptions::default() },
             reading: Reading::default(),
             view: ViewOptions::default(),
             size: [512, 512],

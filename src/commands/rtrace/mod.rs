@@ -20,7 +20,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     let options = Options::parse(words)?;
     use_threads(options.threads)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
-    let renderer = Renderer::new(plan);
+    let mut renderer = Renderer::new(plan);
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     let writer = Writer::new(&options.output, options.output_format);
@@ -35,6 +35,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         // A wrong ray ends the stream; the rays before it are answered first.
         let ended = reader.read(if options.unbuffered { 1 } else { RAYS_AT_A_TIME }, &mut rays);
         let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
+        renderer.gather_irradiance(&to_trace);
         let traced = renderer.trace_all(first_index, &to_trace);
         first_index += rays.len() as u64;
         bytes.clear();

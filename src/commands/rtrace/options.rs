@@ -4,7 +4,7 @@ use crate::args::Reading;
 use crate::failure::Failure;
 use crate::render_args::{number, take_one, take_own};
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Quantity, RenderOptions};
+use radsight_render::{Gathering, Quantity, RenderOptions, Unshared};
 
 /// What is asked.
 #[derive(Debug)]
@@ -61,8 +61,16 @@ const OTHER_LETTERS: &str = "tTfFrRxXcMUVWg~-i";
 impl Options {
     /// Reads the words after the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        // Radiance's defaults for single rays.
+        let gathering = Gathering {
+            accuracy: 0.1,
+            resolution: 256,
+            divisions: 1024,
+            super_samples: 512,
+            unshared: Unshared::LookAround,
+        };
         let mut options = Options {
-            render: RenderOptions::default(),
+            render: RenderOptions { gathering, ..RenderOptions::default() },
             header: true,
             input_format: NumberFormat::Ascii,
             output_format: NumberFormat::Ascii,

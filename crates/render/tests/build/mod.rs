@@ -150,7 +150,7 @@ pub(crate) fn traced(scene: &Builder, options: RenderOptions, rays: &[Ray]) -> V
     traced.into_iter().map(|traced| traced.expect("every ray is answered")).collect()
 }
 
-fn plan(scene: &Builder, options: RenderOptions) -> RenderPlan {
+pub(crate) fn plan(scene: &Builder, options: RenderOptions) -> RenderPlan {
     let valid = scene.0.clone().validate().expect("the test's scene is valid");
     RenderPlan::new(valid.scene, options, &NoModels).expect("the test's scene can be rendered")
 }

@@ -1,0 +1,136 @@
+//! Looking around from a point for the irradiance that is no source's, and using what was found around.
+
+use crate::link::{Link, Lobe};
+use crate::medium::Medium;
+use crate::options::Unshared;
+use crate::ray::{PrimitiveId, Ray};
+use crate::surface_light::LitPoint;
+use crate::tilt::Peak;
+use crate::trace::{Segment, Tracer};
+use glam::DVec3;
+use radsight_irradiance::{Gathered, Hemisphere, Limits, Record};
+use radsight_sampling::{DimensionSet, RaySampler};
+use std::f64::consts::FRAC_1_PI;
+
+/// A point whose irradiance is wanted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place<const BANDS: usize> {
+    point: DVec3,
+    /// Unit geometric normal on the side in question.
+    normal: DVec3,
+    primitive: Option<PrimitiveId>,
+    medium: Medium<BANDS>,
+    /// Interreflections that the rays from here may follow.
+    bounces: u32,
+}
+
+impl<const BANDS: usize> Place<BANDS> {
+    /// Whether the irradiance here can be interpolated by now.
+    pub(crate) fn is_covered(&self, cache: &radsight_irradiance::Cache<BANDS>) -> bool {
+        cache.irradiance(self.point, self.normal, self.normal).is_some()
+    }
+}
+
+/// Rays that look around are numbered apart from those of the picture.
+const GATHERING_SEED: u64 = 0x6761_7468_6572;
+
+impl<const BANDS: usize> Tracer<'_, BANDS> {
+    /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead. A survey
+    /// notes what is missing.
+    pub(crate) fn gathered(
+        &mut self,
+        segment: &Segment<BANDS>,
+        at: DVec3,
+        primitive: Option<PrimitiveId>,
+        point: &LitPoint<'_, BANDS>,
+    ) -> Option<[f64; BANDS]> {
+        let options = &self.plan.options;
+        let looks_around = options.gathering.unshared == Unshared::LookAround && options.gathering.rays() > 1;
+        if !(looks_around || self.cache.is_some())
+            || segment.ambient_bounces != options.ambient_bounces
+            || point.is_retroreflector()
+        {
+            return None;
+        }
+        let mut radiance = [0.0; BANDS];
+        let mut complete = true;
+        for (normal, facet, reflectance) in point.ambient_sides() {
+            if reflectance.iter().all(|band| *band <= 0.0) {
+                continue;
+            }
+            let place = Place {
+                point: at,
+                normal,
+                primitive,
+                medium: self.medium(segment.medium),
+                bounces: segment.ambient_bounces - 1,
+            };
+            let irradiance = match self.cache.and_then(|cache| cache.irradiance(at, normal, facet)) {
+                Some(irradiance) => irradiance,
+                None if self.survey.is_some() || !looks_around => {
+                    self.survey.iter_mut().for_each(|places| places.push(place));
+                    complete = false;
+                    continue;
+                }
+                None => self.look_around_between(&place).irradiance_on(facet),
+            };
+            for (sum, (share, irradiance)) in radiance.iter_mut().zip(reflectance.iter().zip(irradiance)) {
+                *sum += share * irradiance * FRAC_1_PI;
+            }
+        }
+        complete.then_some(radiance)
+    }
+
+    /// Looks around in the middle of a ray, which goes on afterwards as if nothing had happened.
+    fn look_around_between(&mut self, place: &Place<BANDS>) -> Record<BANDS> {
+        let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
+        let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
+        let before = self.set_aside();
+        let record = self.look_around(place, &hemisphere, number, &self.plan.gathering_limits());
+        self.take_up(before);
+        record
+    }
+
+    /// The irradiance of a place; `number` tells its rays from those of others.
+    pub(crate) fn look_around(
+        &mut self,
+        place: &Place<BANDS>,
+        hemisphere: &Hemisphere,
+        number: u64,
+        limits: &Limits,
+    ) -> Record<BANDS> {
+        let [x, y, z] = Record::<BANDS>::frame(place.normal);
+        let seed = self.plan.options.seed ^ GATHERING_SEED;
+        let first = number.wrapping_mul(hemisphere.len() as u64);
+        let seen: Vec<Gathered<BANDS>> = (0..hemisphere.len())
+            .map(|cell| {
+                let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
+                let within = sampler.take(DimensionSet::CAMERA);
+                let local = hemisphere.direction(cell, [within[0], within[1]]);
+                self.look(place, (x * local.x + y * local.y + z * local.z).normalize(), sampler)
+            })
+            .collect();
+        Record::new(place.point, place.normal, hemisphere, &seen, limits)
+    }
+
+    /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.
+    fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
+        let medium = self.begin(sampler, place.medium);
+        let link = Link::new(0.0, (place.point, direction), Peak::NONE, place.primitive, Lobe::Diffuse);
+        self.finish(Segment {
+            ray: Ray { origin: place.point, direction },
+            from: place.primitive,
+            throughput: [1.0; BANDS],
+            travelled: 0.0,
+            link: Some(link),
+            depth: 0,
+            reflections: 1,
+            ambient_bounces: place.bounces,
+            medium,
+            follows_no_diffuse: false,
+            direct_view: false,
+        });
+        let distance = self.first_distance();
+        Gathered { radiance: self.radiance, distance }
+    }
+}

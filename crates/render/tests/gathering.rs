@@ -1,0 +1,133 @@
+//! Irradiance that is shared or looked for, against what is known and against rays drawn one by one.
+
+mod build;
+
+use build::{Builder, plan};
+use glam::DVec3;
+use radsight_ir::{Facing, Sphere};
+use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Unshared};
+use std::f64::consts::PI;
+
+/// An integrating sphere: a small light in the middle of a diffuse bubble.
+fn integrating_sphere() -> Builder {
+    let mut scene = Builder::default();
+    let paint = scene.plastic([0.5; 3], 0.0, 0.0);
+    let light = scene.light([100.0; 3]);
+    scene.sphere(paint, Sphere { center: DVec3::ZERO, radius: 2.0, facing: Facing::Inward });
+    scene.sphere(light, Sphere { center: DVec3::ZERO, radius: 0.1, facing: Facing::Outward });
+    scene
+}
+
+/// A floor and two walls with a glow above: irradiance that changes from place to place.
+fn corner() -> Builder {
+    let mut scene = Builder::default();
+    let white = scene.plastic([0.7; 3], 0.0, 0.0);
+    let red = scene.plastic([0.6, 0.2, 0.1], 0.0, 0.0);
+    let light = scene.light([30.0, 30.0, 20.0]);
+    let polygon = |corners: [[f64; 3]; 4]| corners.map(DVec3::from_array);
+    scene.polygon(white, &polygon([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]));
+    scene.polygon(red, &polygon([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 2.0, 2.0], [0.0, 0.0, 2.0]]));
+    scene.polygon(white, &polygon([[0.0, 2.0, 0.0], [2.0, 2.0, 0.0], [2.0, 2.0, 2.0], [0.0, 2.0, 2.0]]));
+    scene.polygon(light, &polygon([[1.0, 1.0, 2.0], [1.0, 1.3, 2.0], [1.3, 1.3, 2.0], [1.3, 1.0, 2.0]]));
+    scene
+}
+
+fn renderer(scene: &Builder, options: RenderOptions) -> Renderer {
+    Renderer::new(plan(scene, options))
+}
+
+fn options(bounces: u32, accuracy: f64) -> RenderOptions {
+    let gathering = Gathering { accuracy, divisions: 1024, ..Gathering::default() };
+    RenderOptions { ambient_bounces: bounces, gathering, ..RenderOptions::default() }
+}
+
+/// Rays from one point down into the corner, spread over it.
+fn view(count: usize) -> Vec<Option<Ray>> {
+    let eye = DVec3::new(1.9, 0.1, 1.8);
+    (0..count)
+        .map(|index| {
+            let u = (index as f64 * 0.754_877_666).fract();
+            let v = (index as f64 * 0.569_840_291).fract();
+            let target =
+                if index % 2 == 0 { DVec3::new(2.0 * u, 2.0 * v, 0.0) } else { DVec3::new(0.0, 2.0 * u, 2.0 * v) };
+            Ray::new(eye, target - eye)
+        })
+        .collect()
+}
+
+#[test]
+fn an_integrating_sphere_has_the_series_of_its_bounces() {
+    let scene = integrating_sphere();
+    // Irradiance from the light, and then ρ times as much from each bounce.
+    let direct = PI * 100.0 * (0.1f64 / 2.0).powi(2);
+    for bounces in 1..=3 {
+        let mut renderer = renderer(&scene, options(bounces, 0.1));
+        let rays: Vec<_> =
+            (0..256).map(|i| Ray::new(DVec3::new(0.5, 0.0, 0.0), DVec3::new(1.0, 0.01 * f64::from(i), 0.3))).collect();
+        let records = renderer.gather_irradiance(&rays);
+        assert!(records > 0 && records < 64, "{records} records");
+        let expected: f64 = (0..=bounces).map(|k| 0.5f64.powi(k as i32)).sum::<f64>() * direct * 0.5 / PI;
+        for traced in renderer.trace_all(0, &rays).into_iter().flatten() {
+            assert!((traced.value[0] / expected - 1.0).abs() < 0.02, "{} against {expected}", traced.value[0]);
+        }
+    }
+}
+
+#[test]
+fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
+    let scene = corner();
+    let rays = view(4096);
+    let mut shared = renderer(&scene, options(2, 0.1));
+    shared.gather_irradiance(&rays);
+    let drawn = renderer(&scene, options(2, 0.0));
+    let mut difference = [0.0; 3];
+    let mut whole = [0.0; 3];
+    let few: Vec<_> = rays[..256].to_vec();
+    let found = shared.trace_all(0, &few);
+    for (ray, found) in few.iter().zip(found) {
+        let again = vec![*ray; 512];
+        let expected = drawn.trace_all(0, &again);
+        for band in 0..3 {
+            let mean = expected.iter().flatten().map(|traced| traced.value[band]).sum::<f64>() / 512.0;
+            // The light sampled at the first point is noise of the one ray.
+            difference[band] += found.expect("a ray").value[band] - mean;
+            whole[band] += mean;
+        }
+    }
+    for band in 0..3 {
+        assert!((difference[band] / whole[band]).abs() < 0.02, "band {band}: {difference:?} of {whole:?}");
+    }
+}
+
+#[test]
+fn a_single_ray_looks_around_with_all_its_rays() {
+    let scene = integrating_sphere();
+    let gathering = Gathering { divisions: 512, unshared: Unshared::LookAround, ..Gathering::default() };
+    let options = RenderOptions { quantity: Quantity::Irradiance, gathering, ..options(1, 0.0) };
+    let renderer = renderer(&scene, options);
+    let ray = Ray::new(DVec3::new(1.5, 0.0, 0.0), -DVec3::X);
+    let traced = renderer.trace_all(0, &[ray])[0].expect("a ray");
+    let direct = PI * 100.0 * (0.1f64 / 1.5).powi(2);
+    // All but the light's disk is wall.
+    let wall = PI * 100.0 * (0.1f64 / 2.0).powi(2) * 0.5 * (1.0 - (0.1f64 / 1.5).powi(2));
+    assert!((traced.value[0] / (direct + wall) - 1.0).abs() < 0.01, "{} against {}", traced.value[0], direct + wall);
+}
+
+#[test]
+fn gathering_does_not_depend_on_threads() {
+    let scene = corner();
+    let rays = view(512);
+    let of = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| {
+            let mut renderer = renderer(&scene, options(1, 0.2));
+            let records = renderer.gather_irradiance(&rays);
+            let values: Vec<_> =
+                renderer.trace_all(0, &rays).into_iter().flatten().map(|traced| traced.value).collect();
+            (records, values)
+        })
+    };
+    let one = of(1);
+    assert!(one.0 > 10, "{} records", one.0);
+    assert_eq!(one, of(3));
+}
