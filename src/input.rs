@@ -161,8 +161,20 @@ pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
         .map_err(|error| Failure::fault(format!("cannot start {threads} threads: {error}")))
 }
 
+/// The header of what a program of Radiance's makes of a scene: how the octree was made, the words of the command up to the scene,
+/// the software. `command[0]` is the program's name.
+pub(crate) fn program_history(scenes: &[String], command: &[String]) -> Header {
+    let mut header = scene_history(scenes);
+    if header.is_empty() {
+        header.push_line("#?RADIANCE");
+    }
+    header.push_command(command.iter().map(String::as_str));
+    header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
+    header
+}
+
 /// What the header of an octree says of how it was made; nothing of other files.
-pub(crate) fn scene_history(paths: &[String]) -> Header {
+fn scene_history(paths: &[String]) -> Header {
     let [path] = paths else { return Header::default() };
     let mut start = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start));

@@ -2,8 +2,10 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod clock;
 mod commands;
 mod disk;
+mod effort_args;
 mod expand;
 mod failure;
 mod input;

@@ -7,7 +7,7 @@ use crate::args::Reading;
 use crate::failure::Failure;
 use crate::switch::switched;
 use radsight_ir::Rgb;
-use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, RenderOptions};
+use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions};
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
@@ -141,6 +141,24 @@ fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
         other if only => *other = AmbientSurfaces::Only(vec![name]),
         other => *other = AmbientSurfaces::Except(vec![name]),
     }
+}
+
+/// Takes `-i` from the front: whether the irradiance of the surfaces is wanted; gives how many words it used.
+pub(crate) fn take_irradiance(words: &[String], options: &mut RenderOptions) -> usize {
+    let Some(on) = switched(&words[0], "-i", options.quantity == Quantity::SurfaceIrradiance) else { return 0 };
+    options.quantity = if on { Quantity::SurfaceIrradiance } else { Quantity::Radiance };
+    1
+}
+
+/// The options as they stand, for `-defaults`.
+pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
+    let sign = if options.back_faces == BackFaces::Visible { '+' } else { '-' };
+    vec![
+        format!("-bv{sign}\t\t\t\t# back face visibility"),
+        format!("-dr {:<9}\t\t\t# direct relays", options.mirror_relays),
+        format!("-ab {:<9}\t\t\t# ambient bounces", options.ambient_bounces),
+        format!("--seed {}\t\t\t# sample sequence", options.seed),
+    ]
 }
 
 /// Takes one option of ours that Radiance's programs do not have: how scenes are read, and the seed.

@@ -429,7 +429,7 @@ fn rtrace_options() {
     bench.refuses(&["rtrace"], USAGE, none);
     bench.refuses(&["rtrace", "-h", "-n", "2"], USAGE, none);
     bench.refuses(&["rtrace", "-zz", "sheet.rad"], USAGE, "radsight: rtrace: option \"-zz\" is not supported");
-    let letters = "expected -f and one or two of a, f, d";
+    let letters = "expected -f, one of a, f, d, and one of a, f, d, c";
     bench.refuses(&["rtrace", "-fq", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-fq\": {letters}"));
     bench.refuses(&["rtrace", "-faaa", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-faaa\": {letters}"));
     let run = bench.run(&["rtrace", "-oq", "sheet.rad"], b"");

@@ -9,8 +9,8 @@ use real_radiance::Radiance;
 
 const ROOM: &str = "
 void plastic wall 0 0 5 .5 .4 .3 0 0
-void light lamp 0 0 3 10 10 10
-lamp sphere bulb 0 0 4 0 5 3 .5
+void light lamp 0 0 3 1 1 1
+lamp sphere bulb 0 0 4 0 7 4 2
 wall polygon floor 0 0 12 -10 0 0 10 0 0 10 20 0 -10 20 0
 ";
 
@@ -118,12 +118,12 @@ fn direct_light_is_that_of_real_rpict_in_every_view() {
     for view in VIEWS {
         let words = format!("{view} -vp 0 -1 2 -vd 0 1 -.1 -pa 0 -pj 1");
         let words: Vec<&str> = words.split(' ').collect();
-        let small = ["-x", "40", "-y", "30", "--samples", "64", "room.rad"];
+        let small = ["-x", "40", "-y", "30", "--samples", "256", "room.rad"];
         let ours = mean(&rpict(&folder, &[&words[..], &small].concat()).done());
-        let large = ["-x", "320", "-y", "240", "-ps", "1", "-dj", "1", "-ds", ".05", &octree];
+        let large = ["-x", "480", "-y", "360", "-ps", "1", "-dj", "1", "-ds", ".05", &octree];
         let mut theirs = radiance.command("rpict", &[&words[..], &large].concat());
         let theirs = mean(&run_with(theirs.current_dir(folder.path("")), b"").done());
-        assert!((ours / theirs - 1.0).abs() < 0.005, "{view}: {ours} here, {theirs} there");
+        assert!((ours / theirs - 1.0).abs() < 0.01, "{view}: {ours} here, {theirs} there");
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     match name {
         "oconv" => return Some(oconv::run(words)),
         "rpict" => return Some(rpict::run(words)),
-        "rtrace" => return Some(rtrace::run(&words[1..])),
+        "rtrace" => return Some(rtrace::run(words)),
         "vwrays" => return Some(vwrays::run(&words[1..])),
         _ => {}
     }

@@ -10,6 +10,8 @@
 
 mod adaptive;
 mod lens;
+mod single;
 
 pub use adaptive::{Effort, Frame, MAX_SAMPLES};
 pub use lens::{Lens, LensRay};
+pub use single::average;

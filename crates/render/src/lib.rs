@@ -9,6 +9,7 @@
 
 mod beyond;
 mod bodies;
+mod cast;
 mod compile;
 mod compile_scatter;
 mod direct;

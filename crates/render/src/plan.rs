@@ -1,5 +1,6 @@
 //! What a scene needs, decided once before the first ray.
 
+use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
 use crate::geometry::Geometry;
 use crate::indirect::excluded;
@@ -200,13 +201,14 @@ impl RenderPlan {
             })
     }
 
-    /// The names of the surface at which a ray ended and of its modifier, as Radiance tells them: those within an instance or a mesh,
-    /// unless a modifier of their own overrides what is within.
+    /// The names of the surface at which a ray ended, of its modifier and of its material, as Radiance tells them: those within an
+    /// instance or a mesh, unless a modifier of their own overrides what is within.
     #[must_use]
-    pub fn names_at(&self, hit: &FirstHit) -> [&str; 2] {
+    pub fn names_at(&self, hit: &FirstHit) -> [&str; 3] {
         if hit.primitive == PrimitiveId::NONE {
             let modifier = self.scene.surfaces[hit.surface].modifier;
-            return [self.scene.surface_name(hit.surface), self.scene.modifier_name(modifier)];
+            let material = material_name(&self.scene, modifier);
+            return [self.scene.surface_name(hit.surface), self.scene.modifier_name(modifier), material];
         }
         self.geometry.names(&self.scene, hit.primitive)
     }

@@ -46,6 +46,8 @@ pub struct FirstHit {
     pub perturbed_normal: DVec3,
     /// The surface of the whole scene: a mesh or an instance where the ray ends within one.
     pub surface: SurfaceHandle,
+    /// Local coordinates on a mesh; zero elsewhere.
+    pub local: [f64; 2],
     pub(crate) primitive: PrimitiveId,
 }
 
@@ -369,14 +371,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     fn note_hit(&mut self, segment: &Segment<BANDS>, hit: &Hit, encounter: &Encounter) {
         if segment.depth == 0 && self.first_hit.is_none() {
-            self.first_hit = Some(FirstHit {
-                distance: encounter.total_distance,
-                point: hit.point,
-                normal: hit.front,
-                perturbed_normal: encounter.normal,
-                surface: hit.surface,
-                primitive: hit.primitive,
-            });
+            let hit = FirstHit::at(hit, encounter.total_distance);
+            self.first_hit = Some(FirstHit { perturbed_normal: encounter.normal, ..hit });
         }
         if segment.direct_view {
             self.effective_distance = self.effective_distance.min(encounter.total_distance);
@@ -660,14 +656,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let Some(emitter) = shader.kind.emitter() else { return };
         let encounter = Encounter::distant(direction);
         if segment.depth == 0 {
-            self.first_hit = Some(FirstHit {
-                distance: f64::INFINITY,
-                point: direction,
-                normal: -direction,
-                perturbed_normal: -direction,
-                surface,
-                primitive: PrimitiveId::NONE,
-            });
+            self.first_hit = Some(FirstHit::distant(surface, direction));
         }
         let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
         self.emit(segment, shader, emitter, &encounter, share);

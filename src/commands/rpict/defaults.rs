@@ -1,6 +1,7 @@
 //! What `rpict -defaults` prints.
 
-use super::options::Options;
+use super::options::{DEFAULT_EFFORT, Options};
+use crate::render_args;
 use radsight_frame::Effort;
 
 /// The options as they stand, a line each, as Radiance prints those that both have.
@@ -32,13 +33,11 @@ pub(super) fn text(options: &Options) -> String {
     ] {
         lines.push(format!("-{name} {value:.6}\t\t\t# {what}"));
     }
-    lines.push(match options.effort {
+    lines.push(match options.effort.unwrap_or(DEFAULT_EFFORT) {
         Effort::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
         Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of a pixel"),
     });
     lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
-    lines.push(format!("-dr {:<9}\t\t\t# direct relays", options.render.mirror_relays));
-    lines.push(format!("-ab {:<9}\t\t\t# ambient bounces", options.render.ambient_bounces));
-    lines.push(format!("--seed {}\t\t\t# sample sequence", options.render.seed));
+    lines.extend(render_args::defaults(&options.render));
     lines.join("\n") + "\n"
 }

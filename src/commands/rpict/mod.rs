@@ -5,18 +5,18 @@ mod options;
 mod output;
 mod sequence;
 
+use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
-use crate::input::{Planned, conclude, plan, scene_history, use_threads};
+use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::view_args;
-use options::Options;
+use options::{DEFAULT_EFFORT, Options};
 use output::{PictureWriter, Recovered, Start};
 use radsight_frame::{Frame, Lens};
 use radsight_picture::{Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use sequence::Sequence;
-use std::path::Path;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// A picture needs memory for each of its pixels until it is done.
 const MOST_PIXELS: usize = 1 << 27;
@@ -116,7 +116,7 @@ impl Picture {
             return Ok(());
         }
         let mut report = Report::new(options.report);
-        let mut frame = Frame::new(renderer, self.lens, options.effort);
+        let mut frame = Frame::new(renderer, self.lens, options.effort.unwrap_or(DEFAULT_EFFORT));
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
@@ -141,14 +141,7 @@ impl Picture {
 
 /// What stands before the pixels.
 fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
-    let mut header = scene_history(&options.scenes);
-    if header.is_empty() {
-        header.push_line("#?RADIANCE");
-    }
-    let mut words: Vec<&str> = options.command.iter().map(String::as_str).collect();
-    words[0] = Path::new(words[0]).file_name().and_then(|name| name.to_str()).unwrap_or("rpict");
-    header.push_command(words);
-    header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
+    let mut header = program_history(&options.scenes, &options.command);
     if frame > 0 {
         header.push_variable("FRAME", &frame.to_string());
     }
@@ -162,24 +155,6 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     header.push_variable("PRIMARIES", &RgbPrimaries::STANDARD.to_header_value());
     header.push_variable("FORMAT", "32-bit_rle_rgbe");
     header
-}
-
-/// Date and time as picture headers have it: `2026:11:21 11:14:09`.
-fn greenwich_time() -> String {
-    let seconds = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let (day, second) = (seconds / 86_400, seconds % 86_400);
-    // Days from a first of March on repeat every 400 years; the year, the month and the day follow from the mean lengths
-    // (Hinnant, "chrono-Compatible Low-Level Date Algorithms", civil_from_days).
-    let from_march = day + 719_468;
-    let (era, in_era) = (from_march / 146_097, from_march % 146_097);
-    let year_of_era = (in_era - in_era / 1460 + in_era / 36_524 - in_era / 146_096) / 365;
-    let in_year = in_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * in_year + 2) / 153;
-    let day = in_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year}:{month:02}:{day:02} {hour:02}:{minute:02}:{second:02}")
 }
 
 /// Says now and then how far the picture is.

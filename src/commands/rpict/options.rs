@@ -1,20 +1,21 @@
 //! The options of `rpict`, as Radiance writes them.
 
 use crate::args::Reading;
+use crate::effort_args;
 use crate::expand::expand_at;
 use crate::failure::Failure;
-use crate::render_args::{number, take_one, take_own};
+use crate::render_args::{number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use crate::view_args;
-use radsight_frame::{Effort, MAX_SAMPLES};
+use radsight_frame::Effort;
 use radsight_picture::ViewOptions;
 use radsight_render::{Gathering, RenderOptions, Unshared};
 
-/// Error that is asked for when nothing is said.
-const DEFAULT_ERROR: f64 = 0.02;
-
 /// Rays that no pixel exceeds for an asked error.
 const MOST_SAMPLES: u32 = 1024;
+
+/// What is spent on a pixel when nothing is said.
+pub(super) const DEFAULT_EFFORT: Effort = Effort::Error { error: 0.02, most: MOST_SAMPLES };
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -32,7 +33,8 @@ pub(super) struct Options {
     pub(super) pixel_jitter: f64,
     pub(super) motion: f64,
     pub(super) aperture: f64,
-    pub(super) effort: Effort,
+    /// How many rays a pixel gets; `None` for as many as [`DEFAULT_EFFORT`].
+    pub(super) effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
     pub(super) report: u64,
@@ -68,7 +70,7 @@ impl Default for Options {
             pixel_jitter: 0.67,
             motion: 0.0,
             aperture: 0.0,
-            effort: Effort::Error { error: DEFAULT_ERROR, most: MOST_SAMPLES },
+            effort: None,
             threads: None,
             report: 0,
             first_frame: 0,
@@ -106,10 +108,12 @@ impl Options {
 
     /// Takes one option; gives how many words it used.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        const TAKERS: [Taker; 5] = [
+        const TAKERS: [Taker; 7] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
+            |options, words| effort_args::take_one(words, MOST_SAMPLES, &mut options.effort),
+            |options, words| Ok(take_irradiance(words, &mut options.render)),
             Options::take_sampling,
             Options::take_file,
         ];
@@ -152,22 +156,6 @@ impl Options {
             "-pd" => self.aperture = positive(words, "the diameter of the aperture, 0 or more")?,
             // There is nothing between samples to interpolate: every pixel has its own.
             "-ps" | "-pt" => drop(number::<f64>(words, word, "a number")?),
-            "--samples" => match number(words, word, "a number of rays")? {
-                samples @ 1..=MAX_SAMPLES => self.effort = Effort::Samples(samples),
-                other => {
-                    let expected = format!("expected 1 to {MAX_SAMPLES}");
-                    return Err(Failure::usage(format!("option \"{word}\" is {other}, {expected}")));
-                }
-            },
-            "--error" => match number(words, word, "a share above 0, such as 0.02")? {
-                error if error > 0.0 && f64::is_finite(error) => {
-                    self.effort = Effort::Error { error, most: MOST_SAMPLES };
-                }
-                error => {
-                    let expected = "expected a share above 0, such as 0.02";
-                    return Err(Failure::usage(format!("option \"{word}\" is {error}, {expected}")));
-                }
-            },
             _ => return Ok(0),
         }
         Ok(2)

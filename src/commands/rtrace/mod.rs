@@ -1,38 +1,63 @@
 //! `rtrace`: rays on standard input, what they meet on standard output.
 
+mod color;
+mod defaults;
 mod options;
 mod rays;
 mod record;
 
-use crate::failure::{Failure, Outcome};
-use crate::input::{Planned, conclude, history, plan, use_threads};
-use options::Options;
-use radsight_render::{Ray, Renderer};
-use rays::RayReader;
-use record::Writer;
+use crate::clock::greenwich_time;
+use crate::failure::{Failure, Outcome, say, say_in};
+use crate::input::{Planned, conclude, plan, program_history, use_threads};
+use crate::output::write_standard_output;
+use options::{Options, OutputFormat};
+use radsight_frame::{Effort, average};
+use radsight_picture::Resolution;
+use radsight_pinhole::stream::NumberFormat;
+use radsight_render::{Quantity, Ray, Renderer};
+use rayon::prelude::*;
+use rays::{InputRay, RayReader};
+use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
 
 /// Rays that are traced at a time: enough for all threads, small enough to stream.
 const RAYS_AT_A_TIME: usize = 1 << 15;
 
-/// Runs the program.
+/// Records that a thread writes at a time.
+const RECORDS_AT_A_TIME: usize = 1 << 10;
+
+/// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String]) -> Outcome {
     let options = Options::parse(words)?;
+    if options.print_defaults {
+        return write_standard_output(defaults::text(&options).as_bytes());
+    }
+    if let Some(path) = &options.error_file {
+        say_in(path)?;
+    }
     use_threads(options.threads)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+<<<<<<< HEAD
     let mut renderer = Renderer::new(plan);
+=======
+    let renderer = Renderer::new(plan);
+    trace(&options, &renderer)?;
+    conclude(renderer.plan(), registry.as_ref(), &sources)
+}
+
+fn trace(options: &Options, renderer: &Renderer) -> Outcome {
+>>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let writer = Writer::new(&options.output, options.output_format);
-    if options.header {
-        out.write_all(&header(&writer)).map_err(failed)?;
-    }
+    out.write_all(&start(options)).map_err(failed)?;
+    let pace = Pace::new(options);
+    let mut left = pace.total;
     let mut reader = RayReader::new(io::stdin().lock(), options.input_format);
     let mut rays = Vec::new();
     let mut first_index = 0;
-    let mut bytes = Vec::new();
     loop {
         // A wrong ray ends the stream; the rays before it are answered first.
+<<<<<<< HEAD
         let ended = reader.read(if options.unbuffered { 1 } else { RAYS_AT_A_TIME }, &mut rays);
         let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
         renderer.gather_irradiance(&to_trace);
@@ -41,26 +66,118 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         bytes.clear();
         for (ray, traced) in rays.iter().zip(traced) {
             writer.write(renderer.plan(), ray, traced.as_ref(), &mut bytes);
+=======
+        let most = left.map_or(pace.at_a_time, |left| left.min(pace.at_a_time as u64) as usize);
+        let ended = reader.read(most, &mut rays);
+        for bytes in answers(options, renderer, first_index, &rays) {
+            out.write_all(&bytes).map_err(failed)?;
+>>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
         }
-        out.write_all(&bytes).map_err(failed)?;
-        if options.unbuffered || rays.iter().any(|ray| ray.ray.is_none()) {
+        first_index += rays.len() as u64;
+        if pace.flushes || rays.iter().any(|ray| ray.ray.is_none()) {
             out.flush().map_err(failed)?;
         }
         ended?;
-        if rays.is_empty() {
-            out.flush().map_err(failed)?;
-            return conclude(renderer.plan(), registry.as_ref(), &sources);
+        if let Some(left) = &mut left {
+            *left -= rays.iter().filter(|ray| ray.ray.is_some()).count() as u64;
+        }
+        if rays.is_empty() || left == Some(0) {
+            if left.is_some_and(|left| left > 0) && !options.reading.no_warnings {
+                say("rtrace: warning - unexpected EOF on input\n");
+            }
+            return out.flush().map_err(failed);
         }
     }
 }
 
-fn header(writer: &Writer<'_>) -> Vec<u8> {
-    let mut header = history();
-    header.push_variable("SOFTWARE", concat!("radsight ", env!("CARGO_PKG_VERSION")));
-    header.push_variable("NCOMP", &writer.numbers().to_string());
-    if cfg!(target_endian = "big") && !writer.is_text() {
-        header.push_variable("BigEndian", "1");
+/// How many rays are read before their answers are written.
+struct Pace {
+    at_a_time: usize,
+    flushes: bool,
+    /// After how many rays the work ends, whatever the input holds.
+    total: Option<u64>,
+}
+
+impl Pace {
+    fn new(options: &Options) -> Pace {
+        let [columns, rows] = options.size;
+        let interval = if rows == 0 || columns <= 1 { columns } else { 0 };
+        let total = if columns > 1 { columns.saturating_mul(rows) } else { rows };
+        Pace {
+            at_a_time: if interval > 0 { (interval as usize).min(RAYS_AT_A_TIME) } else { RAYS_AT_A_TIME },
+            flushes: interval > 0,
+            total: (total > 0).then_some(total),
+        }
     }
-    header.push_variable("FORMAT", writer.format_name());
+}
+
+/// The records of some rays, in pieces.
+fn answers(options: &Options, renderer: &Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
+    let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
+    let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
+        trace_all(renderer, first_index, &to_trace, options.effort())
+    } else {
+        let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));
+        to_trace.par_iter().with_min_len(RECORDS_AT_A_TIME).map(cast).collect()
+    };
+    let limits = options.limits_distance && options.render.quantity != Quantity::Irradiance;
+    let writer = Writer::new(options, renderer.plan());
+    let pieces = rays.par_chunks(RECORDS_AT_A_TIME).zip(found.par_chunks(RECORDS_AT_A_TIME));
+    let written = pieces.map(|(rays, found)| {
+        let mut bytes = Vec::new();
+        for (ray, found) in rays.iter().zip(found) {
+            let found = if limits { found.map(|found| found.clipped(ray.length)) } else { *found };
+            writer.write(ray, found.as_ref(), &mut bytes);
+        }
+        bytes
+    });
+    written.collect()
+}
+
+fn trace_all(renderer: &Renderer, first_index: u64, rays: &[Option<Ray>], effort: Effort) -> Vec<Option<Found>> {
+    if effort == Effort::Samples(1) {
+        let traced = renderer.trace_all(first_index, rays);
+        return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
+    }
+    rays.par_iter()
+        .enumerate()
+        .map_init(
+            || renderer.worker(),
+            |worker, (place, ray)| {
+                let number = first_index + place as u64;
+                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort)))
+            },
+        )
+        .collect()
+}
+
+/// What stands before the records.
+fn start(options: &Options) -> Vec<u8> {
+    let mut bytes = if options.header { header(options) } else { Vec::new() };
+    let [columns, rows] = options.size;
+    if columns > 0 && rows > 0 {
+        bytes.extend_from_slice(format!("{}\n", Resolution::standard(columns as usize, rows as usize)).as_bytes());
+    }
+    bytes
+}
+
+fn header(options: &Options) -> Vec<u8> {
+    let mut header = program_history(&options.scenes, &options.command);
+    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    header.push_variable("NCOMP", &options.numbers().to_string());
+    if let Some(primaries) = options.color.primaries() {
+        header.push_variable("PRIMARIES", &primaries.to_header_value());
+    }
+    let format = match options.output_format {
+        OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
+        OutputFormat::Numbers(NumberFormat::Float) => "float",
+        OutputFormat::Numbers(NumberFormat::Double) => "double",
+        OutputFormat::Pixels if matches!(options.color, color::OutputColor::Xyz(_)) => "32-bit_rle_xyze",
+        OutputFormat::Pixels => "32-bit_rle_rgbe",
+    };
+    if matches!(format, "float" | "double") {
+        header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
+    }
+    header.push_variable("FORMAT", format);
     header.to_bytes()
 }

@@ -1,8 +1,13 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use super::color::OutputColor;
 use crate::args::Reading;
+use crate::effort_args;
+use crate::expand::expand_at;
 use crate::failure::Failure;
-use crate::render_args::{number, take_one, take_own};
+use crate::render_args::{number, take_irradiance, take_one, take_own};
+use crate::switch::switched;
+use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, Quantity, RenderOptions, Unshared};
 
@@ -12,52 +17,96 @@ pub(super) struct Options {
     pub(super) render: RenderOptions,
     pub(super) header: bool,
     pub(super) input_format: NumberFormat,
-    pub(super) output_format: NumberFormat,
+    pub(super) output_format: OutputFormat,
     pub(super) output: Vec<Field>,
+    pub(super) color: OutputColor,
+    /// Columns and rows of the picture that the rays are of; a column count alone is the interval of flushes.
+    pub(super) size: [u64; 2],
+    /// Whether rays end where their direction does.
+    pub(super) limits_distance: bool,
+    /// How often each ray is traced; `None` for what [`Options::effort`] makes of it.
+    asked_effort: Option<Effort>,
     pub(super) threads: Option<usize>,
-    pub(super) unbuffered: bool,
     pub(super) reading: Reading,
+    pub(super) error_file: Option<String>,
     pub(super) scenes: Vec<String>,
+    /// The words up to the scenes, as the header has them.
+    pub(super) command: Vec<String>,
+    /// Whether only the defaults are to be printed.
+    pub(super) print_defaults: bool,
+}
+
+/// Rays that none exceeds for an asked error.
+const MOST_SAMPLES: u32 = 4096;
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OutputFormat {
+    /// As text or binary numbers.
+    Numbers(NumberFormat),
+    /// As pixels of four bytes.
+    Pixels,
 }
 
 /// One letter of `-o`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Field {
     Value,
+    Contribution,
     Direction,
     Origin,
     EffectiveDistance,
     FirstDistance,
+    Local,
     Point,
     PerturbedNormal,
     Normal,
     Surface,
     Modifier,
+    Material,
     Weight,
+    Coefficient,
+    Tilde,
 }
 
 impl Field {
     fn from_letter(letter: char) -> Option<Field> {
         Some(match letter {
             'v' => Field::Value,
+            'V' => Field::Contribution,
             'd' => Field::Direction,
             'o' => Field::Origin,
             'l' => Field::EffectiveDistance,
             'L' => Field::FirstDistance,
+            'c' => Field::Local,
             'p' => Field::Point,
             'n' => Field::PerturbedNormal,
             'N' => Field::Normal,
             's' => Field::Surface,
             'm' => Field::Modifier,
+            'M' => Field::Material,
             'w' => Field::Weight,
+            'W' => Field::Coefficient,
+            '~' => Field::Tilde,
             _ => return None,
         })
+    }
+
+    /// Whether it takes more than finding where the ray ends.
+    pub(super) fn needs_tracing(self) -> bool {
+        use Field::{Coefficient, Contribution, EffectiveDistance, PerturbedNormal, Value};
+        matches!(self, Value | Contribution | Coefficient | EffectiveDistance | PerturbedNormal)
+    }
+
+    fn is_value(self) -> bool {
+        matches!(self, Field::Value | Field::Contribution | Field::Coefficient)
     }
 }
 
 /// Letters of `-o` that Radiance knows and radsight does not give.
-const OTHER_LETTERS: &str = "tTfFrRxXcMUVWg~-i";
+const OTHER_LETTERS: &str = "tTrRxX";
 
+<<<<<<< HEAD
 impl Options {
     /// Reads the words after the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
@@ -71,73 +120,142 @@ impl Options {
         };
         let mut options = Options {
             render: RenderOptions { gathering, ..RenderOptions::default() },
+=======
+/// Those that both know.
+const LETTERS: &str = "vVdolLcpnNsmMwW~";
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            render: RenderOptions::default(),
+>>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
             header: true,
             input_format: NumberFormat::Ascii,
-            output_format: NumberFormat::Ascii,
+            output_format: OutputFormat::Numbers(NumberFormat::Ascii),
             output: vec![Field::Value],
+            color: OutputColor::Rgb,
+            size: [0, 0],
+            limits_distance: false,
+            asked_effort: None,
             threads: None,
-            unbuffered: false,
             reading: Reading::default(),
+            error_file: None,
             scenes: Vec::new(),
-        };
-        let mut at = 0;
-        while at < words.len() && words[at].starts_with('-') && words[at] != "-" {
-            at += options.take(&words[at..])?;
+            command: Vec::new(),
+            print_defaults: false,
         }
-        options.scenes = words[at..].to_vec();
+    }
+}
+
+impl Options {
+    /// Reads the words, of which the first is the program's name.
+    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options::default();
+        let mut words = words.to_vec();
+        let mut at = 1;
+        loop {
+            expand_at(&mut words, at)?;
+            match words.get(at) {
+                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
+                _ => break,
+            }
+        }
+        options.scenes = words.split_off(at);
+        options.command = words;
+        if options.print_defaults {
+            return Ok(options);
+        }
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
         }
+        options.check()?;
         Ok(options)
+    }
+
+    fn check(&self) -> Result<(), Failure> {
+        if self.output_format == OutputFormat::Pixels && self.output != [Field::Value] {
+            return Err(Failure::usage("rtrace: pixels (-f.c) hold the value alone, expected -ov"));
+        }
+        if self.output_format == OutputFormat::Pixels && self.color.components() != 3 {
+            return Err(Failure::usage("rtrace: pixels (-f.c) hold three numbers, expected -pRGB, -pXYZ or -pc"));
+        }
+        if self.render.quantity != Quantity::Radiance && !self.output.iter().any(|field| field.needs_tracing()) {
+            return Err(Failure::usage("rtrace: irradiance (-I, -i) is asked for but no value, expected -ov"));
+        }
+        Ok(())
     }
 
     /// Takes one option; gives how many words it used.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let used = take_one(words, &mut self.render)?;
-        if used > 0 {
-            return Ok(used);
+        let mut used = take_one(words, &mut self.render)?;
+        if used == 0 {
+            used = take_own(words, &mut self.reading, &mut self.render)?;
         }
-        let used = take_own(words, &mut self.reading, &mut self.render)?;
+        if used == 0 {
+            used = take_irradiance(words, &mut self.render);
+        }
+        if used == 0 {
+            used = effort_args::take_one(words, MOST_SAMPLES, &mut self.asked_effort)?;
+        }
+        if used == 0 {
+            used = self.take_switch(&words[0]);
+        }
         if used > 0 {
             return Ok(used);
         }
         let word = words[0].as_str();
         match word {
-            "-h" | "-h-" => self.header = false,
-            "-h+" => self.header = true,
-            "-I" | "-I+" => self.render.quantity = Quantity::Irradiance,
-            "-i" | "-i+" => self.render.quantity = Quantity::SurfaceIrradiance,
-            "-I-" | "-i-" => self.render.quantity = Quantity::Radiance,
-            "-ld-" | "-w" | "-w+" | "-w-" | "-pRGB" => {}
-            "-n" => {
-                self.threads = Some(number(words, word, "a number of threads")?);
-                return Ok(2);
+            "-n" => self.threads = Some(number(words, word, "a number of threads")?),
+            "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
+            "-y" => self.size[1] = number(words, word, "a number of rows")?,
+            "-e" => self.error_file = Some(number(words, word, "a file for messages")?),
+            "-defaults" | "-help" => {
+                self.print_defaults = true;
+                return Ok(1);
             }
-            "-x" => {
-                let interval: u64 = number(words, word, "a flush interval")?;
-                self.unbuffered = interval == 1;
-                return Ok(2);
+            _ if word.starts_with("-f") => return self.formats(word).map(|()| 1),
+            _ if word.starts_with("-o") => return self.fields(word).map(|()| 1),
+            _ => {
+                if let Some((color, used)) = OutputColor::from_option(words)? {
+                    self.color = color;
+                    return Ok(used);
+                }
+                return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported")));
             }
-            "-y" => {
-                let _: u64 = number(words, word, "a number of rows")?;
-                return Ok(2);
-            }
-            _ if word.starts_with("-f") => self.formats(word)?,
-            _ if word.starts_with("-o") => self.fields(word)?,
-            _ => return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported"))),
         }
-        Ok(1)
+        Ok(2)
+    }
+
+    fn take_switch(&mut self, word: &str) -> usize {
+        let quantity = self.render.quantity;
+        if let Some(on) = switched(word, "-I", quantity == Quantity::Irradiance) {
+            self.render.quantity = if on { Quantity::Irradiance } else { Quantity::Radiance };
+        } else if let Some(on) = switched(word, "-h", self.header) {
+            self.header = on;
+        } else if let Some(on) = switched(word, "-w", !self.reading.no_warnings) {
+            self.reading.no_warnings = !on;
+        } else if let Some(on) = switched(word, "-ld", self.limits_distance) {
+            self.limits_distance = on;
+        } else {
+            return 0;
+        }
+        1
     }
 
     fn formats(&mut self, word: &str) -> Result<(), Failure> {
-        let wrong = || Failure::usage(format!("rtrace: option \"{word}\": expected -f and one or two of a, f, d"));
-        let letters: Vec<NumberFormat> =
-            word[2..].chars().map(NumberFormat::from_letter).collect::<Option<_>>().ok_or_else(wrong)?;
-        match letters[..] {
-            [both] => (self.input_format, self.output_format) = (both, both),
-            [input, output] => (self.input_format, self.output_format) = (input, output),
-            _ => return Err(wrong()),
+        let wrong =
+            || Failure::usage(format!("rtrace: option \"{word}\": expected -f, one of a, f, d, and one of a, f, d, c"));
+        let mut letters = word[2..].chars();
+        let input = letters.next().and_then(NumberFormat::from_letter).ok_or_else(wrong)?;
+        let output = match letters.next() {
+            None => OutputFormat::Numbers(input),
+            Some('c') => OutputFormat::Pixels,
+            Some(letter) => OutputFormat::Numbers(NumberFormat::from_letter(letter).ok_or_else(wrong)?),
+        };
+        if letters.next().is_some() {
+            return Err(wrong());
         }
+        (self.input_format, self.output_format) = (input, output);
         Ok(())
     }
 
@@ -151,14 +269,34 @@ impl Options {
                 }
                 None => {
                     return Err(Failure::usage(format!(
-                        "rtrace: \"{letter}\" of \"{word}\" is no output, expected some of vdolLpnNsmw"
+                        "rtrace: \"{letter}\" of \"{word}\" is no output, expected some of {LETTERS}"
                     )));
                 }
             }
         }
         if self.output.is_empty() {
-            return Err(Failure::usage("rtrace: option \"-o\" names no output, expected some of vdolLpnNsmw"));
+            return Err(Failure::usage(format!("rtrace: option \"-o\" names no output, expected some of {LETTERS}")));
         }
         Ok(())
+    }
+
+    /// How often each ray is traced: a ray of a stream once, since its sender averages, but irradiance until it is known well.
+    pub(super) fn effort(&self) -> Effort {
+        self.asked_effort.unwrap_or(match self.render.quantity {
+            Quantity::Radiance => Effort::Samples(1),
+            _ => Effort::Error { error: 0.02, most: MOST_SAMPLES },
+        })
+    }
+
+    /// How many numbers are in a record, names counted as one each.
+    pub(super) fn numbers(&self) -> usize {
+        let numbers = |field: &Field| match field {
+            field if field.is_value() => self.color.components(),
+            Field::Direction | Field::Origin | Field::Point | Field::PerturbedNormal | Field::Normal => 3,
+            Field::Local => 2,
+            Field::Tilde => 0,
+            _ => 1,
+        };
+        self.output.iter().map(numbers).sum()
     }
 }

@@ -11,6 +11,8 @@ use std::io::{ErrorKind, Read};
 pub(super) struct InputRay {
     pub(super) origin: DVec3,
     pub(super) ray: Option<Ray>,
+    /// Length of the direction.
+    pub(super) length: f64,
 }
 
 /// Reads rays, six numbers each.
@@ -69,7 +71,7 @@ impl<R: Read> RayReader<R> {
         self.rays += 1;
         let [x, y, z, dx, dy, dz] = numbers;
         let (origin, direction) = (DVec3::new(x, y, z), DVec3::new(dx, dy, dz));
-        Ok(Some(InputRay { origin, ray: Ray::new(origin, direction) }))
+        Ok(Some(InputRay { origin, ray: Ray::new(origin, direction), length: direction.length() }))
     }
 
     fn wrong(&self, what: &str) -> Failure {

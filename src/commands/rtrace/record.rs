@@ -1,11 +1,11 @@
 //! What is written for a ray.
 
-use super::options::Field;
+use super::options::{Field, Options, OutputFormat};
 use super::rays::InputRay;
 use glam::DVec3;
-use radsight_picture::scientific;
+use radsight_picture::{encode_rgbe, scientific};
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{RenderPlan, Traced};
+use radsight_render::{FirstHit, RenderPlan, Traced};
 use std::io::Write;
 
 /// Digits after the point of a number in text.
@@ -14,95 +14,126 @@ const DIGITS: usize = 6;
 /// What Radiance writes for a distance to nothing.
 const NOWHERE: f64 = 1e10;
 
+/// What was found out of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Found {
+    /// Everything.
+    Traced(Traced),
+    /// Only where it ends.
+    Cast(Option<FirstHit>),
+    /// That nothing is nearer than where it was to end.
+    Clipped,
+}
+
+impl Found {
+    /// The same, but nothing is seen beyond a distance.
+    pub(super) fn clipped(self, distance: f64) -> Found {
+        if self.hit().is_some_and(|hit| hit.distance <= distance) { self } else { Found::Clipped }
+    }
+
+    fn hit(&self) -> Option<FirstHit> {
+        match self {
+            Found::Traced(traced) => traced.first_hit,
+            Found::Cast(hit) => *hit,
+            Found::Clipped => None,
+        }
+    }
+
+    fn value(&self) -> [f64; 3] {
+        match self {
+            Found::Traced(traced) => traced.value,
+            Found::Cast(_) | Found::Clipped => [0.0; 3],
+        }
+    }
+
+    fn effective_distance(&self) -> Option<f64> {
+        match self {
+            Found::Traced(traced) => Some(traced.effective_distance),
+            Found::Cast(_) | Found::Clipped => None,
+        }
+    }
+}
+
 /// Writes records of fields.
 #[derive(Debug)]
 pub(super) struct Writer<'o> {
-    fields: &'o [Field],
-    format: NumberFormat,
+    options: &'o Options,
+    plan: &'o RenderPlan,
 }
 
 impl<'o> Writer<'o> {
-    pub(super) fn new(fields: &'o [Field], format: NumberFormat) -> Self {
-        Writer { fields, format }
+    pub(super) fn new(options: &'o Options, plan: &'o RenderPlan) -> Self {
+        Writer { options, plan }
     }
 
-    /// Numbers in a record, names counted as one each.
-    pub(super) fn numbers(&self) -> usize {
-        self.fields
-            .iter()
-            .map(|field| match field {
-                Field::Value
-                | Field::Direction
-                | Field::Origin
-                | Field::Point
-                | Field::PerturbedNormal
-                | Field::Normal => 3,
-                _ => 1,
-            })
-            .sum()
-    }
-
-    pub(super) fn is_text(&self) -> bool {
-        self.format == NumberFormat::Ascii
-    }
-
-    pub(super) fn format_name(&self) -> &'static str {
-        match self.format {
-            NumberFormat::Ascii => "ascii",
-            NumberFormat::Float => "float",
-            NumberFormat::Double => "double",
+    /// Appends the record of one ray; of a ray without direction nothing was found.
+    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, out: &mut Vec<u8>) {
+        let value = self.options.color.of(found.map_or([0.0; 3], Found::value));
+        let value = &value[..self.options.color.components()];
+        if self.options.output_format == OutputFormat::Pixels {
+            let pixel = [0, 1, 2].map(|band| value.get(band).map_or(0.0, |value| *value as f32));
+            return out.extend_from_slice(&encode_rgbe(pixel));
         }
-    }
-
-    /// Appends the record of one ray.
-    pub(super) fn write(&self, plan: &RenderPlan, input: &InputRay, traced: Option<&Traced>, out: &mut Vec<u8>) {
-        let hit = traced.and_then(|traced| traced.first_hit);
+        let hit = found.and_then(Found::hit);
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
-        for field in self.fields {
+        for field in &self.options.output {
             match field {
-                Field::Value => self.numbers_out(&traced.map_or([0.0; 3], |traced| traced.value), out),
+                Field::Value | Field::Contribution => self.numbers_out(value, out),
+                // The input ray is the whole of itself.
+                Field::Coefficient => self.numbers_out(&[1.0; 3][..value.len()], out),
+                Field::Weight => self.numbers_out(&[1.0], out),
                 Field::Direction => self.numbers_out(&vector(input.ray.map(|ray| ray.direction)), out),
                 Field::Origin => self.numbers_out(&input.origin.to_array(), out),
                 Field::EffectiveDistance => {
-                    self.numbers_out(&[distance(traced.map(|traced| traced.effective_distance))], out);
+                    self.numbers_out(&[distance(found.and_then(Found::effective_distance))], out);
                 }
                 Field::FirstDistance => self.numbers_out(&[distance(hit.map(|hit| hit.distance))], out),
-                Field::Point => {
-                    // What is infinitely far away has no place; Radiance gives the ray's origin.
-                    let near = hit.filter(|hit| hit.distance < NOWHERE);
-                    self.numbers_out(&near.map_or(input.origin, |hit| hit.point).to_array(), out);
-                }
+                Field::Local => self.numbers_out(&hit.map_or([0.0; 2], |hit| hit.local), out),
+                Field::Point => self.numbers_out(&end(input, found).to_array(), out),
                 Field::PerturbedNormal => self.numbers_out(&vector(hit.map(|hit| hit.perturbed_normal)), out),
                 Field::Normal => self.numbers_out(&vector(hit.map(|hit| hit.normal)), out),
-                Field::Surface => name_out(hit.map(|hit| plan.names_at(&hit)[0]), out),
-                Field::Modifier => name_out(hit.map(|hit| plan.names_at(&hit)[1]), out),
-                Field::Weight => self.numbers_out(&[1.0], out),
+                Field::Surface => self.name_out(hit, 0, out),
+                Field::Modifier => self.name_out(hit, 1, out),
+                Field::Material => self.name_out(hit, 2, out),
+                Field::Tilde => out.extend_from_slice(b"~\t"),
             }
         }
-        if self.is_text() {
+        if self.options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
             out.push(b'\n');
         }
     }
 
     fn numbers_out(&self, values: &[f64], out: &mut Vec<u8>) {
-        match self.format {
-            NumberFormat::Ascii => {
+        match self.options.output_format {
+            OutputFormat::Numbers(NumberFormat::Ascii) => {
                 for value in values {
                     out.extend_from_slice(scientific(*value, DIGITS).as_bytes());
                     out.push(b'\t');
                 }
             }
-            format => format.encode(values, out),
+            OutputFormat::Numbers(format) => format.encode(values, out),
+            OutputFormat::Pixels => {}
+        }
+    }
+
+    fn name_out(&self, hit: Option<FirstHit>, which: usize, out: &mut Vec<u8>) {
+        let _ = write!(out, "{}\t", hit.map_or("*", |hit| self.plan.names_at(&hit)[which]));
+    }
+}
+
+/// The point where a ray ends. What is infinitely far away has no place; Radiance gives the ray's origin.
+fn end(input: &InputRay, found: Option<&Found>) -> DVec3 {
+    match (found, input.ray) {
+        (Some(Found::Clipped), Some(ray)) => ray.at(input.length),
+        _ => {
+            let near = found.and_then(Found::hit).filter(|hit| hit.distance < NOWHERE);
+            near.map_or(input.origin, |hit| hit.point)
         }
     }
 }
 
 fn distance(value: Option<f64>) -> f64 {
     value.unwrap_or(NOWHERE).min(NOWHERE)
-}
-
-fn name_out(name: Option<&str>, out: &mut Vec<u8>) {
-    let _ = write!(out, "{}\t", name.unwrap_or("*"));
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod mesh;
 mod polygon;
 mod sphere;
 
+use crate::cast::material_name;
 use crate::compile::ShaderTable;
 use crate::ray::{Crossing, Hit, MemberId, PrimitiveId, Ray, ShaderId};
 use crate::view::Placed;
@@ -472,24 +473,25 @@ impl Geometry {
         }
     }
 
-    /// The names of the surface that a primitive is and of its modifier, as Radiance tells them.
-    pub(crate) fn names<'s>(&self, scene: &'s Scene, primitive: PrimitiveId) -> [&'s str; 2] {
+    /// The names of the surface that a primitive is, of its modifier and of its material, as Radiance tells them.
+    pub(crate) fn names<'s>(&self, scene: &'s Scene, primitive: PrimitiveId) -> [&'s str; 3] {
         let (member, inner) = self.member_of(primitive);
         let handle = self.members[member.0 as usize];
         let surface = &scene.surfaces[handle];
+        let named = |name, modifier| [name, scene.modifier_name(modifier), material_name(scene, modifier)];
         match surface.shape {
             Shape::Mesh(placed) if surface.modifier.is_none() => {
                 let mesh = scene.mesh_instances[placed].mesh;
                 match self.meshes[mesh.index()].triangle(&scene.meshes[mesh], inner).modifier {
-                    None => [scene.surface_name(handle), "void"],
-                    modifier => [TRIANGLE_NAME, scene.modifier_name(modifier)],
+                    None => named(scene.surface_name(handle), None),
+                    modifier => named(TRIANGLE_NAME, modifier),
                 }
             }
             Shape::Instance(placed) if surface.modifier.is_none() => {
                 let octree = scene.instances[placed].octree;
                 self.octrees[octree.index()].names(&scene.octrees[octree].scene, inner)
             }
-            _ => [scene.surface_name(handle), scene.modifier_name(surface.modifier)],
+            _ => named(scene.surface_name(handle), surface.modifier),
         }
     }
 

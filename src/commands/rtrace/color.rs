@@ -1,0 +1,83 @@
+//! In which components values are written (`-p…`).
+
+use crate::failure::Failure;
+use crate::render_args::number;
+use glam::{DMat3, DVec3};
+use radsight_picture::{RgbPrimaries, WHITE_EFFICACY, xyz_to_rgb};
+
+/// The components of a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum OutputColor {
+    /// Red, green and blue as the scene has them.
+    Rgb,
+    /// CIE X, Y, Z, Y in cd/m² (or lux).
+    Xyz(DMat3),
+    /// Red, green and blue of other primaries: to X, Y, Z, and from there.
+    Primaries(RgbPrimaries, [DMat3; 2]),
+    /// One number: the sum of red, green and blue with these weights.
+    Weighted([f64; 3]),
+}
+
+/// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
+/// with 412 lm/W for white: CIE 1951 V'(λ).
+const SCOTOPIC: [f64; 3] = [4.652_171, 292.074_6, 115.273_2];
+
+/// The same for melanopic response with 179 lm/W for white: CIE S 026.
+const MELANOPIC: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
+
+impl OutputColor {
+    /// The components that an option asks for and how many words it uses; `None` for another option.
+    pub(super) fn from_option(words: &[String]) -> Result<Option<(OutputColor, usize)>, Failure> {
+        let standard = RgbPrimaries::STANDARD;
+        let impossible = || Failure::usage(format!("rtrace: option \"{}\": impossible primaries", words[0]));
+        let to_xyz = standard.rgb_to_xyz().ok_or_else(impossible)?;
+        let color = match words[0].as_str() {
+            "-pRGB" => OutputColor::Rgb,
+            "-pXYZ" => OutputColor::Xyz(to_xyz * WHITE_EFFICACY),
+            "-pY" => OutputColor::Weighted(to_xyz.row(1).to_array().map(|weight| weight * WHITE_EFFICACY)),
+            "-pS" => OutputColor::Weighted(SCOTOPIC),
+            "-pM" => OutputColor::Weighted(MELANOPIC),
+            "-pA" => OutputColor::Weighted([1.0 / 3.0; 3]),
+            "-pc" => {
+                let mut numbers = [0.0; 8];
+                for (offset, value) in numbers.iter_mut().enumerate() {
+                    *value = number(&words[offset.min(words.len() - 1)..], "-pc", "eight chromaticities")?;
+                }
+                let primaries = RgbPrimaries::from_array(numbers);
+                let from_xyz = primaries.xyz_to_rgb().ok_or_else(impossible)?;
+                return Ok(Some((OutputColor::Primaries(primaries, [to_xyz, from_xyz]), 9)));
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some((color, 1)))
+    }
+
+    /// How many numbers a value has.
+    pub(super) fn components(&self) -> usize {
+        if matches!(self, OutputColor::Weighted(_)) { 1 } else { 3 }
+    }
+
+    /// The primaries that a header names: none for the usual ones.
+    pub(super) fn primaries(&self) -> Option<RgbPrimaries> {
+        match self {
+            OutputColor::Xyz(_) => Some(RgbPrimaries::XYZ),
+            OutputColor::Primaries(primaries, _) => Some(*primaries),
+            _ => None,
+        }
+    }
+
+    /// A value in these components, of which only as many count as there are.
+    pub(super) fn of(&self, value: [f64; 3]) -> [f64; 3] {
+        match self {
+            OutputColor::Rgb => value,
+            OutputColor::Xyz(matrix) => (*matrix * DVec3::from(value)).to_array(),
+            OutputColor::Primaries(_, [to_xyz, from_xyz]) => {
+                let xyz = (*to_xyz * DVec3::from(value)).to_array();
+                xyz_to_rgb(from_xyz, xyz.map(|component| component as f32)).map(f64::from)
+            }
+            OutputColor::Weighted(weights) => {
+                [value.iter().zip(weights).map(|(band, weight)| band * weight).sum(), 0.0, 0.0]
+            }
+        }
+    }
+}
