@@ -37,16 +37,12 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     }
     use_threads(options.threads)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
-<<<<<<< HEAD
     let mut renderer = Renderer::new(plan);
-=======
-    let renderer = Renderer::new(plan);
-    trace(&options, &renderer)?;
+    trace(&options, &mut renderer)?;
     conclude(renderer.plan(), registry.as_ref(), &sources)
 }
 
-fn trace(options: &Options, renderer: &Renderer) -> Outcome {
->>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
+fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
     out.write_all(&start(options)).map_err(failed)?;
@@ -57,21 +53,10 @@ fn trace(options: &Options, renderer: &Renderer) -> Outcome {
     let mut first_index = 0;
     loop {
         // A wrong ray ends the stream; the rays before it are answered first.
-<<<<<<< HEAD
-        let ended = reader.read(if options.unbuffered { 1 } else { RAYS_AT_A_TIME }, &mut rays);
-        let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
-        renderer.gather_irradiance(&to_trace);
-        let traced = renderer.trace_all(first_index, &to_trace);
-        first_index += rays.len() as u64;
-        bytes.clear();
-        for (ray, traced) in rays.iter().zip(traced) {
-            writer.write(renderer.plan(), ray, traced.as_ref(), &mut bytes);
-=======
         let most = left.map_or(pace.at_a_time, |left| left.min(pace.at_a_time as u64) as usize);
         let ended = reader.read(most, &mut rays);
         for bytes in answers(options, renderer, first_index, &rays) {
             out.write_all(&bytes).map_err(failed)?;
->>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
         }
         first_index += rays.len() as u64;
         if pace.flushes || rays.iter().any(|ray| ray.ray.is_none()) {
@@ -112,9 +97,10 @@ impl Pace {
 }
 
 /// The records of some rays, in pieces.
-fn answers(options: &Options, renderer: &Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
+fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
+        renderer.gather_irradiance(&to_trace);
         trace_all(renderer, first_index, &to_trace, options.effort())
     } else {
         let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));

@@ -106,10 +106,11 @@ impl Field {
 /// Letters of `-o` that Radiance knows and radsight does not give.
 const OTHER_LETTERS: &str = "tTrRxX";
 
-<<<<<<< HEAD
-impl Options {
-    /// Reads the words after the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+/// Those that both know.
+const LETTERS: &str = "vVdolLcpnNsmMwW~";
+
+impl Default for Options {
+    fn default() -> Self {
         // Radiance's defaults for single rays.
         let gathering = Gathering {
             accuracy: 0.1,
@@ -118,17 +119,8 @@ impl Options {
             super_samples: 512,
             unshared: Unshared::LookAround,
         };
-        let mut options = Options {
-            render: RenderOptions { gathering, ..RenderOptions::default() },
-=======
-/// Those that both know.
-const LETTERS: &str = "vVdolLcpnNsmMwW~";
-
-impl Default for Options {
-    fn default() -> Self {
         Options {
-            render: RenderOptions::default(),
->>>>>>> b03b89c (Give rtrace the outputs, components and limits that real rtrace has)
+            render: RenderOptions { gathering, ..RenderOptions::default() },
             header: true,
             input_format: NumberFormat::Ascii,
             output_format: OutputFormat::Numbers(NumberFormat::Ascii),
