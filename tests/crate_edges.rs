@@ -30,10 +30,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("picture", &[]),
     ("picture-tools", &["picture"]),
     ("pinhole", &["sampling"]),
-    ("render", &["brdf", "cal", "diag", "ir", "irradiance", "retro", "sampling"]),
+    ("render", &["brdf", "cal", "diag", "ir", "irradiance", "retro", "sampling", "spectrum"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
     ("sensor", &[]),
+    ("spectrum", &[]),
 ];
 
 /// What tests, benchmarks and examples of a crate may know beyond that.

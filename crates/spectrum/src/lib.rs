@@ -1,0 +1,25 @@
+//! Spectra in equal bands of wavelength, and what colours they are.
+//!
+//! A [`Sampling`] says in which bands a renderer works: red, green and blue, or up to 24 equal bands. A [`Conversion`] takes spectra of
+//! another sampling to it.
+//!
+//! Guarantees: the values are Radiance's to the precision of its table of the observer. Knows nothing of scenes, rays and files.
+//!
+//! ```
+//! use radsight_spectrum::{Conversion, Sampling};
+//!
+//! let green = Conversion::new(&Sampling::RGB, 4, [380.0, 780.0]);
+//! let mut rgb = [0.0; 3];
+//! green.apply(&[0.0, 1.0, 0.0, 0.0], &mut rgb);
+//! assert!(rgb[1] > rgb[0] && rgb[1] > rgb[2]);
+//! ```
+#![forbid(unsafe_code)]
+
+mod conversion;
+mod observer;
+mod rgb;
+mod sampling;
+
+pub use conversion::Conversion;
+pub use rgb::{xyz_of_bands, xyz_to_rgb};
+pub use sampling::Sampling;

@@ -1,0 +1,84 @@
+//! From spectra by way of CIE 1931 colours to Radiance's red, green and blue.
+
+use crate::observer::cumulative;
+use std::sync::LazyLock;
+
+/// Chromaticities of Radiance's red, green and blue (`color.h`). White is that of equal energy.
+const PRIMARIES: [[f64; 2]; 3] = [[0.640, 0.330], [0.290, 0.600], [0.150, 0.060]];
+
+/// From XYZ to red, green and blue: the inverse of the matrix whose columns are the primaries, each scaled so that together they make
+/// X = Y = Z = 1.
+static FROM_XYZ: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| {
+    let unscaled = invert(std::array::from_fn(|row| PRIMARIES.map(|[x, y]| [x, y, 1.0 - x - y][row])));
+    // The inverse of M·diag(s) is diag(1/s)·M⁻¹, and s = M⁻¹·(1, 1, 1).
+    unscaled.map(|row| row.map(|value| value / row.iter().sum::<f64>()))
+});
+
+/// The inverse by cofactors; the matrix here is regular.
+fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let cofactor = |row: usize, column: usize| {
+        let (r1, r2) = ((row + 1) % 3, (row + 2) % 3);
+        let (c1, c2) = ((column + 1) % 3, (column + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let determinant: f64 = (0..3).map(|column| m[0][column] * cofactor(0, column)).sum();
+    std::array::from_fn(|row| std::array::from_fn(|column| cofactor(column, row) / determinant))
+}
+
+/// X, Y and Z of values in equal bands from a first wavelength to a last, nm; 1 everywhere gives 1, 1, 1.
+#[must_use]
+pub fn xyz_of_bands(values: &[f64], range_nm: [f64; 2]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (value, weights) in values.iter().zip(band_weights(values.len(), range_nm)) {
+        for (sum, weight) in sum.iter_mut().zip(weights) {
+            *sum += value * weight;
+        }
+    }
+    sum
+}
+
+/// What X, Y and Z each band gives.
+pub(crate) fn band_weights(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
+    let step = (last_nm - first_nm) / bands as f64;
+    let edge = move |band: usize| cumulative(first_nm + step * band as f64);
+    (0..bands).map(move |band| {
+        let (from, to) = (edge(band), edge(band + 1));
+        std::array::from_fn(|i| (to[i] - from[i]).abs())
+    })
+}
+
+/// Radiance's red, green and blue of a colour; one that would need a negative component is mixed with the grey of its luminance until
+/// it does not.
+#[must_use]
+pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
+    let grey = xyz[1];
+    if grey < 0.0 {
+        return [0.0; 3];
+    }
+    let rgb = FROM_XYZ.map(|row| row.iter().zip(xyz).map(|(a, b)| a * b).sum::<f64>());
+    let lowest = rgb.into_iter().fold(0.0, f64::min);
+    if lowest == 0.0 {
+        return rgb;
+    }
+    let kept = grey / (grey - lowest);
+    rgb.map(|value| (kept * value + (1.0 - kept) * grey).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_is_white() {
+        let rgb = xyz_to_rgb([0.7; 3]);
+        assert!(rgb.iter().all(|value| (value - 0.7).abs() < 1e-12), "{rgb:?}");
+    }
+
+    #[test]
+    fn laser_light_has_no_negative_component() {
+        let mut values = [0.0; 40];
+        values[12] = 1.0;
+        let rgb = xyz_to_rgb(xyz_of_bands(&values, [380.0, 780.0]));
+        assert!(rgb.iter().all(|value| *value >= 0.0) && rgb[1] > 0.0, "{rgb:?}");
+    }
+}
