@@ -1,18 +1,22 @@
 //! From chains of modifiers to shaders.
 
+use crate::bands::BandLayout;
 use crate::compile_scatter::compile_scatterer;
+use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
 use crate::medium::MistKind;
 use crate::plan::{ModelRequest, ModelSource};
 use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
 use crate::refraction::Boundary;
 use crate::scatter::Look;
-use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, Shader, Step, Substitution};
+use crate::shader::{Emitter, EmitterClass, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
+use crate::step::{MixedSteps, Step};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
-    Glossy, Material, Modifier, ModifierHandle, ModifierKind, Pattern, Rgb, Scene, Shape, Substitute, Texture,
+    Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
     ValidScene,
 };
+use radsight_spectrum::Sampling;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -56,7 +60,15 @@ fn compile_for(
     models: &dyn ModelSource,
     bands: usize,
 ) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
-    let mut compiler = Compiler { models, bands, shaders: Vec::new(), errors: Vec::new(), octrees: HashMap::new() };
+    let mut compiler = Compiler {
+        models,
+        bands,
+        shaders: Vec::new(),
+        errors: Vec::new(),
+        octrees: HashMap::new(),
+        layout: Arc::new(BandLayout::new(Sampling::RGB)),
+        mixtures: 0,
+    };
     let table = compiler.compile_scene(scene, &Home::default(), Use::Shown);
     let Compiler { shaders, errors, .. } = compiler;
     if errors.is_empty() { Ok((shaders, table)) } else { Err(errors) }
@@ -68,6 +80,10 @@ struct Compiler<'a> {
     shaders: Vec<Shader>,
     errors: Vec<Diagnostic>,
     octrees: HashMap<(*const Scene, Use), Arc<ShaderTable>>,
+    /// In which bands spectra are wanted.
+    layout: Arc<BandLayout>,
+    /// How many mixtures were compiled, each counted wherever it is used.
+    mixtures: usize,
 }
 
 /// Whether modifiers of a scene are used, or those of its instances override them all.
@@ -86,9 +102,11 @@ impl Compiler<'_> {
         let of_surfaces = scene.surfaces.items().iter().map(|surface| surface.modifier);
         let of_triangles =
             scene.meshes.items().iter().flat_map(|mesh| &mesh.triangles).map(|triangle| triangle.modifier);
-        let modifiers = of_surfaces.chain(of_triangles).filter(|_| used == Use::Shown);
-        for modifier in modifiers {
-            self.compile_chain(&mut Chains { scene, home, of_modifier: &mut of_modifier, nesting: 0 }, modifier);
+        let has_mixtures = scene.modifiers.items().iter().any(|m| matches!(m.kind, ModifierKind::Mixture(_)));
+        let ends_in_material = if has_mixtures { ends_in_material(scene) } else { Vec::new() };
+        let mut chains = Chains { scene, home, of_modifier: &mut of_modifier, ends_in_material, nesting: 0 };
+        for modifier in of_surfaces.chain(of_triangles).filter(|_| used == Use::Shown) {
+            self.compile_chain(&mut chains, modifier);
         }
         let mut uses = vec![Use::Overridden; scene.octrees.len()];
         for surface in scene.surfaces.items() {
@@ -118,14 +136,26 @@ impl Compiler<'_> {
         if chains.of_modifier[place] != NO_SHADER {
             return chains.of_modifier[place];
         }
-        let (steps, kind) = self.compile(chains, modifier).unwrap_or_else(|error| {
+        let id = self.compile_after(chains, modifier, &[]);
+        chains.of_modifier[place] = id;
+        id
+    }
+
+    /// The shader of a chain, with the steps that stand before it.
+    fn compile_after(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: Option<ModifierHandle>,
+        before: &[Step],
+    ) -> ShaderId {
+        let nesting = chains.nesting;
+        let (steps, kind) = self.compile(chains, modifier, before).unwrap_or_else(|error| {
             self.errors.push(error);
             (Vec::new(), Kind::Transparent)
         });
+        chains.nesting = nesting;
         self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier }));
-        let id = ShaderId((self.shaders.len() - 1) as u32);
-        chains.of_modifier[place] = id;
-        id
+        ShaderId((self.shaders.len() - 1) as u32)
     }
 
     /// What stands in for a material when it is seen; `None` for nothing of its own.
@@ -143,11 +173,8 @@ impl Compiler<'_> {
         // A substitute is defined before what it stands in for, so that there is no circle.
         if modifier.index() >= of.index() || chains.nesting >= MAX_NESTING {
             let name = chains.scene.modifier_name(Some(of));
-            let error = Diagnostic::error(format!("the materials that stand in for \"{name}\" are nested too deeply"));
-            return Err(match chains.scene.modifiers[of].span {
-                Some(span) => error.at(span),
-                None => error,
-            });
+            let message = format!("the materials that stand in for \"{name}\" are nested too deeply");
+            return Err(at(chains.scene.modifiers[of].span, message));
         }
         chains.nesting += 1;
         let id = self.compile_chain(chains, Some(modifier));
@@ -162,15 +189,30 @@ struct Chains<'s> {
     home: &'s Home,
     /// By modifier, `void` first.
     of_modifier: &'s mut Vec<ShaderId>,
-    /// How many materials stand in for one another at this point.
+    /// Which modifiers end in a material, by index; empty without mixtures.
+    ends_in_material: Vec<bool>,
+    /// How many materials stand in for one another or are mixed at this point.
     nesting: u32,
 }
 
-/// More materials than this do not stand in for one another.
+impl Chains<'_> {
+    fn is_material(&self, handle: ModifierHandle) -> bool {
+        self.ends_in_material.get(handle.index()) == Some(&true)
+    }
+}
+
+/// More materials than this do not stand in for one another, or are mixed with a mixture.
 const MAX_NESTING: u32 = 64;
 
+/// More mixtures than this, each counted wherever it is used, are not compiled.
+const MAX_MIXTURES: usize = 1 << 17;
+
 fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
-    let error = Diagnostic::error(format!("{what} is read but not rendered yet"));
+    at(span, format!("{what} is read but not rendered yet"))
+}
+
+fn at(span: Option<Span>, message: String) -> Diagnostic {
+    let error = Diagnostic::error(message);
     match span {
         Some(span) => error.at(span),
         None => error,
@@ -178,33 +220,120 @@ fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
 }
 
 impl Compiler<'_> {
+    /// Steps and material of a chain, after what stands before it.
     fn compile(
         &mut self,
         chains: &mut Chains<'_>,
         first: Option<ModifierHandle>,
+        before: &[Step],
     ) -> Result<(Vec<Step>, Kind), Diagnostic> {
         let scene = chains.scene;
-        let mut steps = Vec::new();
-        let mut material = None;
+        let mut steps = before.to_vec();
+        let mut found = None;
         for (handle, modifier) in scene.chain(first) {
             match &modifier.kind {
-                ModifierKind::Texture(texture) => steps.push(texture_step(texture, modifier)?),
-                ModifierKind::Pattern(pattern) => steps.push(pattern_step(pattern, modifier)?),
-                ModifierKind::Mixture(_) => return Err(not_yet("a mixture", modifier.span)),
-                ModifierKind::Material(found) if material.is_none() => material = Some((handle, found)),
-                ModifierKind::Material(_) => {
+                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
+                    steps.push(self.mixed_steps(chains, modifier, mixture)?);
+                }
+                _ if found.is_some() => {
                     let name = scene.modifier_name(Some(handle));
-                    let error = Diagnostic::error(format!("material \"{name}\" modifies another material"));
-                    return Err(match modifier.span {
-                        Some(span) => error.at(span),
-                        None => error,
-                    });
+                    return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));
+                }
+                ModifierKind::Mixture(mixture) => {
+                    found = Some(self.mixed_materials(chains, modifier, mixture, &steps)?);
+                    // Its parts have these steps among their own.
+                    steps.clear();
+                }
+                ModifierKind::Material(material) => {
+                    found = Some(self.compile_material(chains, handle, material)?);
                 }
             }
         }
-        let Some((handle, material)) = material else { return Ok((Vec::new(), Kind::Transparent)) };
-        let kind = self.compile_material(chains, handle, material)?;
+        let Some(mut kind) = found else { return Ok((Vec::new(), Kind::Transparent)) };
+        fold_constants(&mut steps, &mut kind);
         Ok((steps, kind))
+    }
+
+    fn mixed_steps(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: &Modifier,
+        mixture: &Mixture,
+    ) -> Result<Step, Diagnostic> {
+        self.enter(chains, modifier)?;
+        let share = share(chains.scene, modifier, &mixture.amount)?;
+        let mut steps = |arm| self.steps_alone(chains, arm);
+        let (foreground, background) = (steps(mixture.arms.foreground)?, steps(mixture.arms.background)?);
+        chains.nesting -= 1;
+        Ok(Step::Mixture(Box::new(MixedSteps { share, foreground, background })))
+    }
+
+    /// The steps of a chain without a material.
+    fn steps_alone(&mut self, chains: &mut Chains<'_>, first: Option<ModifierHandle>) -> Result<Vec<Step>, Diagnostic> {
+        let scene = chains.scene;
+        let mut steps = Vec::new();
+        for (_, modifier) in scene.chain(first) {
+            match &modifier.kind {
+                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Mixture(mixture) => steps.push(self.mixed_steps(chains, modifier, mixture)?),
+                ModifierKind::Material(_) => {
+                    let message = "a material stands where a pattern or a texture is expected".to_owned();
+                    return Err(at(modifier.span, message));
+                }
+            }
+        }
+        Ok(steps)
+    }
+
+    /// The patterns and textures of a modifier that a material names beside its own.
+    fn compile_look(&mut self, chains: &mut Chains<'_>, first: ModifierHandle) -> Result<Look, Diagnostic> {
+        let steps = self.steps_alone(chains, Some(first))?;
+        let home = chains.home.clone();
+        Ok(Look::Own(Box::new(Shader { steps, kind: Kind::Transparent, home, modifier: Some(first) })))
+    }
+
+    fn mixed_materials(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: &Modifier,
+        mixture: &Mixture,
+        before: &[Step],
+    ) -> Result<Kind, Diagnostic> {
+        if let Some(parent) = modifier.modifier {
+            let name = chains.scene.names.get(modifier.name);
+            let parent = chains.scene.modifier_name(Some(parent));
+            return Err(at(modifier.span, format!("\"{parent}\" modifies \"{name}\", a mixture of materials")));
+        }
+        self.enter(chains, modifier)?;
+        let share = share(chains.scene, modifier, &mixture.amount)?;
+        let MixtureArms { foreground, background } = mixture.arms;
+        let arms = [foreground, background].map(|arm| match before {
+            [] => self.compile_chain(chains, arm),
+            _ => self.compile_after(chains, arm, before),
+        });
+        chains.nesting -= 1;
+        let lets_light_through = arms.iter().any(|arm| {
+            let shader = &self.shaders[arm.0 as usize];
+            matches!(shader.kind, Kind::Transparent) || shader.lets_light_through()
+        });
+        Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through })))
+    }
+
+    /// Notes that a mixture is begun: those in mixtures are compiled with each of them.
+    fn enter(&mut self, chains: &mut Chains<'_>, modifier: &Modifier) -> Result<(), Diagnostic> {
+        chains.nesting += 1;
+        self.mixtures += 1;
+        let name = chains.scene.names.get(modifier.name);
+        if chains.nesting > MAX_NESTING {
+            return Err(at(modifier.span, format!("mixture \"{name}\" is nested too deeply")));
+        }
+        if self.mixtures > MAX_MIXTURES {
+            return Err(at(modifier.span, format!("mixture \"{name}\" is one too many")));
+        }
+        Ok(())
     }
 
     fn compile_material(
@@ -256,7 +385,7 @@ impl Compiler<'_> {
             }
             Material::Unusable { .. } => Ok(Kind::Unusable),
             other => {
-                let look = |modifier| compile_look(scene, modifier);
+                let look = |modifier| self.compile_look(chains, modifier);
                 match compile_scatterer(other, modifier.modifier, look) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
                     None => Err(not_yet("this type of material", modifier.span)),
@@ -266,30 +395,9 @@ impl Compiler<'_> {
     }
 }
 
-/// The patterns and textures of a modifier that a material names beside its own.
-fn compile_look(scene: &Scene, first: ModifierHandle) -> Result<Look, Diagnostic> {
-    let mut steps = Vec::new();
-    for (_, modifier) in scene.chain(Some(first)) {
-        match &modifier.kind {
-            ModifierKind::Texture(texture) => steps.push(texture_step(texture, modifier)?),
-            ModifierKind::Pattern(pattern) => steps.push(pattern_step(pattern, modifier)?),
-            ModifierKind::Mixture(_) => return Err(not_yet("a mixture", modifier.span)),
-            ModifierKind::Material(_) => {
-                let error = Diagnostic::error("a material stands where a pattern or a texture is expected".to_owned());
-                return Err(match modifier.span {
-                    Some(span) => error.at(span),
-                    None => error,
-                });
-            }
-        }
-    }
-    let shader = Shader { steps, kind: Kind::Transparent, home: Home::default(), modifier: Some(first) };
-    Ok(Look::Own(Box::new(shader)))
-}
-
 /// The paper's construction becomes its lobe, which is sampled exactly.
 fn recognised(mut shader: Shader) -> Shader {
-    let textures = shader.steps.iter().filter(|step| matches!(step, Step::Texture(_))).count();
+    let textures = shader.steps.iter().filter(|step| step.is_texture()).count();
     if let Kind::Glossy(glossy) = shader.kind
         && textures == 1
         && glossy.specularity > 0.0
@@ -300,23 +408,4 @@ fn recognised(mut shader: Shader) -> Shader {
         shader.kind = Kind::Retro(glossy);
     }
     shader
-}
-
-fn texture_step(texture: &Texture, modifier: &Modifier) -> Result<Step, Diagnostic> {
-    match texture {
-        Texture::Function(call) => Ok(Step::Texture(Function::new(call))),
-        Texture::Data(_) => Err(not_yet("a texture of type \"texdata\"", modifier.span)),
-    }
-}
-
-fn pattern_step(pattern: &Pattern, modifier: &Modifier) -> Result<Step, Diagnostic> {
-    match pattern {
-        Pattern::BrightFunction(call) => Ok(Step::Brightness(Function::new(call))),
-        Pattern::ColorFunction(call) => Ok(Step::Color(Function::new(call))),
-        Pattern::BrightData(grid) => Ok(Step::BrightnessData(Function::new(&grid.call), grid.grids[0])),
-        Pattern::ColorData(grid) => {
-            Ok(Step::ColorData(Function::new(&grid.call), [grid.grids[0], grid.grids[1], grid.grids[2]]))
-        }
-        _ => Err(not_yet("this type of pattern", modifier.span)),
-    }
 }

@@ -10,7 +10,7 @@ use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandl
 pub(crate) fn compile_scatterer(
     material: &Material,
     own: Option<ModifierHandle>,
-    look: impl Fn(ModifierHandle) -> Result<Look, Diagnostic>,
+    look: impl FnMut(ModifierHandle) -> Result<Look, Diagnostic>,
 ) -> Option<Result<Scatterer, Diagnostic>> {
     let opaque = |surface: &Anisotropic<Glossy>, metallic| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
@@ -78,9 +78,9 @@ fn brtd(material: &FunctionMaterial) -> BrtdKind {
 fn ward_function(
     material: &FunctionMaterial,
     own: Option<ModifierHandle>,
-    look: impl Fn(ModifierHandle) -> Result<Look, Diagnostic>,
+    mut look: impl FnMut(ModifierHandle) -> Result<Look, Diagnostic>,
 ) -> Result<Scatterer, Diagnostic> {
-    let look_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
+    let mut look_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
         None => Ok(Look::Plain),
         Some(modifier) if Some(modifier) == own => Ok(Look::Main),
         Some(modifier) => look(modifier),

@@ -7,11 +7,13 @@
 //! files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
+mod bands;
 mod beyond;
 mod bodies;
 mod cast;
 mod compile;
 mod compile_scatter;
+mod compile_steps;
 mod direct;
 mod frame;
 mod function_lobe;
@@ -19,10 +21,12 @@ mod gather;
 mod geometry;
 mod indirect;
 mod lens;
+mod lettering;
 mod light;
 mod lighting;
 mod link;
 mod medium;
+mod mixture;
 mod options;
 mod plan;
 mod ray;
@@ -33,6 +37,8 @@ mod renderer;
 mod scatter;
 mod shader;
 mod shadow;
+mod spectral_pattern;
+mod step;
 mod surface_light;
 mod survey;
 mod tilt;

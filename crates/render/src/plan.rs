@@ -10,7 +10,7 @@ use crate::medium::{Medium, MistLights};
 use crate::options::{GlobalMedium, RenderOptions, Skipping};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
-use crate::shader::{Emitter, EmitterClass, Kind, Shader, Step, Substitution, bands};
+use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
 use crate::trace::FirstHit;
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
@@ -300,9 +300,12 @@ impl RenderPlan {
             say("a shadow ray ends at its first hit".into(), "nothing in the scene lets light through");
         }
         let functions = self.shaders.iter().flat_map(|shader| &shader.steps).count();
-        let textures =
-            self.shaders.iter().flat_map(|s| &s.steps).filter(|step| matches!(step, Step::Texture(_))).count();
+        let textures = self.shaders.iter().flat_map(|s| &s.steps).filter(|step| step.is_texture()).count();
         say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
+        let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();
+        if mixtures > 0 {
+            say(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
+        }
         let retro = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Retro(_))).count();
         if retro > 0 {
             say(

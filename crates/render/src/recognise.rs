@@ -4,7 +4,8 @@
 //! highlight: "in effect, the mirror direction is always back in the direction of the viewer" (section 3.2). Whatever the
 //! expressions are, they do this if, for every ray, the perturbed normal is the direction back along the ray.
 
-use crate::shader::{Appearance, Shader, Step};
+use crate::shader::{Appearance, Shader};
+use crate::step::Step;
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;

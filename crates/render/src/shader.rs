@@ -1,14 +1,16 @@
 //! What a surface does to light, compiled from its chain of modifiers once a scene.
 
+use crate::bands::spread;
 use crate::medium::MistKind;
 use crate::ray::ShaderId;
 use crate::refraction::Boundary;
 use crate::scatter::Scatterer;
+use crate::step::{Share, Step};
 use crate::view::{Encounter, View};
 use glam::DVec3;
 use radsight_brdf::Brdf;
 use radsight_cal::{Program, Scratch};
-use radsight_ir::{DataGrid, FunctionCall, Handle, ModifierHandle, Rgb, Scene, Transform};
+use radsight_ir::{FunctionCall, ModifierHandle, Rgb, Scene, Transform};
 use std::sync::Arc;
 
 /// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
@@ -78,8 +80,21 @@ pub(crate) enum Kind {
     Scatterer(Box<Scatterer>),
     /// A reflectance model from elsewhere.
     Plugin(Arc<dyn Brdf>),
+    /// Part of one shader, and the rest of another.
+    Mixture(Box<MixtureKind>),
     /// Something is wrong with it: the picture is worthless once a ray meets it.
     Unusable,
+}
+
+/// A mixture of materials.
+#[derive(Clone, Debug)]
+pub(crate) struct MixtureKind {
+    /// How much of the first.
+    pub(crate) share: Share,
+    /// Foreground and background; each has the steps that stand before the mixture.
+    pub(crate) arms: [ShaderId; 2],
+    /// Whether one of them does.
+    pub(crate) lets_light_through: bool,
 }
 
 /// A plastic or a metal.
@@ -155,21 +170,6 @@ impl Kind {
     }
 }
 
-/// A pattern or a texture.
-#[derive(Clone, Debug)]
-pub(crate) enum Step {
-    /// One value multiplies all bands.
-    Brightness(Function),
-    /// Three values multiply the three bands.
-    Color(Function),
-    /// One value from a grid.
-    BrightnessData(Function, Handle<DataGrid>),
-    /// Three values from three grids.
-    ColorData(Function, [Handle<DataGrid>; 3]),
-    /// Three values added to the normal.
-    Texture(Function),
-}
-
 /// A program and its frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Function {
@@ -240,7 +240,8 @@ impl Shader {
     /// Whether every band is the same, whatever the encounter.
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
-            Kind::Transparent | Kind::Unusable => Rgb::WHITE,
+            // The parts of a mixture are shaders of their own.
+            Kind::Transparent | Kind::Mixture(_) | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => emitter.radiance,
@@ -257,7 +258,8 @@ impl Shader {
     pub(crate) fn can_hide_its_back(&self) -> bool {
         match &self.kind {
             Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
-            Kind::Dielectric(_) | Kind::Mist(_) | Kind::Illum { .. } => false,
+            // The parts of a mixture decide for themselves.
+            Kind::Dielectric(_) | Kind::Mist(_) | Kind::Illum { .. } | Kind::Mixture(_) => false,
             Kind::Mirror { substitute, .. } => substitute.is_none(),
             _ => true,
         }
@@ -268,6 +270,7 @@ impl Shader {
         match &self.kind {
             Kind::Glass { .. } => true,
             Kind::Scatterer(scatterer) => scatterer.lets_through(),
+            Kind::Mixture(mixture) => mixture.lets_light_through,
             _ => false,
         }
     }
@@ -281,7 +284,7 @@ impl Shader {
     }
 
     fn has_color_steps(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::Color(_) | Step::ColorData(..)))
+        self.steps.iter().any(Step::is_colored)
     }
 }
 
@@ -307,85 +310,8 @@ fn is_grey_model(model: &dyn Brdf) -> bool {
     })
 }
 
-/// The largest dimension of a data file that fits the evaluation's stack.
-const MAX_COORDINATES: usize = 16;
-
-impl Step {
-    fn apply<const BANDS: usize>(
-        &self,
-        scene: &Scene,
-        encounter: &Encounter,
-        scratch: &mut Scratch,
-        appearance: &mut Appearance<BANDS>,
-    ) {
-        match self {
-            Step::Brightness(function) => {
-                let mut value = [0.0];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut value).is_ok() {
-                    multiply(&mut appearance.color, &[value[0]; 3]);
-                }
-            }
-            Step::Color(function) => {
-                let mut values = [0.0; 3];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut values).is_ok() {
-                    multiply(&mut appearance.color, &values);
-                }
-            }
-            Step::BrightnessData(function, grid) => {
-                if let Some(value) = from_grid(scene, function, &[*grid], encounter, scratch) {
-                    multiply(&mut appearance.color, &[value[0]; 3]);
-                }
-            }
-            Step::ColorData(function, grids) => {
-                if let Some(values) = from_grid(scene, function, grids, encounter, scratch) {
-                    multiply(&mut appearance.color, &values);
-                }
-            }
-            Step::Texture(function) => {
-                let mut vector = [0.0; 3];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut vector).is_ok() {
-                    let added = function.to_scene.direction(DVec3::from_array(vector));
-                    appearance.perturbation += encounter.direction_to_scene(added);
-                }
-            }
-        }
-    }
-}
-
-/// Values from grids, through the functions that the primitive names: roots are first the functions, then the coordinates.
-fn from_grid(
-    scene: &Scene,
-    function: &Function,
-    grids: &[Handle<DataGrid>],
-    encounter: &Encounter,
-    scratch: &mut Scratch,
-) -> Option<[f64; 3]> {
-    let view = function.view(encounter);
-    let functions = grids.len();
-    let axes = scene.grids[grids[0]].axes.len().min(MAX_COORDINATES);
-    let mut coordinates = [0.0; MAX_COORDINATES];
-    for (axis, coordinate) in coordinates[..axes].iter_mut().enumerate() {
-        *coordinate = function.program.eval(functions + axis, &[], &view, scratch).ok()?;
-    }
-    let mut raw = [0.0; 3];
-    for (value, grid) in raw.iter_mut().zip(grids) {
-        *value = scene.grids[*grid].value(&coordinates[..axes]);
-    }
-    let mut values = [0.0; 3];
-    for (root, value) in values[..functions].iter_mut().enumerate() {
-        *value = function.program.eval(root, &raw[..functions], &view, scratch).ok()?;
-    }
-    Some(values)
-}
-
-fn multiply<const BANDS: usize>(color: &mut [f64; BANDS], by: &[f64; 3]) {
-    for (band, factor) in color.iter_mut().zip(by) {
-        *band *= factor;
-    }
-}
-
-/// The bands of a colour: the first alone where the scene is grey.
+/// A colour in the places of a tracer.
 #[inline]
 pub(crate) fn bands<const BANDS: usize>(color: Rgb) -> [f64; BANDS] {
-    std::array::from_fn(|band| color.0[band])
+    spread(color.0)
 }

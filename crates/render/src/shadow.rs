@@ -348,6 +348,22 @@ fn straight<const BANDS: usize>(
         return Some([1.0; BANDS]);
     }
     let encounter = Encounter::at(ray, hit, travelled);
+    if let Kind::Mixture(mixture) = &shader.kind {
+        // After a fault of the function the surface is as if it had no material.
+        let Some(share) = mixture.share.at(shader.home.scene(&plan.scene), &encounter, scratch) else {
+            return Some([1.0; BANDS]);
+        };
+        let mut through = None;
+        for (weight, arm) in [share, 1.0 - share].into_iter().zip(mixture.arms) {
+            if weight > 0.0
+                && let Some(part) = straight::<BANDS>(plan, plan.shader_at(arm), (ray, hit, travelled), scratch)
+            {
+                let sum = through.get_or_insert([0.0; BANDS]);
+                *sum = std::array::from_fn(|band| sum[band] + weight * part[band]);
+            }
+        }
+        return through;
+    }
     let appearance = shader.appearance::<BANDS>(&plan.scene, &encounter, scratch);
     match &shader.kind {
         Kind::Glass { transmissivity, refractive_index } => {

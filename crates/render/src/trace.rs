@@ -316,6 +316,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             && segment.link.is_none()
         {
             match &shader.kind {
+                Kind::Mixture(_) => {}
                 kind if kind.emitter().is_some() => {}
                 kind if kind.is_transparent() => return self.push(self.passed_through(*segment, hit)),
                 _ => return self.shade_white(segment, hit, &encounter),
@@ -340,6 +341,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             }
             // From behind, lights and mirrors are black; what has no material was passed.
             Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent => {}
+            Kind::Mixture(mixture) => self.shade_mixture([segment, unseen], hit, (shader, mixture), &encounter),
             Kind::Unusable => {
                 let _ = self.plan.unusable_met.set((hit.surface, hit.shader));
             }
@@ -617,7 +619,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait.
-    fn go_on(&mut self, throughput: [f64; BANDS], segment: &Segment<BANDS>, reflections: u32) -> Option<[f64; BANDS]> {
+    pub(crate) fn go_on(
+        &mut self,
+        throughput: [f64; BANDS],
+        segment: &Segment<BANDS>,
+        reflections: u32,
+    ) -> Option<[f64; BANDS]> {
         let strongest = throughput.iter().copied().fold(0.0, f64::max);
         let depth = segment.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {

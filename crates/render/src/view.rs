@@ -71,6 +71,12 @@ impl Encounter {
         self.placed.map_or(DVec3::ZERO, |placed| placed.perturbation)
     }
 
+    /// The point in the coordinates in which the modifiers stand.
+    pub(crate) fn object_point(&self) -> DVec3 {
+        let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        to_object.map_or(self.point, |transform| transform.point(self.point))
+    }
+
     /// A direction in the coordinates in which the modifiers stand, in the scene's.
     pub(crate) fn direction_to_scene(&self, direction: DVec3) -> DVec3 {
         let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());

@@ -10,7 +10,7 @@
 //!
 //! let green = Conversion::new(&Sampling::RGB, 4, [380.0, 780.0]);
 //! let mut rgb = [0.0; 3];
-//! green.apply(&[0.0, 1.0, 0.0, 0.0], &mut rgb);
+//! green.apply([0.0, 1.0, 0.0, 0.0], &mut rgb);
 //! assert!(rgb[1] > rgb[0] && rgb[1] > rgb[2]);
 //! ```
 #![forbid(unsafe_code)]

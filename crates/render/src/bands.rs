@@ -1,0 +1,138 @@
+//! How colours and spectra stand in the arrays with which rays are traced.
+//!
+//! A tracer has an array of `BANDS` places: one for a grey scene, three for red, green and blue, and for spectra a multiple of three.
+//! There the first third of the places holds the bands that take their value from the red of a colour, the second those of its green,
+//! the last those of its blue, so that colours are spread without knowing the wavelengths. Places that are left over repeat a band.
+
+use radsight_ir::Rgb;
+use radsight_spectrum::Sampling;
+
+/// Red, green and blue in the places of a tracer; the first alone where the scene is grey.
+#[inline]
+pub(crate) fn spread<const BANDS: usize>(color: [f64; 3]) -> [f64; BANDS] {
+    std::array::from_fn(|place| color[place * 3 / BANDS])
+}
+
+/// Values that are the same for all rays.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Bands {
+    /// A colour.
+    Color(Rgb),
+    /// A value for each place.
+    Spectrum(Box<[f64]>),
+}
+
+impl Bands {
+    pub(crate) fn is_grey(&self) -> bool {
+        match self {
+            Bands::Color(color) => color.is_grey(),
+            Bands::Spectrum(_) => false,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn multiply<const BANDS: usize>(&self, color: &mut [f64; BANDS]) {
+        match self {
+            Bands::Color(by) => {
+                for (band, factor) in color.iter_mut().zip(spread::<BANDS>(by.0)) {
+                    *band *= factor;
+                }
+            }
+            Bands::Spectrum(places) => {
+                for (band, factor) in color.iter_mut().zip(places) {
+                    *band *= factor;
+                }
+            }
+        }
+    }
+}
+
+/// Which band of a sampling stands in which place.
+#[derive(Clone, Debug)]
+pub(crate) struct BandLayout {
+    sampling: Sampling,
+    /// By place.
+    band_of: Vec<usize>,
+    /// By band.
+    place_of: Vec<usize>,
+}
+
+/// How many places there can be; the last holds any sampling.
+pub(crate) const PLACES: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
+
+impl BandLayout {
+    pub(crate) fn new(sampling: Sampling) -> BandLayout {
+        let bands_of: [Vec<usize>; 3] =
+            [0, 1, 2].map(|part| (0..sampling.bands()).filter(|band| sampling.part(*band) == part).collect());
+        let widest = bands_of.iter().map(Vec::len).max().unwrap_or(0);
+        let places = PLACES.into_iter().find(|places| places / 3 >= widest).unwrap_or(3 * widest);
+        let mut place_of = vec![0; sampling.bands()];
+        let mut band_of = Vec::with_capacity(places);
+        for place in 0..places {
+            let bands = &bands_of[place * 3 / places];
+            let index = place % (places / 3);
+            if let Some(band) = bands.get(index) {
+                place_of[*band] = place;
+            }
+            // A third without bands repeats the first of all.
+            band_of.push(bands.get(index).or(bands.last()).copied().unwrap_or(0));
+        }
+        BandLayout { sampling, band_of, place_of }
+    }
+
+    pub(crate) fn sampling(&self) -> &Sampling {
+        &self.sampling
+    }
+
+    /// How many places a tracer needs.
+    pub(crate) fn places(&self) -> usize {
+        self.band_of.len()
+    }
+
+    /// The band in each place.
+    pub(crate) fn band_of(&self) -> &[usize] {
+        &self.band_of
+    }
+
+    /// Values of bands in the places of a tracer.
+    pub(crate) fn arrange(&self, bands: &[f64]) -> Bands {
+        if self.sampling.is_rgb() {
+            return Bands::Color(Rgb([bands[0], bands[1], bands[2]]));
+        }
+        Bands::Spectrum(self.band_of.iter().map(|band| bands[*band]).collect())
+    }
+
+    /// The value of each band.
+    pub(crate) fn collect(&self, places: &[f64]) -> impl Iterator<Item = f64> {
+        self.place_of.iter().map(|place| places[*place])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_band_takes_its_part_of_a_colour() {
+        for (bands, range) in [(4, [380.0, 780.0]), (18, [380.0, 780.0]), (24, [380.0, 780.0]), (24, [400.0, 2500.0])] {
+            let sampling = Sampling::new(bands, range).unwrap();
+            let layout = BandLayout::new(sampling);
+            let colors: Vec<f64> = match layout.places() {
+                27 => spread::<27>([1.0, 2.0, 3.0]).to_vec(),
+                36 => spread::<36>([1.0, 2.0, 3.0]).to_vec(),
+                _ => spread::<72>([1.0, 2.0, 3.0]).to_vec(),
+            };
+            for (band, value) in layout.collect(&colors).enumerate() {
+                assert_eq!(value, 1.0 + sampling.part(band) as f64, "band {band} of {bands}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_arranged_is_collected() {
+        let layout = BandLayout::new(Sampling::new(11, [390.0, 710.0]).unwrap());
+        let values: Vec<f64> = (0..11).map(f64::from).collect();
+        let Bands::Spectrum(places) = layout.arrange(&values) else { panic!("a spectrum is no colour") };
+        assert_eq!(layout.collect(&places).collect::<Vec<_>>(), values);
+    }
+}
