@@ -14,8 +14,7 @@ impl Reader<'_> {
             return *known;
         }
         let picture = self.load_picture(file).and_then(|picture| match picture.encoding() {
-            // Radiance takes X, Y and Z as they are for red, green and blue.
-            Encoding::Rgbe | Encoding::Xyze => {
+            Encoding::Rgbe => {
                 let pixels = picture.values().pixels().map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
                 let (width, height) = (picture.width(), picture.height());
                 let extent = extent(&picture)?;
