@@ -137,7 +137,7 @@ const CURVE_2: &str = "1 -2 2 3\n1 .2 .8\n";
 #[test]
 fn functions_and_tables() {
     let file = ".off(x) = x+.1; { used below } wave = .5+.4*sin(6*Px+A1)*cos(5*Py); twice(x) = 2*x; sum(a,b,c) = a+b*c;\n\
-        part(a,b,c) = .3*a+.5*b+.2*c; ramp = (1-P)*.5+.5; P = abs(Px)/2; self(x) = x*x; near = 1/(.1+Px*Px+Py*Py);\n\
+        part(a,b,c) = .3*a+.5*b+.2*c; ramp = (1-far)*.5+.5; far = abs(Px)/2; self(x) = x*x; near = 1/(.1+Px*Px+Py*Py);\n\
         noise = .5+.4*noise3(3*Px,3*Py,.2);";
     let file = &file.replace(".off(x) = x+.1; ", "");
     let of = |name: &str, pattern: &str| {

@@ -138,7 +138,7 @@ pub(crate) fn fresnel_estimate(cosine: f64, offset: f64) -> f64 {
 }
 
 /// The offset in the estimate for `plastic`, `metal` and `trans` (its `normal.c`).
-pub(crate) const COAT_OFFSET: f64 = 0.002_879_899_16;
+pub(crate) const COAT_OFFSET: f64 = 0.002_029_430_64;
 
 /// Specularities below this get no Fresnel estimate in Radiance.
 pub(crate) const FRESNEL_THRESHOLD: f64 = 0.017_999;
