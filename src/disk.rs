@@ -1,5 +1,6 @@
 //! Files of the disk, searched as Radiance searches them.
 
+use crate::commands::mksource;
 use crate::failure::reason;
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::fs;
@@ -82,6 +83,14 @@ impl Loader for DiskLoader {
             return Ok(Loaded { path: format!("<{name} of radsight>"), bytes: text.as_bytes().to_vec() });
         }
         Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: self.searched(name) })
+    }
+
+    fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        let is_mksource = argv.first().is_some_and(|name| Path::new(name).file_name() == Some("mksource".as_ref()));
+        is_mksource.then(|| match mksource::make(argv) {
+            Ok(output) => Ok(output.standard_output),
+            Err(error) => Err(LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
+        })
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {

@@ -69,6 +69,11 @@ impl Failure {
         Failure::fault(format!("cannot write {what}: {}", reason(error)))
     }
 
+    /// What is to be said.
+    pub(crate) fn message(&self) -> &str {
+        self.message.trim_end()
+    }
+
     /// Prints the message and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
         if !self.message.is_empty() {

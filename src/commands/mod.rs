@@ -5,6 +5,7 @@ mod capture;
 mod check;
 mod explain;
 mod install_links;
+pub(crate) mod mksource;
 mod oconv;
 mod picture;
 mod pinhole;
@@ -22,13 +23,14 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    ["oconv", "rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
+    ["mksource", "oconv", "rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     let name = words.first()?.as_str();
     match name {
+        "mksource" => return Some(mksource::run(words)),
         "oconv" => return Some(oconv::run(words)),
         "rpict" => return Some(rpict::run(words)),
         "rtrace" => return Some(rtrace::run(words)),

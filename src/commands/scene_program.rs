@@ -17,18 +17,24 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     generators.chain(["xform", "getbbox"])
 }
 
+/// Lets a scene's commands that are not known in process run through a shell; an option of ours in all these programs.
+const ALLOW_COMMANDS: &str = "--allow-commands";
+
 /// Runs a program; `argv[0]` is its name.
 pub(crate) fn run(argv: &[String]) -> Outcome {
+    let is_allowed = argv.iter().any(|word| word == ALLOW_COMMANDS);
+    let commands = if is_allowed { Commands::Allowed } else { Commands::Refused };
+    let argv: Vec<String> = argv.iter().filter(|word| *word != ALLOW_COMMANDS).cloned().collect();
     let name = argv[0].as_str();
     if name == "getbbox" {
-        return getbbox(&argv[1..]);
+        return getbbox(&argv[1..], commands);
     }
     // Only what is piped in is input: a generator that is typed at a terminal must not wait for it.
     let input = if stdin().is_terminal() { None } else { Some(read_standard_input()?) };
-    let loader = DiskLoader::new(Commands::Refused);
+    let loader = DiskLoader::new(commands);
     let made = match name {
-        "xform" => xform(argv, input.as_deref(), &loader),
-        _ => radsight_generate::run(argv, input.as_deref(), &loader),
+        "xform" => xform(&argv, input.as_deref(), &loader),
+        _ => radsight_generate::run(&argv, input.as_deref(), &loader),
     };
     finish(name, made)
 }
@@ -44,14 +50,14 @@ fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
     write_standard_output(&output.standard_output)
 }
 
-fn getbbox(words: &[String]) -> Outcome {
+fn getbbox(words: &[String], commands: Commands) -> Outcome {
     let header = words.first().is_none_or(|word| word != "-h");
     let files: Vec<String> = words.iter().filter(|word| *word != "-h" && *word != "-w").cloned().collect();
     if let Some(option) = files.iter().find(|word| word.starts_with('-') && *word != "-") {
         return Err(Failure::usage(format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files")));
     }
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let read = read(scene_inputs(&files, None)?, Commands::Refused, &ReadOptions::default());
+    let read = read(scene_inputs(&files, None)?, commands, &ReadOptions::default());
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }

@@ -20,8 +20,8 @@ pub struct PipelineError {
 
 /// Runs a command line (without the leading `!`) and gives what it prints.
 ///
-/// Programs of this crate run here; for others `extra` is asked, then [`Loader::run_command`], which refuses unless the
-/// user allowed external commands. So is the whole line when it needs a real shell. Files that a program writes
+/// Programs of this crate run here; for others `extra` is asked, then [`Loader::run_program`], then [`Loader::run_command`],
+/// which refuses unless the user allowed external commands. So is the whole line when it needs a real shell. Files that a program writes
 /// ([`Output::files`]) can be read by the programs after it, and are handed to the caller with the output.
 ///
 /// # Errors
@@ -119,9 +119,12 @@ impl Runner<'_> {
     }
 }
 
-/// Runs a program that nobody has in process, if the loader allows it.
+/// Runs a program that only the loader may have in process, or that it runs through a shell if it allows that.
 fn external(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader) -> Result<Output, Error> {
-    let bytes = loader.run_command(&shell_words::join(argv), standard_input)?;
+    let bytes = match loader.run_program(argv, standard_input) {
+        Some(result) => result?,
+        None => loader.run_command(&shell_words::join(argv), standard_input)?,
+    };
     Ok(Output { standard_output: bytes, ..Output::default() })
 }
 

@@ -112,6 +112,12 @@ pub trait Loader: Sync {
     /// When there is no such file or it cannot be read.
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError>;
 
+    /// The standard output of a program that the caller has in process and a library cannot have, such as one that renders;
+    /// `None` when it has no such program. `argv[0]` is the program's name.
+    fn run_program(&self, _argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        None
+    }
+
     /// The standard output of an external command line, run by a shell. Refused unless the user allowed it.
     ///
     /// # Errors

@@ -19,6 +19,10 @@ impl Loader for DirectoryLoader<'_> {
         self.loader.load(name, kind)
     }
 
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        self.loader.run_program(argv, standard_input)
+    }
+
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
         if self.directory.is_empty() {
             return self.loader.run_command(command, standard_input);

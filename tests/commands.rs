@@ -1,0 +1,73 @@
+//! Commands in scenes that need more than a library has: a shell, or a renderer.
+
+mod program;
+
+use program::{Folder, command, run_with};
+
+const PRINTS: &str = "!printf 'void sphere s 0 0 4 0 0 0 %s\\n' 2\n";
+
+fn run(folder: &Folder, words: &[&str]) -> program::Run {
+    let mut command = command(words);
+    run_with(command.current_dir(folder.path("")), b"")
+}
+
+#[test]
+fn an_unknown_command_is_refused_with_the_option_that_allows_it() {
+    let folder = Folder::new();
+    folder.file("scene.rad", PRINTS);
+    for words in
+        [&["check", "scene.rad"][..], &["getbbox", "scene.rad"], &["oconv", "scene.rad"], &["xform", "scene.rad"]]
+    {
+        let run = run(&folder, words);
+        assert_eq!((run.code, run.output.len()), (1, 0), "{words:?}");
+        assert!(run.messages.contains("refused to run"), "{}", run.messages);
+        assert!(words[0] == "xform" || run.messages.contains("--allow-commands"), "{}", run.messages);
+    }
+}
+
+#[test]
+fn an_allowed_command_runs_where_its_scene_is_read() {
+    let folder = Folder::new();
+    folder.file("scene.rad", PRINTS);
+    folder.file("size", "3\n");
+    let text = run(&folder, &["getbbox", "--allow-commands", "-h", "scene.rad"]).text();
+    assert_eq!(text.split_whitespace().next(), Some("-2"), "{text}");
+    assert!(run(&folder, &["check", "--allow-commands", "scene.rad"]).text().starts_with("1 surface"));
+    assert!(!run(&folder, &["oconv", "--allow-commands", "-f", "scene.rad"]).done().is_empty());
+    assert!(run(&folder, &["xform", "--allow-commands", "-s", "2", "scene.rad"]).text().contains("sphere s"));
+    folder.file("scene.rad", "!read r < size; echo void sphere s 0 0 4 0 0 0 $r\n");
+    let text = run(&folder, &["getbbox", "--allow-commands", "-h", "scene.rad"]).text();
+    assert_eq!(text.split_whitespace().next(), Some("-3"), "{text}");
+}
+
+#[test]
+fn sources_are_made_of_an_octree_that_a_scene_names() {
+    let folder = Folder::new();
+    folder.file("sky.rad", "void glow sun 0 0 4 1000 500 250 0\nsun source disk 0 0 4 0 0 1 10\n");
+    folder.file("sky.oct", run(&folder, &["oconv", "sky.rad"]).done());
+    folder.file("scene.rad", "!mksource -d 20000 -t 1 -a 60 sky.oct\n");
+    let text = run(&folder, &["xform", "scene.rad"]).text();
+    let words: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).flat_map(str::split_whitespace).collect();
+    // Light and solid angle of all sources together are those of the disk.
+    let (mut color, mut light) = (0.0, 0.0);
+    for (at, word) in words.iter().enumerate() {
+        let number = |offset: usize| words[at + offset].parse::<f64>().unwrap();
+        match *word {
+            "illum" => color = number(5),
+            "source" => light += color * (1.0 - (0.5 * number(8).to_radians()).cos()),
+            _ => {}
+        }
+    }
+    let expected = 1000.0 * (1.0 - 5.0_f64.to_radians().cos());
+    assert!((light / expected - 1.0).abs() < 0.1, "{light} instead of {expected}:\n{text}");
+}
+
+#[test]
+fn sources_made_of_themselves_come_to_an_end() {
+    let folder = Folder::new();
+    folder.file("scene.rad", "void sphere s 0 0 4 0 0 0 1\n");
+    folder.file("scene.oct", run(&folder, &["oconv", "scene.rad"]).done());
+    folder.file("scene.rad", "!mksource -d 40 scene.oct\nvoid sphere s 0 0 4 0 0 0 1\n");
+    let run = run(&folder, &["check", "scene.rad"]);
+    assert!(run.messages.contains("its sources are made of its own sources"), "{}", run.messages);
+}
