@@ -5,6 +5,7 @@ use crate::geometry::is_flat;
 use crate::light::{Light, LightForm};
 use crate::medium::{Medium, MistKind};
 use crate::options::BackFaces;
+use crate::prism::PrismKind;
 use crate::ray::Hit;
 use crate::refraction::Boundary;
 use crate::shader::{Emitter, Kind, Shader, Substitution, bands};
@@ -146,6 +147,23 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let mut onward = self.passed_through(*segment, hit);
         onward.medium = self.add_medium(next);
         self.push(onward);
+    }
+
+    /// A prism: a ray in the direction of each of its faces.
+    pub(crate) fn shade_prism(
+        &mut self,
+        segment: &Segment<BANDS>,
+        hit: &Hit,
+        prism: &PrismKind,
+        encounter: &Encounter,
+    ) {
+        let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape);
+        for face in 0..prism.faces {
+            let found = prism.redirect(face, encounter, DVec3::ZERO, &mut self.workspace.scratch);
+            if let Some((coefficient, direction)) = found {
+                self.specular(segment, hit, direction, [coefficient; BANDS], Passage::Prism { flat });
+            }
+        }
     }
 
     /// A light that looks like something else: a drawn ray finds its light, and behind it only lights that it does not stand for.

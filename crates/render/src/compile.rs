@@ -5,6 +5,7 @@ use crate::compile_scatter::compile_scatterer;
 use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
 use crate::medium::MistKind;
 use crate::plan::{ModelRequest, ModelSource};
+use crate::prism::PrismKind;
 use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
 use crate::refraction::Boundary;
@@ -374,6 +375,7 @@ impl Compiler<'_> {
             Material::Dielectric(body) => Ok(Kind::Dielectric(Boundary::of_body(body))),
             Material::Interface(interface) => Ok(Kind::Dielectric(Boundary::between(interface))),
             Material::Mist(mist) => Ok(Kind::Mist(MistKind::new(mist))),
+            Material::Prism(prism) => Ok(Kind::Prism(PrismKind::new(prism))),
             Material::Glass { transmissivity, refractive_index } => {
                 Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
             }

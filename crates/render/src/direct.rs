@@ -135,8 +135,11 @@ impl DirectSampler {
         let scratch = &mut tracer.workspace.scratch;
         let response = point.respond(sample.direction, sample.density, densities, scratch);
         let density = sample.density * expected;
-        let diffuse_share = if self.shares_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
-        let drawn_density = f64::from(self.highlight_draws) * response.highlight_density;
+        // No drawn ray is followed to a light by way of a prism.
+        let shares_diffuse = self.shares_diffuse && !light.is_redirected();
+        let diffuse_share = if shares_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
+        let drawn = if light.is_redirected() { 0 } else { self.highlight_draws };
+        let drawn_density = f64::from(drawn) * response.highlight_density;
         let highlight_share = density / (density + drawn_density);
         let mut weight: [f64; BANDS] = std::array::from_fn(|band| {
             (response.diffuse[band] * diffuse_share + response.highlight[band] * highlight_share) / density
@@ -189,6 +192,10 @@ impl DirectSampler {
         sample: &LightSample,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
+        if light.is_redirected() {
+            // What arrives is known when it has arrived.
+            return [1.0; BANDS];
+        }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let ray = light.real_ray(self.point, sample.direction);
@@ -196,7 +203,7 @@ impl DirectSampler {
         let encounter = if distant {
             Encounter::distant(ray.direction)
         } else {
-            let normal = light.mirrors.iter().fold(sample.normal, |normal, mirror| mirror.image_of_direction(normal));
+            let normal = light.relays.iter().fold(sample.normal, |normal, relay| relay.image_of_direction(normal));
             let total = self.travelled + sample.distance;
             Encounter::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
         };

@@ -29,6 +29,7 @@ mod medium;
 mod mixture;
 mod options;
 mod plan;
+mod prism;
 mod ray;
 mod reach;
 mod recognise;

@@ -29,8 +29,8 @@ pub(crate) struct Light {
     pub(crate) max_distance: f64,
     /// F of a spotlight: the brightness is scaled by (r/(r+F))².
     pub(crate) focal_distance: f64,
-    /// The mirrors through which it is seen, the one next to the receiver first; empty for a real light.
-    pub(crate) mirrors: Vec<Mirror>,
+    /// The mirrors and prisms through which it is seen, the one next to the receiver first; empty for a real light.
+    pub(crate) relays: Vec<Relay>,
 }
 
 /// A sharp cone of emission.
@@ -44,22 +44,42 @@ pub(crate) struct LightCone {
 /// A cosine of two axes above this is one axis.
 const PARALLEL: f64 = 1.0 - 1e-12;
 
-/// A plane mirror that relays a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Mirror {
+/// A plane mirror or prism that relays a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Relay {
     pub(crate) surface: SurfaceHandle,
     pub(crate) member: MemberId,
     pub(crate) point: DVec3,
     pub(crate) normal: DVec3,
+    /// How far a point's image is from it, for each unit of its height above the plane: −2 normals for a mirror.
+    pub(crate) shift: DVec3,
+    /// For a prism.
+    pub(crate) redirection: Option<Redirection>,
 }
 
-impl Mirror {
+/// How a prism relays a light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Redirection {
+    pub(crate) face: u32,
+    /// Centre of the light as it is seen from the prism, or the unit direction to a distant one.
+    pub(crate) target: DVec3,
+    pub(crate) is_distant: bool,
+}
+
+impl Relay {
     pub(crate) fn image_of_point(&self, point: DVec3) -> DVec3 {
-        point - self.normal * (2.0 * self.normal.dot(point - self.point))
+        point + self.shift * self.normal.dot(point - self.point)
     }
 
+    /// As long as the direction only for a mirror.
     pub(crate) fn image_of_direction(&self, direction: DVec3) -> DVec3 {
-        direction - self.normal * (2.0 * self.normal.dot(direction))
+        direction + self.shift * self.normal.dot(direction)
+    }
+
+    /// The unit image of a unit direction.
+    pub(crate) fn image_of_unit(&self, direction: DVec3) -> DVec3 {
+        let image = self.image_of_direction(direction);
+        if self.redirection.is_some() { image.normalize_or(direction) } else { image }
     }
 }
 
@@ -467,7 +487,8 @@ impl Light {
     /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.
     #[inline]
     pub(crate) fn misses(&self, receiver: DVec3) -> bool {
-        if self.mirrors.first().is_some_and(|mirror| mirror.normal.dot(receiver - mirror.point) <= 0.0) {
+        let is_behind = |relay: &Relay| relay.redirection.is_none() && relay.normal.dot(receiver - relay.point) <= 0.0;
+        if self.relays.first().is_some_and(is_behind) {
             return true;
         }
         let Some(cone) = &self.cone else { return self.shows_its_back(receiver) };
@@ -488,37 +509,47 @@ impl Light {
         self.form.plane().is_some_and(|(normal, point)| normal.dot(receiver - point) <= 0.0)
     }
 
+    /// Whether a prism relays it, so that only following a ray tells what it brings.
+    pub(crate) fn is_redirected(&self) -> bool {
+        self.relays.iter().any(|relay| relay.redirection.is_some())
+    }
+
     /// The ray from a receiver towards the light as the light itself sees it: reflected in all mirrors.
     pub(crate) fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
         let (mut origin, mut direction) = (receiver, direction);
-        for mirror in &self.mirrors {
-            origin = mirror.image_of_point(origin);
-            direction = mirror.image_of_direction(direction);
+        for relay in &self.relays {
+            origin = relay.image_of_point(origin);
+            direction = relay.image_of_direction(direction);
         }
         Ray { origin, direction }
     }
 }
 
-/// The form seen in a mirror.
-pub(crate) fn mirrored(form: &LightForm, mirror: &Mirror) -> LightForm {
-    let point = |p: &DVec3| mirror.image_of_point(*p);
-    let dir = |d: &DVec3| mirror.image_of_direction(*d);
+/// The form seen by way of a mirror or prism. As in Radiance a prism changes neither the area nor the solid angle of a distant light.
+pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
+    let point = |p: &DVec3| relay.image_of_point(*p);
+    let vector = |v: &DVec3| relay.image_of_direction(*v);
+    let unit = |v: &DVec3| relay.image_of_unit(*v);
     match form {
         LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => LightForm::Disk {
             center: point(center),
-            normal: dir(normal),
-            x: dir(x),
-            y: dir(y),
+            normal: unit(normal),
+            x: vector(x),
+            y: vector(y),
             inner_squared: *inner_squared,
             outer_squared: *outer_squared,
         },
-        LightForm::Parallelogram { corner, x, y, normal, area } => {
-            LightForm::Parallelogram { corner: point(corner), x: dir(x), y: dir(y), normal: dir(normal), area: *area }
-        }
+        LightForm::Parallelogram { corner, x, y, normal, area } => LightForm::Parallelogram {
+            corner: point(corner),
+            x: vector(x),
+            y: vector(y),
+            normal: unit(normal),
+            area: *area,
+        },
         LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
-            triangles: triangles.iter().map(|triangle| triangle.map(|corner| mirror.image_of_point(corner))).collect(),
+            triangles: triangles.iter().map(|triangle| triangle.map(|corner| relay.image_of_point(corner))).collect(),
             cumulative: cumulative.clone(),
-            normal: dir(normal),
+            normal: unit(normal),
             area: *area,
         },
         LightForm::Sphere { center, radius, facing } => {
@@ -526,17 +557,17 @@ pub(crate) fn mirrored(form: &LightForm, mirror: &Mirror) -> LightForm {
         }
         LightForm::Cone { base, axis, x, y, length, radii, facing } => LightForm::Cone {
             base: point(base),
-            axis: dir(axis),
-            x: dir(x),
-            y: dir(y),
+            axis: unit(axis),
+            x: unit(x),
+            y: unit(y),
             length: *length,
             radii: *radii,
             facing: *facing,
         },
         LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => LightForm::Distant {
-            direction: dir(direction),
-            x: dir(x),
-            y: dir(y),
+            direction: unit(direction),
+            x: unit(x),
+            y: unit(y),
             half_angle_sin_squared_half: *half_angle_sin_squared_half,
         },
     }

@@ -1,13 +1,16 @@
-//! Finding the lights of a scene, and their images in plane mirrors.
+//! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
 use crate::geometry::{Geometry, flat_normal};
-use crate::light::{Light, LightCone, LightForm, Mirror, mirrored};
-use crate::ray::PrimitiveId;
+use crate::light::{Light, LightCone, LightForm, Redirection, Relay, relayed};
+use crate::prism::PrismKind;
+use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{Kind, Shader};
+use crate::view::Encounter;
 use glam::DVec3;
+use radsight_cal::Scratch;
 use radsight_ir::{Material, ModifierKind, Scene, Shape, SurfaceHandle, ValidScene};
 
-/// All lights: real ones first, then their images in one mirror, in two, and so on.
+/// All lights: real ones first, then their images in one mirror or prism, in two, and so on.
 pub(crate) fn collect_lights<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
@@ -25,15 +28,14 @@ pub(crate) fn collect_lights<'a>(
         .filter(|(handle, _)| shader(*handle).kind.emitter().is_some())
         .filter_map(|(handle, _)| real_light(scene, handle, primitive_of[handle.index()]))
         .collect();
-    let mirrors = collect_mirrors(scene, geometry, &relay);
+    let relayers = collect_relayers(scene, geometry, &relay);
     let mut first = 0;
     for _ in 0..relays {
         let end = lights.len();
         for index in first..end {
-            for mirror in &mirrors {
-                if let Some(image) = image_of(&lights[index], mirror) {
-                    lights.push(image);
-                }
+            for relayer in &relayers {
+                let images: Vec<Light> = relayer.images_of(&lights[index]).collect();
+                lights.extend(images);
             }
         }
         first = end;
@@ -72,7 +74,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         cone,
         max_distance,
         focal_distance,
-        mirrors: Vec::new(),
+        relays: Vec::new(),
     })
 }
 
@@ -96,45 +98,90 @@ fn bounding_sphere(form: &LightForm) -> (DVec3, f64) {
     }
 }
 
-fn collect_mirrors<'a>(
+/// A flat surface that makes images of lights.
+struct Relayer<'a> {
+    surface: SurfaceHandle,
+    member: MemberId,
+    point: DVec3,
+    normal: DVec3,
+    /// Mean of its corners.
+    middle: DVec3,
+    /// `None` for a mirror.
+    prism: Option<&'a PrismKind>,
+}
+
+fn collect_relayers<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
     relay: &impl Fn(SurfaceHandle) -> &'a Shader,
-) -> Vec<Mirror> {
+) -> Vec<Relayer<'a>> {
     geometry
         .members()
-        .filter(|(_, handle)| matches!(relay(*handle).kind, Kind::Mirror { .. }))
         .filter_map(|(member, surface)| {
-            let shape = scene.surfaces[surface].shape;
-            let normal = flat_normal(scene, shape)?;
-            let point = match shape {
-                Shape::Polygon { start, .. } => scene.vertices[start as usize],
-                Shape::Ring(ring) => scene.rings[ring].center,
+            let prism = match &relay(surface).kind {
+                Kind::Mirror { .. } => None,
+                Kind::Prism(prism) => Some(prism),
                 _ => return None,
             };
-            Some(Mirror { surface, member, point, normal })
+            let shape = scene.surfaces[surface].shape;
+            let normal = flat_normal(scene, shape)?;
+            let (point, middle) = match shape {
+                Shape::Polygon { start, count } => {
+                    let corners = &scene.vertices[start as usize..][..count as usize];
+                    (corners[0], corners.iter().sum::<DVec3>() / f64::from(count))
+                }
+                Shape::Ring(ring) => (scene.rings[ring].center, scene.rings[ring].center),
+                _ => return None,
+            };
+            Some(Relayer { surface, member, point, normal, middle, prism })
         })
         .collect()
 }
 
-/// The image of a light in a mirror that it stands in front of.
-fn image_of(light: &Light, mirror: &Mirror) -> Option<Light> {
-    if light.mirrors.first().is_some_and(|last| last.surface == mirror.surface) || light.surface == mirror.surface {
-        return None;
+impl Relayer<'_> {
+    /// The images of a light in a mirror that it stands in front of, or by way of the faces of a prism.
+    fn images_of(&self, light: &Light) -> impl Iterator<Item = Light> {
+        let is_own = light.relays.first().is_some_and(|last| last.surface == self.surface);
+        let ways = if is_own || light.surface == self.surface { Vec::new() } else { self.ways(light) };
+        let distant = light.radius.is_infinite();
+        ways.into_iter().map(move |(shift, redirection)| {
+            let Relayer { surface, member, point, normal, .. } = *self;
+            let relay = Relay { surface, member, point, normal, shift, redirection };
+            let center = if distant { relay.image_of_unit(light.center) } else { relay.image_of_point(light.center) };
+            // Behind a prism the cone is not sharp at one place: what arrives decides.
+            let cone = light.cone.filter(|_| redirection.is_none());
+            let cone = cone.map(|cone| LightCone { axis: relay.image_of_direction(cone.axis), ..cone });
+            let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
+            let mut relays = vec![relay];
+            relays.extend_from_slice(&light.relays);
+            // The relays further along are seen in this one: real rays are unfolded one at a time, so they stay as they are.
+            Light { form: relayed(&light.form, &relay), center, radius, cone, relays, ..light.clone() }
+        })
     }
-    let in_front = if light.radius.is_infinite() {
-        mirror.normal.dot(light.center) > 0.0
-    } else {
-        mirror.normal.dot(light.center - mirror.point) > -light.radius
-    };
-    if !in_front {
-        return None;
+
+    /// The shifts that make images of a light.
+    fn ways(&self, light: &Light) -> Vec<(DVec3, Option<Redirection>)> {
+        let is_distant = light.radius.is_infinite();
+        let Some(prism) = self.prism else {
+            let in_front = if is_distant {
+                self.normal.dot(light.center) > 0.0
+            } else {
+                self.normal.dot(light.center - self.point) > -light.radius
+            };
+            return if in_front { vec![(self.normal * -2.0, None)] } else { Vec::new() };
+        };
+        let arriving = if is_distant { -light.center } else { self.middle - light.center };
+        let Some(direction) = arriving.try_normalize() else { return Vec::new() };
+        let distance = if is_distant { f64::MAX } else { arriving.length() };
+        let ray = Ray { origin: self.middle - direction, direction };
+        let encounter = Encounter::new(&ray, self.middle, self.normal, distance, distance);
+        let mut scratch = Scratch::default();
+        let target = light.center;
+        (0..prism.faces)
+            .filter_map(|face| {
+                let shift = prism.shift(face, &encounter, self.normal, &mut scratch)?;
+                Some((shift, Some(Redirection { face, target, is_distant })))
+            })
+            .collect()
     }
-    let distant = light.radius.is_infinite();
-    let center = if distant { mirror.image_of_direction(light.center) } else { mirror.image_of_point(light.center) };
-    let cone = light.cone.map(|cone| LightCone { axis: mirror.image_of_direction(cone.axis), ..cone });
-    let mut mirrors = vec![*mirror];
-    mirrors.extend_from_slice(&light.mirrors);
-    // The mirrors further along are seen in this one: real rays are unfolded one mirror at a time, so they stay as they are.
-    Some(Light { form: mirrored(&light.form, mirror), center, cone, mirrors, ..light.clone() })
 }

@@ -125,7 +125,7 @@ impl Link {
         let passed = self.mirrors[..self.passed].iter().copied();
         let is_seen = |id: &LightId| {
             let light = &plan.lights[id.0 as usize];
-            passed.clone().eq(light.mirrors.iter().map(|mirror| Some(mirror.surface)))
+            passed.clone().eq(light.relays.iter().map(|mirror| Some(mirror.surface)))
         };
         let Some(id) = lights.find(is_seen) else { return stray };
         let light = &plan.lights[id.0 as usize];
@@ -150,7 +150,7 @@ impl Link {
 
     /// Distance and cosine at which the drawn direction would meet the light if nothing bent it.
     fn straight_view(&self, plan: &RenderPlan, light: &Light) -> Option<(f64, f64)> {
-        if !light.mirrors.is_empty() {
+        if !light.relays.is_empty() {
             return None;
         }
         if let LightForm::Distant { direction, half_angle_sin_squared_half, .. } = light.form {

@@ -283,7 +283,7 @@ impl RenderPlan {
         if unseen > 0 {
             say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
         }
-        let images = self.lights.iter().filter(|light| !light.mirrors.is_empty()).count();
+        let images = self.lights.iter().filter(|light| !light.relays.is_empty()).count();
         say(format!("{} lights are sampled", self.lights.len() - images), "they are lights, spotlights or near glows");
         if images > 0 {
             say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");

@@ -174,7 +174,7 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
 
 /// What can stand between a body and a light.
 fn between(body: &Body, light: &Light, bodies: &[Body], tolerance: f64) -> Between {
-    if !light.mirrors.is_empty() || light.radius.is_infinite() {
+    if !light.relays.is_empty() || light.radius.is_infinite() {
         return Between::Anything;
     }
     let Some(source) = bodies.iter().find(|other| other.surface == light.surface) else { return Between::Anything };
@@ -217,7 +217,7 @@ fn separated(axis: DVec3, body: &Body, source: &Body, other: &Body, tolerance: f
 fn sees_only_lights(body: &Body, bodies: &[Body], lights: &[Light], tolerance: f64) -> bool {
     let Some((normal, point)) = body.plane else { return false };
     let height = normal.dot(point);
-    lights.iter().all(|light| light.mirrors.is_empty() && light.max_distance.is_infinite())
+    lights.iter().all(|light| light.relays.is_empty() && light.max_distance.is_infinite())
         && bodies.iter().all(|other| {
             let (low, high) = other.range(normal);
             let in_plane = low >= height - tolerance && high <= height + tolerance;

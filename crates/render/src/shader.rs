@@ -2,6 +2,7 @@
 
 use crate::bands::spread;
 use crate::medium::MistKind;
+use crate::prism::PrismKind;
 use crate::ray::ShaderId;
 use crate::refraction::Boundary;
 use crate::scatter::Scatterer;
@@ -69,6 +70,8 @@ pub(crate) enum Kind {
     Dielectric(Boundary),
     /// The surface of a participating medium.
     Mist(MistKind),
+    /// `prism1` and `prism2`.
+    Prism(PrismKind),
     /// A thin pane.
     Glass {
         /// For one passage at normal incidence.
@@ -241,7 +244,7 @@ impl Shader {
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
             // The parts of a mixture are shaders of their own.
-            Kind::Transparent | Kind::Mixture(_) | Kind::Unusable => Rgb::WHITE,
+            Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => emitter.radiance,
@@ -259,7 +262,7 @@ impl Shader {
         match &self.kind {
             Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
             // The parts of a mixture decide for themselves.
-            Kind::Dielectric(_) | Kind::Mist(_) | Kind::Illum { .. } | Kind::Mixture(_) => false,
+            Kind::Dielectric(_) | Kind::Mist(_) | Kind::Prism(_) | Kind::Illum { .. } | Kind::Mixture(_) => false,
             Kind::Mirror { substitute, .. } => substitute.is_none(),
             _ => true,
         }

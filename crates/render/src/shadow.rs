@@ -6,7 +6,7 @@
 
 use crate::direct::DirectSampler;
 use crate::geometry::RayFrame;
-use crate::light::{Light, LightSample, Mirror};
+use crate::light::{Light, LightSample, Redirection, Relay};
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;
@@ -55,7 +55,8 @@ impl DirectSampler {
         between: &Between,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
-        if !tracer.plan.shadows_bend || self.is_clear(tracer, between) {
+        let straight = !light.is_redirected() && (!tracer.plan.shadows_bend || self.is_clear(tracer, between));
+        if straight {
             return product(radiance, self.visibility(tracer, light, sample, between));
         }
         self.walk(tracer, light, sample, radiance)
@@ -99,9 +100,9 @@ impl DirectSampler {
                 return leave(&walk, plan, light, radiance);
             };
             walk.travelled += hit.distance;
-            if let Some(mirror) = light.mirrors.get(walk.relayed) {
-                if mirror.member.primitive() == hit.primitive {
-                    if !self.relay(tracer, &mut walk, mirror, &hit) {
+            if let Some(relay) = light.relays.get(walk.relayed) {
+                if relay.member.primitive() == hit.primitive {
+                    if !self.relay(tracer, &mut walk, relay, &hit) {
                         return dark;
                     }
                     continue;
@@ -109,7 +110,7 @@ impl DirectSampler {
             } else if light.primitive == Some(hit.primitive) {
                 return arrive(tracer, &walk, light, &hit, radiance);
             }
-            let last = walk.relayed == light.mirrors.len();
+            let last = walk.relayed == light.relays.len();
             let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
             let dimmed = walk.medium.shadow_transmission(hit.distance);
             walk.through = product(walk.through, dimmed);
@@ -132,20 +133,23 @@ impl DirectSampler {
         dark
     }
 
-    /// Passes a mirror on the way to the light; false where its back is met.
+    /// Passes a mirror or a prism on the way to the light; false where nothing goes on.
     fn relay<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
         walk: &mut Walk<BANDS>,
-        mirror: &Mirror,
+        relay: &Relay,
         hit: &Hit,
     ) -> bool {
+        if let Some(redirection) = &relay.redirection {
+            return redirect(tracer, walk, relay, redirection, hit);
+        }
         if walk.ray.direction.dot(hit.front) >= 0.0 {
             return false;
         }
         walk.through = product(walk.through, walk.medium.shadow_transmission(hit.distance));
         let before = walk.travelled - self.travelled - hit.distance;
-        let reflectance = self.mirror_reflectance(tracer, mirror, &walk.ray, before + hit.distance);
+        let reflectance = self.mirror_reflectance(tracer, relay, &walk.ray, before + hit.distance);
         walk.through = product(walk.through, reflectance);
         walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
         walk.from = Some(hit.primitive);
@@ -239,7 +243,7 @@ impl DirectSampler {
         let mut from = self.primitive;
         let mut left = sample.distance;
         let mut through = [1.0; BANDS];
-        for mirror in &light.mirrors {
+        for mirror in &light.relays {
             let geometry = &tracer.plan.geometry;
             let frame = RayFrame::new(&ray);
             let scene = &tracer.plan.scene;
@@ -268,7 +272,7 @@ impl DirectSampler {
     fn mirror_reflectance<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
-        mirror: &Mirror,
+        mirror: &Relay,
         ray: &Ray,
         distance: f64,
     ) -> [f64; BANDS] {
@@ -327,6 +331,29 @@ impl DirectSampler {
         }
         through
     }
+}
+
+/// Sends a shadow ray on that met a prism on its way to the light; false where nothing goes on.
+fn redirect<const BANDS: usize>(
+    tracer: &mut Tracer<'_, BANDS>,
+    walk: &mut Walk<BANDS>,
+    relay: &Relay,
+    redirection: &Redirection,
+    hit: &Hit,
+) -> bool {
+    let Kind::Prism(prism) = &tracer.plan.relay_shader(relay.surface).kind else { return false };
+    let Redirection { face, target, is_distant } = *redirection;
+    let aim = if is_distant { target } else { (target - hit.point).normalize_or_zero() };
+    let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
+    let found = prism.redirect(face, &encounter, aim, &mut tracer.workspace.scratch);
+    let Some((coefficient, direction)) = found else { return false };
+    let dimmed = walk.medium.shadow_transmission(hit.distance);
+    walk.through = product(walk.through, dimmed).map(|band| band * coefficient);
+    walk.ray = Ray { origin: hit.point, direction };
+    walk.from = Some(hit.primitive);
+    walk.relayed += 1;
+    walk.bent = true;
+    true
 }
 
 /// What comes straight through a surface; `None` where it blocks.
@@ -407,7 +434,7 @@ fn leave<const BANDS: usize>(
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
     let Shape::Source(source) = plan.scene.surfaces[light.surface].shape else { return [0.0; BANDS] };
-    if walk.relayed < light.mirrors.len() {
+    if walk.relayed < light.relays.len() {
         return [0.0; BANDS];
     }
     if walk.bent {

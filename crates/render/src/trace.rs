@@ -350,6 +350,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             }
             Kind::Dielectric(boundary) => self.shade_dielectric(segment, hit, shader, boundary),
             Kind::Mist(mist) => self.shade_mist(segment, hit, shader, mist),
+            Kind::Prism(prism) => self.shade_prism(segment, hit, prism, &encounter),
             Kind::Glossy(glossy) | Kind::Retro(glossy) => {
                 let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let retro = matches!(shader.kind, Kind::Retro(_));
@@ -485,14 +486,19 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true } => {}
                 Passage::Mirror { straight: true } => link.reflected(hit.surface),
                 Passage::Refraction { .. } => link.refracted(),
+                Passage::Prism { .. } => link.covered(),
                 _ => link.lost(),
             }
         }
-        let reflections =
-            segment.reflections + u32::from(direction.dot(hit.front) * segment.ray.direction.dot(hit.front) < 0.0);
+        let same_side = direction.dot(hit.front) * segment.ray.direction.dot(hit.front) < 0.0;
+        let reflected = same_side && !matches!(passage, Passage::Prism { .. });
+        let reflections = segment.reflections + u32::from(reflected);
         let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
-        let hides_what_is_beyond =
-            matches!(passage, Passage::Other | Passage::Sheet { .. } | Passage::Refraction { flat: false });
+        let hides_what_is_beyond = match passage {
+            Passage::Other | Passage::Sheet { .. } => true,
+            Passage::Refraction { flat } | Passage::Prism { flat } => !flat,
+            Passage::Mirror { .. } | Passage::Pane { .. } => false,
+        };
         let direct_view = segment.direct_view && !hides_what_is_beyond;
         if direct_view {
             self.effective_distance = f64::INFINITY;
@@ -721,6 +727,8 @@ pub(crate) enum Passage {
     Sheet { undisturbed: bool },
     /// Into or out of a body; `flat` where what is beyond appears in its place.
     Refraction { flat: bool },
+    /// Redirected by a prism; `flat` as before.
+    Prism { flat: bool },
     /// Any other.
     Other,
 }
