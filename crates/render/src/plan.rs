@@ -103,7 +103,7 @@ impl RenderPlan {
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {
-            Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky),
+            Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered),
             Skipping::Forbidden => Reach::everything(),
         };
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;

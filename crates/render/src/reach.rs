@@ -7,7 +7,7 @@
 use crate::geometry::{Geometry, flat_normal};
 use crate::light::{Light, LightForm};
 use crate::ray::{MemberId, PrimitiveId};
-use crate::shader::{Kind, Shader};
+use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;
 use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
 use std::f64::consts::PI;
@@ -62,7 +62,7 @@ impl Reach {
         geometry: &Geometry,
         shader: impl Fn(SurfaceHandle) -> &'a Shader,
         lights: &[Light],
-        unsampled_sky: bool,
+        unsampled_light: bool,
     ) -> Reach {
         let count = geometry.len();
         if count.saturating_mul(count).saturating_mul(lights.len().max(1)) > MAX_TESTS {
@@ -78,7 +78,7 @@ impl Reach {
             .iter()
             .map(|body| Receiver {
                 between: lights.iter().map(|light| between(body, light, &bodies, tolerance)).collect(),
-                sees_only_lights: !unsampled_sky && sees_only_lights(body, &bodies, lights, tolerance),
+                sees_only_lights: !unsampled_light && sees_only_lights(body, &bodies, lights, tolerance),
                 lights_suffice: lights_are_small(body, lights),
             })
             .collect();
@@ -137,7 +137,10 @@ impl Body {
         let shape = scene.surfaces[surface].shape;
         let hull = hull(scene, geometry, shape);
         let plane = flat_normal(scene, shape).map(|normal| (normal, hull[0]));
-        let is_light = lights.iter().any(|light| light.surface == surface && light.max_distance.is_infinite());
+        // What stands in for an illum is seen from behind.
+        let is_seen = matches!(kind, Kind::Illum { substitute: Substitution::Shader(_), .. });
+        let samples = |light: &Light| light.surface == surface && light.max_distance.is_infinite();
+        let is_light = !is_seen && lights.iter().any(samples);
         let highlight = match kind {
             Kind::Glossy(glossy) | Kind::Retro(glossy) => 4.0 * PI * glossy.roughness * glossy.roughness,
             _ => 0.0,

@@ -4,7 +4,7 @@ mod build;
 
 use build::{Builder, mean};
 use glam::DVec3;
-use radsight_ir::{Cone, Facing, Ring, Sphere};
+use radsight_ir::{Cone, Facing, Rgb, Ring, Sphere};
 use radsight_render::{PathLimit, Quantity, RenderOptions, Skipping};
 use std::f64::consts::PI;
 
@@ -99,6 +99,52 @@ fn a_white_furnace_keeps_its_energy() {
     let (rho, f) = (0.6, 1.0 / 16.0);
     let irradiance = PI * f / (1.0 - rho * (1.0 - f));
     assert_close(found, rho * irradiance / PI, 5e-3);
+}
+
+/// A body that absorbs nothing cannot be seen in even light: what a ray loses by splitting it finds again on each way.
+#[test]
+fn a_clear_body_in_a_white_furnace_is_invisible() {
+    let mut scene = Builder::default();
+    let clear = scene.dielectric([1.0; 3], 1.5);
+    let glow = scene.glow([2.0; 3], 0.0);
+    scene.sphere(clear, Sphere { center: DVec3::ZERO, radius: 1.0, facing: Facing::Outward });
+    scene.source(glow, DVec3::Z, 2.0 * PI);
+    let options = RenderOptions { path_limit: PathLimit::Roulette, least_weight: 1e-3, ..RenderOptions::default() };
+    for height in [0.0, 0.5, 0.9, 0.99] {
+        let found = mean(&scene, options.clone(), DVec3::new(-3.0, height, 0.0), DVec3::X, 256);
+        assert_close(found, 2.0, 1e-3);
+        // Within the body radiance is larger by the square of its index.
+        let inside = mean(&scene, options.clone(), DVec3::new(0.0, 0.5 * height, 0.1), DVec3::X, 256);
+        assert_close(inside, 2.0 * 2.25, 1e-3);
+    }
+}
+
+/// A body dims what passes by its transmissivity to the power of the distance.
+#[test]
+fn an_absorbing_body_dims_by_beers_law() {
+    let mut scene = Builder::default();
+    let body = scene.dielectric([0.7; 3], 1.0);
+    let glow = scene.glow([2.0; 3], 0.0);
+    scene.sphere(body, Sphere { center: DVec3::ZERO, radius: 1.0, facing: Facing::Outward });
+    scene.source(glow, DVec3::Z, 2.0 * PI);
+    for height in [0.0, 0.5, 0.9] {
+        let through = 2.0 * (1.0f64 - height * height).sqrt();
+        let found = mean(&scene, RenderOptions::default(), DVec3::new(-3.0, height, 0.0), DVec3::X, 1);
+        assert_close(found, 2.0 * 0.7f64.powf(through), 1e-9);
+    }
+}
+
+/// The ambient value stands for what the last bounce would see: a Lambertian surface gives its reflectance's share of it.
+#[test]
+fn the_ambient_value_lights_where_no_bounce_is_left() {
+    let mut scene = Builder::default();
+    let wall = scene.plastic([0.6; 3], 0.0, 0.0);
+    scene.sphere(wall, Sphere { center: DVec3::ZERO, radius: 2.0, facing: Facing::Inward });
+    for (bounces, expected) in [(0, 0.6 * 3.0), (1, 0.36 * 3.0), (2, 0.216 * 3.0)] {
+        let options =
+            RenderOptions { ambient_bounces: bounces, ambient_value: Rgb([3.0; 3]), ..RenderOptions::default() };
+        assert_close(mean(&scene, options, DVec3::ZERO, DVec3::Z, 64), expected, 1e-9);
+    }
 }
 
 #[test]

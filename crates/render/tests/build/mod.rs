@@ -5,8 +5,9 @@ use glam::DVec3;
 use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::{
-    Cone, Cube, FunctionCall, Glossy, Instance, Material, Mesh, MeshInstance, Modifier, ModifierHandle, ModifierKind,
-    OctreeScene, Pattern, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere, Substitute, Surface, Transform,
+    Cone, Cube, Dielectric, FunctionCall, Glossy, Instance, Material, Mesh, MeshInstance, Modifier, ModifierHandle,
+    ModifierKind, OctreeScene, Pattern, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere, Substitute, Surface,
+    Transform,
 };
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer, Traced};
 use std::sync::Arc;
@@ -43,6 +44,14 @@ impl Builder {
 
     pub(crate) fn glass(&mut self, transmissivity: [f64; 3], refractive_index: f64) -> ModifierHandle {
         self.material(Material::Glass { transmissivity: Rgb(transmissivity), refractive_index })
+    }
+
+    pub(crate) fn dielectric(&mut self, transmissivity: [f64; 3], refractive_index: f64) -> ModifierHandle {
+        self.material(Material::Dielectric(Dielectric {
+            transmissivity: Rgb(transmissivity),
+            refractive_index,
+            hartmann: 0.0,
+        }))
     }
 
     fn surface(&mut self, modifier: ModifierHandle, shape: Shape) {
