@@ -17,6 +17,22 @@ pub(crate) struct Program {
 pub(crate) enum Command {
     /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
     Capture(Capture),
+    /// What a reflectance model costs in a plugin, beside the same model in the program
+    Plugin(Plugin),
+}
+
+/// `radsight-bench plugin`.
+#[derive(Debug, Args)]
+pub(crate) struct Plugin {
+    /// Rays a pixel
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) samples: u32,
+    /// Times that each capture is repeated; the least time counts
+    #[arg(long, value_name = "R", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
+    /// The repository with the scenes [default: the one that this program was built from]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) repo: Option<PathBuf>,
 }
 
 /// `radsight-bench capture`.
@@ -80,6 +96,7 @@ mod tests {
     fn a_long_run_adds_sixteen_rays_once() {
         let parse = |words: &[&str]| match Program::parse_from(words).command {
             Command::Capture(capture) => capture.radiance_samples(),
+            Command::Plugin(_) => unreachable!("the words ask for a capture"),
         };
         assert_eq!(parse(&["radsight-bench", "capture", "t10"]), [1, 2, 4]);
         assert_eq!(parse(&["radsight-bench", "capture", "--long", "--radiance-samples", "16,2"]), [2, 16]);

@@ -89,6 +89,6 @@ fn say(subject: &Subject, setting: Setting) {
 }
 
 /// Prints to standard output; a reader that went away is no fault.
-fn print(text: &str) {
+pub(crate) fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes());
 }

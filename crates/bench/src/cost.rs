@@ -61,15 +61,30 @@ fn words(command: &Command) -> String {
 /// Processor time of all children that have ended, and theirs, s.
 #[cfg(unix)]
 fn processor_time_of_children() -> f64 {
-    use nix::sys::resource::{UsageWho, getrusage};
+    processor_time_of(nix::sys::resource::UsageWho::RUSAGE_CHILDREN)
+}
+
+/// Processor time of this process, s. NaN where the system does not tell.
+#[cfg(unix)]
+pub(crate) fn processor_time() -> f64 {
+    processor_time_of(nix::sys::resource::UsageWho::RUSAGE_SELF)
+}
+
+#[cfg(unix)]
+fn processor_time_of(who: nix::sys::resource::UsageWho) -> f64 {
     use nix::sys::time::TimeVal;
     let seconds =
         |time: TimeVal| Duration::new(time.tv_sec().unsigned_abs(), 0).as_secs_f64() + time.tv_usec() as f64 * 1e-6;
-    getrusage(UsageWho::RUSAGE_CHILDREN)
+    nix::sys::resource::getrusage(who)
         .map_or(f64::NAN, |usage| seconds(usage.user_time()) + seconds(usage.system_time()))
 }
 
 #[cfg(not(unix))]
 fn processor_time_of_children() -> f64 {
+    f64::NAN
+}
+
+#[cfg(not(unix))]
+pub(crate) fn processor_time() -> f64 {
     f64::NAN
 }

@@ -119,7 +119,7 @@ fn noise_of(figure: Figure, text: &str) -> f64 {
 }
 
 /// Files by their path.
-struct Disk;
+pub(crate) struct Disk;
 
 impl Loader for Disk {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {

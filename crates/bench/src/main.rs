@@ -4,6 +4,8 @@
 //! camera rays through real `rtrace`, compares all exposures with the project's truth, and says how much longer Radiance
 //! takes to the same error. It runs the programs as a user would, each in a process of its own, one after the other.
 //!
+//! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
+//!
 //! Real Radiance is found through `RADSIGHT_RADIANCE` (a folder with `bin` and `lib`), else on PATH. Processor time is that of the child
 //! processes, so other work on the machine counts only through shared caches.
 #![forbid(unsafe_code)]
@@ -17,6 +19,7 @@ mod equal_error;
 mod error;
 mod figure;
 mod machine;
+mod plugin;
 mod radiance;
 mod radsight;
 mod run;
@@ -26,8 +29,11 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let args::Program { command: args::Command::Capture(arguments) } = args::Program::parse();
-    match capture::run(&arguments) {
+    let done = match args::Program::parse().command {
+        args::Command::Capture(arguments) => capture::run(&arguments),
+        args::Command::Plugin(arguments) => plugin::run(&arguments),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("radsight-bench: {error}");

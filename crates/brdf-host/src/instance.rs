@@ -252,8 +252,16 @@ impl PluginBrdf {
             let found = if self.bands == 1 {
                 self.call_eval(outgoing, [&x[..count], &y[..count], &z[..count]], values, pdfs)
             } else {
-                let mut by_band = vec![f64::NAN; count * self.bands];
-                let found = self.call_eval(outgoing, [&x[..count], &y[..count], &z[..count]], &mut by_band, pdfs);
+                let mut few = [f64::NAN; LARGEST_BATCH * FEW_BANDS];
+                let mut many = Vec::new();
+                let by_band = match few.get_mut(..count * self.bands) {
+                    Some(by_band) => by_band,
+                    None => {
+                        many.resize(count * self.bands, f64::NAN);
+                        &mut many[..]
+                    }
+                };
+                let found = self.call_eval(outgoing, [&x[..count], &y[..count], &z[..count]], by_band, pdfs);
                 for (index, value) in values.iter_mut().enumerate() {
                     *value = by_band[(index % self.bands) * count + index / self.bands];
                 }
@@ -269,6 +277,8 @@ impl PluginBrdf {
 
 /// Directions that are handed over at once.
 const LARGEST_BATCH: usize = 64;
+/// Up to this many bands a batch takes no memory from the heap.
+const FEW_BANDS: usize = 4;
 /// No model needs more.
 const MOST_SCRATCH_BYTES: u64 = 1 << 30;
 

@@ -4,7 +4,7 @@ use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
 use crate::reach::Between;
-use crate::surface_light::{Densities, LitPoint};
+use crate::surface_light::{Densities, Highlight, LitPoint, Response};
 use crate::tilt::Peak;
 use crate::trace::{MediumId, Tracer, emission, product};
 use crate::view::Encounter;
@@ -35,6 +35,13 @@ pub(crate) struct DirectSampler {
     pub(crate) drawn: bool,
 }
 
+/// A light and its place in the plan's list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NumberedLight<'p> {
+    pub(crate) index: usize,
+    pub(crate) light: &'p Light,
+}
+
 impl DirectSampler {
     /// Radiance that the point sends on from all lights.
     pub(crate) fn sample<const BANDS: usize>(
@@ -46,7 +53,10 @@ impl DirectSampler {
         let first_set = tracer.next_set;
         if count <= SAMPLE_ALL {
             tracer.next_set += count.div_ceil(2) as u32;
-            return self.sample_all(tracer, point, first_set);
+            return match point.highlight {
+                Highlight::Model(model) => self.sample_all_of_model(tracer, point, model, first_set),
+                _ => self.sample_all(tracer, point, first_set),
+            };
         }
         tracer.next_set += DRAWN_LIGHTS as u32;
         self.sample_some(tracer, point, first_set)
@@ -58,9 +68,26 @@ impl DirectSampler {
         point: &LitPoint<'_, BANDS>,
         first_set: u32,
     ) -> [f64; BANDS] {
+        let mut sum = [0.0; BANDS];
+        self.for_each_light(tracer, first_set, |tracer, light, between, u| {
+            let given = self.sample_light(tracer, point, light.light, between, u, 1.0);
+            for (sum, given) in sum.iter_mut().zip(given) {
+                *sum += given;
+            }
+        });
+        sum
+    }
+
+    /// Calls for each light that can give something here, with what stands between and a point of the unit square.
+    #[inline]
+    pub(crate) fn for_each_light<'p, const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'p, BANDS>,
+        first_set: u32,
+        mut visit: impl FnMut(&mut Tracer<'p, BANDS>, NumberedLight<'p>, &'p Between, [f64; 2]),
+    ) {
         let plan = tracer.plan;
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
-        let mut sum = [0.0; BANDS];
         let mut drawn: (u32, [f64; 4]) = (u32::MAX, [0.0; 4]);
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&Between::Anything, |receiver| &receiver.between[index]);
@@ -73,12 +100,14 @@ impl DirectSampler {
                 drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
             }
             let half = 2 * (index % 2);
-            let light = self.sample_light(tracer, point, light, between, [drawn.1[half], drawn.1[half + 1]], 1.0);
-            for (sum, light) in sum.iter_mut().zip(light) {
-                *sum += light;
-            }
+            visit(tracer, NumberedLight { index, light }, between, [drawn.1[half], drawn.1[half + 1]]);
         }
-        sum
+    }
+
+    /// What stands between the point and a light.
+    pub(crate) fn between<'p>(&self, plan: &'p RenderPlan, light: usize) -> &'p Between {
+        let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
+        receiver.map_or(&Between::Anything, |receiver| &receiver.between[light])
     }
 
     /// Draws some lights with probability in proportion to a bound on what they can give (unbiased: each is divided by its chance).
@@ -126,14 +155,31 @@ impl DirectSampler {
         u: [f64; 2],
         expected: f64,
     ) -> [f64; BANDS] {
-        let dark = [0.0; BANDS];
-        let Some(sample) = light.sample(self.point, u, &self.peak) else { return dark };
-        if sample.distance > light.max_distance {
-            return dark;
-        }
+        let Some(sample) = self.place(light, u) else { return [0.0; BANDS] };
         let densities = if self.highlight_draws > 0 { Densities::Wanted } else { Densities::Unused };
         let scratch = &mut tracer.workspace.scratch;
         let response = point.respond(sample.direction, sample.density, densities, scratch);
+        self.gather(tracer, light, &sample, between, expected, &response)
+    }
+
+    /// A place on a light that can give something.
+    #[inline]
+    pub(crate) fn place(&self, light: &Light, u: [f64; 2]) -> Option<LightSample> {
+        light.sample(self.point, u, &self.peak).filter(|sample| sample.distance <= light.max_distance)
+    }
+
+    /// What one place gives to a point that responds to it like this.
+    #[inline]
+    pub(crate) fn gather<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        between: &Between,
+        expected: f64,
+        response: &Response<BANDS>,
+    ) -> [f64; BANDS] {
+        let dark = [0.0; BANDS];
         let density = sample.density * expected;
         // No drawn ray is followed to a light by way of a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
@@ -150,11 +196,11 @@ impl DirectSampler {
         if light.focal_distance > 0.0 {
             weight = weight.map(|band| band * light.focal_factor(sample.distance));
         }
-        let radiance = self.radiance(tracer, light, &sample);
+        let radiance = self.radiance(tracer, light, sample);
         if product(weight, radiance).iter().all(|band| *band == 0.0) {
             return dark;
         }
-        let arriving = self.arriving(tracer, light, &sample, between, radiance);
+        let arriving = self.arriving(tracer, light, sample, between, radiance);
         product(weight, arriving)
     }
 
@@ -171,10 +217,7 @@ impl DirectSampler {
         if light.misses(self.point) {
             return dark;
         }
-        let Some(sample) = light.sample(self.point, u, &self.peak) else { return dark };
-        if sample.distance > light.max_distance {
-            return dark;
-        }
+        let Some(sample) = self.place(light, u) else { return dark };
         let focal = light.focal_factor(sample.distance);
         let radiance = self.radiance(tracer, light, &sample);
         if radiance.iter().all(|band| *band == 0.0) {

@@ -27,6 +27,7 @@ mod lighting;
 mod link;
 mod medium;
 mod mixture;
+mod model_light;
 mod options;
 mod plan;
 mod prism;

@@ -106,6 +106,9 @@ impl<const BANDS: usize> Drawn<BANDS> {
 }
 
 impl<const BANDS: usize> Response<BANDS> {
+    pub(crate) const NONE: Self =
+        Response { diffuse: [0.0; BANDS], diffuse_density: 0.0, highlight: [0.0; BANDS], highlight_density: 0.0 };
+
     /// Sets the highlight from a lobe's value without cosine and density.
     #[inline]
     fn set_highlight(&mut self, specularity: &[f64; BANDS], (shape, density): (f64, f64), cosine: f64) {
@@ -310,8 +313,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         densities: Densities,
         scratch: &mut Scratch,
     ) -> Response<BANDS> {
-        let mut response =
-            Response { diffuse: [0.0; BANDS], diffuse_density: 0.0, highlight: [0.0; BANDS], highlight_density: 0.0 };
+        let mut response = Response::NONE;
         let cosine = self.diffuse_normal.dot(incident);
         if cosine > 0.0 {
             let coupling = self.coupling_share(incident);
@@ -391,7 +393,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
     }
 
     /// Whether a direction is on the same side of the surface as of the normal with its texture; no others are drawn.
-    fn sides_agree(&self, direction: DVec3) -> bool {
+    pub(crate) fn sides_agree(&self, direction: DVec3) -> bool {
         matches!(self.highlight, Highlight::Retro(_))
             || (self.normal.dot(direction) > 0.0) == (self.frame.z.dot(direction) > 0.0)
     }

@@ -11,6 +11,7 @@ use crate::gather::Place;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
+use crate::model_light::ModelBatch;
 use crate::options::{BackFaces, Lights, PathLimit, Quantity};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
@@ -31,6 +32,8 @@ pub(crate) struct Workspace {
     pub(crate) scratch: Scratch,
     /// Promise of each light, where only some are sampled.
     pub(crate) promises: Vec<f64>,
+    /// Places on lights, for a model that is asked about all of them at once.
+    pub(crate) batch: ModelBatch,
 }
 
 /// Where the first ray ended.

@@ -1,0 +1,73 @@
+//! Direct light on a reflectance model from elsewhere: all places on all lights are put to the model at once.
+//!
+//! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
+
+use crate::direct::DirectSampler;
+use crate::light::LightSample;
+use crate::surface_light::{LitPoint, Response};
+use crate::trace::Tracer;
+use glam::DVec3;
+use radsight_brdf::Brdf;
+
+/// The memory of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct ModelBatch {
+    places: Vec<Place>,
+    /// In the model's frame.
+    incident: Vec<DVec3>,
+    values: Vec<f64>,
+    densities: Vec<f64>,
+}
+
+/// A place that was drawn on a light.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    light: usize,
+    sample: LightSample,
+}
+
+impl DirectSampler {
+    /// Radiance that the point sends on from all lights, each sampled once.
+    pub(crate) fn sample_all_of_model<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        point: &LitPoint<'_, BANDS>,
+        model: &dyn Brdf,
+        first_set: u32,
+    ) -> [f64; BANDS] {
+        let mut batch = std::mem::take(&mut tracer.workspace.batch);
+        batch.places.clear();
+        batch.incident.clear();
+        self.for_each_light(tracer, first_set, |_, light, _, u| {
+            let Some(sample) = self.place(light.light, u) else { return };
+            batch.places.push(Place { light: light.index, sample });
+            batch.incident.push(point.frame.to_local(sample.direction));
+        });
+        batch.values.clear();
+        batch.values.resize(batch.incident.len() * BANDS, 0.0);
+        batch.densities.clear();
+        batch.densities.resize(batch.incident.len(), 0.0);
+        let mut sum = [0.0; BANDS];
+        if !batch.places.is_empty() {
+            let outgoing = point.frame.to_local(point.outgoing);
+            model.eval_pdf(outgoing, &batch.incident, &mut batch.values, &mut batch.densities);
+        }
+        let answers = batch.incident.iter().zip(batch.values.chunks_exact(BANDS)).zip(&batch.densities);
+        for (place, ((incident, values), density)) in batch.places.iter().zip(answers) {
+            let cosine = incident.z.abs();
+            let response = Response {
+                highlight: std::array::from_fn(|band| values[band] * cosine),
+                highlight_density: if point.sides_agree(place.sample.direction) { *density } else { 0.0 },
+                ..Response::NONE
+            };
+            let light = &tracer.plan.lights[place.light];
+            let between = self.between(tracer.plan, place.light);
+            let given = self.gather(tracer, light, &place.sample, between, 1.0, &response);
+            for (sum, given) in sum.iter_mut().zip(given) {
+                *sum += given;
+            }
+        }
+        tracer.workspace.batch = batch;
+        sum
+    }
+}
