@@ -94,6 +94,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                     peak: Peak::NONE,
                     travelled: segment.travelled + along,
                     medium: medium_id,
+                    cuts: [segment.cut; 2],
+                    normal: segment.ray.direction,
                     drawn: segment.link.is_some(),
                 };
                 let arriving = sampler.light_at(self, light, [u[1], u[2]], |towards| {

@@ -1,5 +1,6 @@
 //! From chains of modifiers to shaders.
 
+use crate::antimatter::Antimatter;
 use crate::bands::BandLayout;
 use crate::compile_scatter::compile_scatterer;
 use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
@@ -157,6 +158,22 @@ impl Compiler<'_> {
         chains.nesting = nesting;
         self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier }));
         ShaderId((self.shaders.len() - 1) as u32)
+    }
+
+    /// Modifiers that are cut are defined before, so that there is no circle.
+    fn antimatter(
+        &mut self,
+        chains: &mut Chains<'_>,
+        of: ModifierHandle,
+        cuts: &[Option<ModifierHandle>],
+    ) -> Antimatter {
+        let mut compile = |modifier: &Option<ModifierHandle>| {
+            modifier
+                .filter(|modifier| modifier.index() < of.index())
+                .map(|modifier| self.compile_chain(chains, Some(modifier)))
+        };
+        let shade = cuts.first().and_then(&mut compile);
+        Antimatter::new(cuts.iter().filter_map(compile).collect(), shade)
     }
 
     /// What stands in for a material when it is seen; `None` for nothing of its own.
@@ -385,6 +402,7 @@ impl Compiler<'_> {
                     ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
                 models.model(&request).map(Kind::Plugin)
             }
+            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
             Material::Unusable { .. } => Ok(Kind::Unusable),
             other => {
                 let look = |modifier| self.compile_look(chains, modifier);

@@ -1,5 +1,6 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
+use crate::antimatter::CutId;
 use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
@@ -31,6 +32,10 @@ pub(crate) struct DirectSampler {
     pub(crate) travelled: f64,
     /// What fills the space around it.
     pub(crate) medium: MediumId,
+    /// What is cut for rays to the side of the normal, and to the other.
+    pub(crate) cuts: [CutId; 2],
+    /// Unit.
+    pub(crate) normal: DVec3,
     /// Whether the path to it has a drawn ray.
     pub(crate) drawn: bool,
 }
@@ -43,6 +48,11 @@ pub(crate) struct NumberedLight<'p> {
 }
 
 impl DirectSampler {
+    /// What is cut for a ray that leaves in this direction.
+    pub(crate) fn cut_towards(&self, direction: DVec3) -> CutId {
+        self.cuts[usize::from(self.normal.dot(direction) < 0.0)]
+    }
+
     /// Radiance that the point sends on from all lights.
     pub(crate) fn sample<const BANDS: usize>(
         &self,

@@ -1,5 +1,6 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
+use crate::antimatter::Cut;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
 use crate::options::Unshared;
@@ -13,13 +14,15 @@ use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
 /// A point whose irradiance is wanted.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Place<const BANDS: usize> {
     point: DVec3,
     /// Unit geometric normal on the side in question.
     normal: DVec3,
     primitive: Option<PrimitiveId>,
     medium: Medium<BANDS>,
+    /// What is cut away for the rays from here.
+    cut: Cut,
     /// Interreflections that the rays from here may follow.
     bounces: u32,
 }
@@ -63,12 +66,13 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 normal,
                 primitive,
                 medium: self.medium(segment.medium),
+                cut: self.cut(if normal.dot(point.normal) < 0.0 { segment.cut_beyond } else { segment.cut }).clone(),
                 bounces: segment.ambient_bounces - 1,
             };
             let irradiance = match self.cache.and_then(|cache| cache.irradiance(at, normal, facet)) {
                 Some(irradiance) => irradiance,
                 None if self.survey.is_some() || !looks_around => {
-                    self.survey.iter_mut().for_each(|places| places.push(place));
+                    self.survey.iter_mut().for_each(|places| places.push(place.clone()));
                     complete = false;
                     continue;
                 }
@@ -116,6 +120,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.
     fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
         let medium = self.begin(sampler, place.medium);
+        let cut = self.add_cut(place.cut.clone());
         let link = Link::new(0.0, (place.point, direction), Peak::NONE, place.primitive, Lobe::Diffuse);
         self.finish(Segment {
             ray: Ray { origin: place.point, direction },
@@ -127,6 +132,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             reflections: 1,
             ambient_bounces: place.bounces,
             medium,
+            cut,
+            cut_beyond: cut,
             follows_no_diffuse: false,
             direct_view: false,
         });

@@ -7,6 +7,7 @@
 //! files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
+mod antimatter;
 mod bands;
 mod beyond;
 mod bodies;

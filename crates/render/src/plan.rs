@@ -1,5 +1,6 @@
 //! What a scene needs, decided once before the first ray.
 
+use crate::antimatter::all_cut;
 use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
 use crate::geometry::Geometry;
@@ -41,6 +42,10 @@ pub struct RenderPlan {
     pub(crate) has_media: bool,
     /// Whether light sampling finds all the light of lights, so that drawn rays find none: light comes through mist as it would not to them.
     pub(crate) lights_are_covered: bool,
+    /// Whether surfaces can be cut away.
+    pub(crate) has_antimatter: bool,
+    /// What can be cut away, ascending.
+    pub(crate) cut_shaders: Vec<ShaderId>,
     /// The lights that mist scatters.
     pub(crate) mist_lights: MistLights,
     /// Whether interreflection is left out on the surfaces of a shader; empty for none.
@@ -98,11 +103,14 @@ impl RenderPlan {
         let in_medium = !options.medium.extinction.is_black();
         let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
-        let shadows_bend = has_media || stands_in;
+        let cut_shaders = all_cut(&shaders);
+        let has_antimatter = any(|kind| matches!(kind, Kind::Antimatter(_)));
+        let shadows_bend = has_media || stands_in || has_antimatter;
         let lights_are_covered = has_media
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = match options.skipping {
+            Skipping::Allowed if has_antimatter => Reach::everything(),
             Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered),
             Skipping::Forbidden => Reach::everything(),
         };
@@ -121,6 +129,8 @@ impl RenderPlan {
             see_through,
             shadows_bend,
             has_media,
+            has_antimatter,
+            cut_shaders,
             lights_are_covered,
             mist_lights,
             excluded,

@@ -69,7 +69,7 @@ impl PrimitiveId {
 }
 
 /// Names a shader of the plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ShaderId(pub(crate) u32);
 
 /// Where a ray crosses a primitive.

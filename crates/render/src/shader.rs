@@ -1,5 +1,6 @@
 //! What a surface does to light, compiled from its chain of modifiers once a scene.
 
+use crate::antimatter::Antimatter;
 use crate::bands::spread;
 use crate::medium::MistKind;
 use crate::prism::PrismKind;
@@ -72,6 +73,8 @@ pub(crate) enum Kind {
     Mist(MistKind),
     /// `prism1` and `prism2`.
     Prism(PrismKind),
+    /// Cuts other surfaces away.
+    Antimatter(Antimatter),
     /// A thin pane.
     Glass {
         /// For one passage at normal incidence.
@@ -244,7 +247,7 @@ impl Shader {
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
             // The parts of a mixture are shaders of their own.
-            Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Unusable => Rgb::WHITE,
+            Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Antimatter(_) | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => emitter.radiance,
@@ -263,6 +266,7 @@ impl Shader {
             Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
             // The parts of a mixture decide for themselves.
             Kind::Dielectric(_) | Kind::Mist(_) | Kind::Prism(_) | Kind::Illum { .. } | Kind::Mixture(_) => false,
+            Kind::Antimatter(_) => false,
             Kind::Mirror { substitute, .. } => substitute.is_none(),
             _ => true,
         }

@@ -4,6 +4,7 @@
 //! enough. Else the ray is followed from surface to surface as any other. A refracted shadow ray brings light if it still ends on the
 //! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
 
+use crate::antimatter::{CutId, Meeting};
 use crate::direct::DirectSampler;
 use crate::geometry::RayFrame;
 use crate::light::{Light, LightSample, Redirection, Relay};
@@ -37,12 +38,23 @@ struct Walk<const BANDS: usize> {
     ray: Ray,
     from: Option<PrimitiveId>,
     medium: Medium<BANDS>,
+    cut: CutId,
     through: [f64; BANDS],
     travelled: f64,
     /// How many of the light's mirrors are behind it.
     relayed: usize,
     /// Whether it was bent, so that it may miss.
     bent: bool,
+}
+
+impl<const BANDS: usize> Walk<BANDS> {
+    /// Goes on behind a surface that is not there.
+    fn pass(&mut self, hit: &Hit, cut: CutId) {
+        self.through = product(self.through, self.medium.shadow_transmission(hit.distance));
+        self.ray.origin = hit.point;
+        self.from = Some(hit.primitive);
+        self.cut = cut;
+    }
 }
 
 impl DirectSampler {
@@ -90,16 +102,27 @@ impl DirectSampler {
             ray: Ray { origin: self.point, direction: sample.direction },
             from: self.primitive,
             medium: tracer.medium(self.medium),
+            cut: self.cut_towards(sample.direction),
             through: [1.0; BANDS],
             travelled: self.travelled,
             relayed: 0,
             bent: false,
         };
         for _ in 0..MAX_CROSSINGS {
-            let Some(hit) = plan.first_hit(&walk.ray, walk.from) else {
+            let Some(mut hit) = plan.first_hit(&walk.ray, walk.from) else {
                 return leave(&walk, plan, light, radiance);
             };
             walk.travelled += hit.distance;
+            let mut beyond = walk.cut;
+            if plan.has_antimatter {
+                match tracer.meet(walk.cut, walk.ray.direction, &mut hit) {
+                    Meeting::Surface(cut) => beyond = cut,
+                    Meeting::Nothing(cut) => {
+                        walk.pass(&hit, cut);
+                        continue;
+                    }
+                }
+            }
             if let Some(relay) = light.relays.get(walk.relayed) {
                 if relay.member.primitive() == hit.primitive {
                     if !self.relay(tracer, &mut walk, relay, &hit) {
@@ -129,6 +152,7 @@ impl DirectSampler {
             }
             walk.ray = Ray { origin: hit.point, direction };
             walk.from = Some(hit.primitive);
+            walk.cut = beyond;
         }
         dark
     }

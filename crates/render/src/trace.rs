@@ -6,6 +6,7 @@
 //! reflections and refractions branch while branches are few, then one is chosen by weight; there is no limit to their depth but
 //! Russian roulette.
 
+use crate::antimatter::{Cut, CutId, Meeting};
 use crate::direct::DirectSampler;
 use crate::gather::Place;
 use crate::indirect::Indirect;
@@ -100,6 +101,9 @@ pub(crate) struct Segment<const BANDS: usize> {
     pub(crate) ambient_bounces: u32,
     /// What fills the space that the ray crosses.
     pub(crate) medium: MediumId,
+    /// What is cut away for the ray, and for what passes through the surface that it has met.
+    pub(crate) cut: CutId,
+    pub(crate) cut_beyond: CutId,
     /// Whether interreflection is left out at the surface that the ray has met.
     pub(crate) follows_no_diffuse: bool,
     /// Whether this is still the direct view, through nothing but plane mirrors and panes.
@@ -119,6 +123,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     waiting: Vec<Segment<BANDS>>,
     /// Media that the present ray has met; the first fills the scene.
     media: Vec<Medium<BANDS>>,
+    /// What was cut away for the present ray; the first is nothing.
+    pub(crate) cuts: Vec<Cut>,
     pub(crate) radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
     effective_distance: f64,
@@ -135,6 +141,7 @@ pub(crate) struct SetAside<const BANDS: usize> {
     next_set: u32,
     waiting: Vec<Segment<BANDS>>,
     media: Vec<Medium<BANDS>>,
+    cuts: Vec<Cut>,
     radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
     effective_distance: f64,
@@ -150,6 +157,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             workspace: Workspace::default(),
             waiting: Vec::with_capacity(MAX_BRANCHES),
             media: vec![plan.global_medium()],
+            cuts: vec![Cut::default()],
             radiance: [0.0; BANDS],
             first_hit: None,
             effective_distance: f64::INFINITY,
@@ -172,6 +180,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,
             medium,
+            cut: CutId::default(),
+            cut_beyond: CutId::default(),
             follows_no_diffuse: false,
             direct_view: true,
         };
@@ -193,6 +203,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.sampler = sampler;
         self.next_set = 0;
         self.media.truncate(1);
+        self.cuts.truncate(1);
         self.radiance = [0.0; BANDS];
         self.first_hit = None;
         self.effective_distance = f64::INFINITY;
@@ -227,6 +238,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             next_set: self.next_set,
             waiting: std::mem::take(&mut self.waiting),
             media: self.media.clone(),
+            cuts: self.cuts.clone(),
             radiance: self.radiance,
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
@@ -235,8 +247,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     /// Goes on with the ray that was put aside.
     pub(crate) fn take_up(&mut self, ray: SetAside<BANDS>) {
-        let SetAside { sampler, next_set, waiting, media, radiance, first_hit, effective_distance } = ray;
-        (self.sampler, self.next_set, self.waiting, self.media) = (sampler, next_set, waiting, media);
+        let SetAside { sampler, next_set, waiting, media, cuts, radiance, first_hit, effective_distance } = ray;
+        (self.sampler, self.next_set, self.waiting) = (sampler, next_set, waiting);
+        (self.media, self.cuts) = (media, cuts);
         (self.radiance, self.first_hit, self.effective_distance) = (radiance, first_hit, effective_distance);
     }
 
@@ -274,9 +287,19 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     fn follow(&mut self, mut segment: Segment<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let Some(hit) = self.plan.first_hit(&segment.ray, segment.from) else {
+            let Some(mut hit) = self.plan.first_hit(&segment.ray, segment.from) else {
                 return self.leave(&segment);
             };
+            if self.plan.has_antimatter {
+                let meeting = self.meet(segment.cut, segment.ray.direction, &mut hit);
+                let (Meeting::Surface(beyond) | Meeting::Nothing(beyond)) = meeting;
+                segment.cut_beyond = beyond;
+                if meeting == Meeting::Nothing(beyond) {
+                    segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
+                    segment = self.passed_through(segment, &hit);
+                    continue;
+                }
+            }
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
                 segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
@@ -299,6 +322,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn passed_through(&self, mut segment: Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
         segment.ray.origin = hit.point;
         segment.from = Some(hit.primitive);
+        segment.cut = segment.cut_beyond;
         segment.travelled += hit.distance;
         if let Some(link) = &mut segment.link {
             link.length += hit.distance;
@@ -342,8 +366,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             Kind::Mirror { reflectance, .. } if !behind => {
                 self.shade_mirror(segment, hit, shader, bands(*reflectance), &encounter);
             }
-            // From behind, lights and mirrors are black; what has no material was passed.
-            Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent => {}
+            // From behind, lights and mirrors are black; what has no material and what only cuts was passed.
+            Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
             Kind::Mixture(mixture) => self.shade_mixture([segment, unseen], hit, (shader, mixture), &encounter),
             Kind::Unusable => {
                 let _ = self.plan.unusable_met.set((hit.surface, hit.shader));
@@ -496,6 +520,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let same_side = direction.dot(hit.front) * segment.ray.direction.dot(hit.front) < 0.0;
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
         let reflections = segment.reflections + u32::from(reflected);
+        let cut = if reflected { segment.cut } else { segment.cut_beyond };
         let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Sheet { .. } => true,
@@ -516,6 +541,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             reflections,
             ambient_bounces: segment.ambient_bounces,
             medium,
+            cut,
+            cut_beyond: cut,
             follows_no_diffuse: false,
             direct_view,
         });
@@ -562,6 +589,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             peak,
             travelled,
             medium: segment.medium,
+            cuts: [segment.cut, segment.cut_beyond],
+            normal: point.normal,
             drawn: segment.link.is_some(),
         };
         let mut light = direct.sample(self, point);
@@ -622,6 +651,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             reflections,
             ambient_bounces,
             medium: segment.medium,
+            cut: from.cut_towards(drawn.direction),
+            cut_beyond: from.cut_towards(drawn.direction),
             follows_no_diffuse: false,
             direct_view: false,
         });
