@@ -17,6 +17,15 @@ pub(crate) struct Program {
 pub(crate) enum Command {
     /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
     Capture(Capture),
+    /// Scenes of a million triangles and of nested arrays: time and memory from text to a hierarchy, beside oconv
+    Load(Load),
+    /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
+    #[command(hide = true)]
+    Cost {
+        /// The program and its arguments
+        #[arg(required = true, trailing_var_arg = true)]
+        words: Vec<String>,
+    },
     /// What a reflectance model costs in a plugin, beside the same model in the program
     Plugin(Plugin),
 }
@@ -69,6 +78,14 @@ pub(crate) struct Capture {
     pub(crate) repo: Option<PathBuf>,
 }
 
+/// `radsight-bench load`.
+#[derive(Debug, Args)]
+pub(crate) struct Load {
+    /// Times that each program is run; what is printed are medians
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
+}
+
 impl Capture {
     /// Rays a pixel through real rtrace, ascending.
     pub(crate) fn radiance_samples(&self) -> Vec<u32> {
@@ -96,7 +113,7 @@ mod tests {
     fn a_long_run_adds_sixteen_rays_once() {
         let parse = |words: &[&str]| match Program::parse_from(words).command {
             Command::Capture(capture) => capture.radiance_samples(),
-            Command::Plugin(_) => unreachable!("the words ask for a capture"),
+            _ => unreachable!("the words ask for a capture"),
         };
         assert_eq!(parse(&["radsight-bench", "capture", "t10"]), [1, 2, 4]);
         assert_eq!(parse(&["radsight-bench", "capture", "--long", "--radiance-samples", "16,2"]), [2, 16]);

@@ -1,8 +1,10 @@
-//! Time and error of `radsight capture` beside real Radiance's `rtrace`, in one run on one machine.
+//! Time, error and memory of radsight beside real Radiance, in one run on one machine.
 //!
 //! `radsight-bench capture [FIGURE…]` captures the paper's figures at several numbers of samples and asked errors, sends the same
 //! camera rays through real `rtrace`, compares all exposures with the project's truth, and says how much longer Radiance
 //! takes to the same error. It runs the programs as a user would, each in a process of its own, one after the other.
+//!
+//! `radsight-bench load` writes large scenes as text and compares the way from text to a hierarchy with `oconv`'s.
 //!
 //! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
 //!
@@ -18,6 +20,8 @@ mod curve;
 mod equal_error;
 mod error;
 mod figure;
+mod generated;
+mod load;
 mod machine;
 mod plugin;
 mod radiance;
@@ -32,6 +36,8 @@ fn main() -> ExitCode {
     let done = match args::Program::parse().command {
         args::Command::Capture(arguments) => capture::run(&arguments),
         args::Command::Plugin(arguments) => plugin::run(&arguments),
+        args::Command::Load(arguments) => load::run(&arguments),
+        args::Command::Cost { words } => load::cost(&words),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -52,7 +52,7 @@ impl Radiance {
         &self.version
     }
 
-    fn command(&self, name: &str) -> Command {
+    pub(crate) fn command(&self, name: &str) -> Command {
         let program = self.programs.as_ref().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
         let mut command = Command::new(program);
         if let Some(library) = &self.library {
