@@ -43,7 +43,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("octree", &["formats", "ir"]),
     ("parse", &["bsdf", "cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),
-    ("picture-tools", &["picture"]),
+    ("picture-tools", &["cal", "diag", "formats", "picture"]),
     ("pinhole", &["sampling"]),
     ("render", &["brdf", "cal", "diag", "ir", "irradiance", "retro", "sampling", "spectrum"]),
     ("retro", &["brdf"]),

@@ -113,7 +113,8 @@ impl Environment {
         environment
     }
 
-    /// Offers a function that the host computes, for a name without a definition; [`Host::call`] gets the index returned.
+    /// Offers a function that the host computes, for a name without a definition; [`Host::call`] gets the index returned, and all the
+    /// arguments of the call, of which there are at least `arity`.
     pub fn offer_function(&mut self, name: &str, arity: usize) -> u32 {
         self.host_functions.push((name.to_owned(), arity));
         self.forget_programs();
@@ -446,14 +447,16 @@ mod tests {
                 f64::from(channel)
             }
             fn call(&self, function: u32, arguments: &[f64]) -> f64 {
-                f64::from(function) + 2.0 * arguments[0]
+                f64::from(function) + 2.0 * arguments[0] + 100.0 * arguments.get(1).unwrap_or(&0.0)
             }
         }
-        let mut environment = environment("x = in($3)");
+        let mut environment = environment("x = in($3); more = in(1, $2)");
         environment.offer_function("other", 2);
         assert_eq!(environment.offer_function("in", 1), 1);
         let x = environment.variable("x");
         assert_eq!(environment.eval(x, &[], &Doubling), Ok(7.0));
+        let more = environment.variable("more");
+        assert_eq!(environment.eval(more, &[], &Doubling), Ok(203.0));
     }
 
     #[test]

@@ -255,7 +255,7 @@ impl<'a> Linker<'a> {
             }
         } else if let Some((function, arity)) = self.bindings.function(self.known.bare_name(symbol)) {
             if self.check_arity(symbol, count, arity, span) {
-                self.host_call(function, arity, &mut |linker, index| linker.expr(body, arguments[index]));
+                self.host_call(function, arguments.len(), &mut |linker, index| linker.expr(body, arguments[index]));
             }
         } else {
             self.problem(unknown(self.known, self.bindings, symbol, "function"), span);
@@ -360,7 +360,7 @@ impl<'a> Linker<'a> {
             return Some(Callable::Function(self.wrapper(builtin, count)));
         }
         let (function, arity) = self.bindings.function(self.known.bare_name(symbol))?;
-        Some(Callable::Function(self.host_wrapper(function, arity)))
+        Some(Callable::Function(self.host_wrapper(function, arity.max(usize::from(count)))))
     }
 
     /// A library function as a routine, for calls through an argument.

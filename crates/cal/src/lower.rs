@@ -247,8 +247,8 @@ impl<'a> Lowering<'a> {
         let own = self.frames.len() - 1;
         let value = match (known.and_then(|symbol| symbol.builtin), host) {
             (Some(builtin), _) => self.builtin(builtin, own, span)?,
-            (None, Some((function, arity))) => {
-                let values = (0..arity).map(|index| self.parameter(index, own)).collect::<Lowered<Vec<_>>>()?;
+            (None, Some((function, _))) => {
+                let values = (0..count).map(|index| self.parameter(index, own)).collect::<Lowered<Vec<_>>>()?;
                 self.graph.host(function, values.into_boxed_slice())
             }
             (None, None) => self.graph.fault(),

@@ -20,7 +20,7 @@ pub trait Host {
     /// The value of a channel, from 1.
     fn channel(&self, channel: u32) -> f64;
 
-    /// The value of a function of the host, by its index in [`Bindings::functions`]. Must depend on nothing but the
+    /// The value of a function of the host, by its index in [`Bindings::functions`]; a call may have more arguments than it needs. Must depend on nothing but the
     /// arguments and what the channels depend on.
     fn call(&self, function: u32, arguments: &[f64]) -> f64 {
         let _ = (function, arguments);

@@ -1,5 +1,6 @@
 //! What can stop a picture program.
 
+use radsight_diag::Diagnostic;
 use radsight_picture::PictureError;
 
 /// Why a picture program cannot do what was asked.
@@ -25,4 +26,27 @@ pub enum ToolError {
         /// What the resolution says.
         expected: usize,
     },
+    /// One of several pictures cannot be read.
+    #[error("{error}")]
+    Input {
+        /// Which one, from 0.
+        index: usize,
+        /// What is wrong.
+        error: PictureError,
+    },
+    /// Pictures that should have one size have several.
+    #[error("{} x {} pixels, expected {} x {} as the first picture has", found[0], found[1], expected[0], expected[1])]
+    OtherSize {
+        /// Pixels a scanline, and scanlines.
+        found: [usize; 2],
+        /// Those of the first picture.
+        expected: [usize; 2],
+    },
+    /// A definition cannot be computed.
+    #[error("{}", words(.0))]
+    Definition(Vec<Diagnostic>),
+}
+
+fn words(diagnostics: &[Diagnostic]) -> String {
+    diagnostics.iter().map(|found| found.message.as_str()).collect::<Vec<_>>().join("; ")
 }

@@ -1,6 +1,9 @@
 //! What Radiance's picture programs compute: filtering, combining, composing, tone mapping.
 //!
 //! - [`filter`] is `pfilt`: exposure, size, star patterns.
+//! - [`combine`] is `pcomb`: pictures combined by functions of their pixels.
+//! - [`compose`] is `pcompos`: pictures side by side and over one another; [`sign`] is `psign`, text as a picture.
+//! - [`extrema`] is `pextrem`; [`turn`] is `pflip` and `protate`.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
 //!
 //! Guarantees: the same bytes as Radiance's programs give where those are defined; a scanline at a time where the work allows it, so that
@@ -23,8 +26,13 @@
 #![forbid(unsafe_code)]
 
 pub mod brightness;
+pub mod combine;
+pub mod compose;
 mod error;
+pub mod extrema;
 pub mod filter;
+pub mod sign;
+pub mod turn;
 pub mod values;
 
 pub use error::ToolError;

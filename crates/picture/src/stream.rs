@@ -31,28 +31,24 @@ pub struct PictureReader<R> {
     encoding: Encoding,
     components: usize,
     resolution: Resolution,
+    storage: Storage,
     left: usize,
     stored: Vec<u8>,
     planes: Vec<u8>,
 }
 
-impl<R: Read> PictureReader<R> {
-    /// Reads the header and the resolution.
-    ///
-    /// # Errors
-    /// When one of them is wrong, or the source fails.
-    pub fn new(source: R) -> Result<PictureReader<R>, PictureError> {
-        let mut bytes = Bytes::new(source);
-        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
-        let encoding = Encoding::from_header(&header)?;
-        let components = components_of(&header, encoding)?;
-        let resolution = bytes.parse(CHUNK, |bytes| Resolution::read(bytes, 0))?;
-        check_length(&resolution, components)?;
-        let left = resolution.scanlines();
-        let (stored, planes) = (Vec::new(), Vec::new());
-        Ok(PictureReader { bytes, header, encoding, components, resolution, left, stored, planes })
-    }
+/// How pixels stand in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Storage {
+    /// Mantissas with a common exponent.
+    Exponent,
+    /// Floats with the least significant byte first.
+    LittleEndian,
+    /// Floats with the most significant byte first.
+    BigEndian,
+}
 
+impl<R> PictureReader<R> {
     /// All lines of the header.
     pub fn header(&self) -> &Header {
         &self.header
@@ -73,12 +69,76 @@ impl<R: Read> PictureReader<R> {
         self.resolution
     }
 
+    /// The scanline that was read last, as stored.
+    pub fn stored(&self) -> &[u8] {
+        &self.stored
+    }
+
     /// Scanlines that are still to be read.
     pub fn scanlines_left(&self) -> usize {
         self.left
     }
+}
 
-    /// The next scanline as stored: mantissas and exponent of each pixel.
+impl<R: Read> PictureReader<R> {
+    /// Reads the header and the resolution.
+    ///
+    /// # Errors
+    /// When one of them is wrong, or the source fails.
+    pub fn new(source: R) -> Result<PictureReader<R>, PictureError> {
+        let mut bytes = Bytes::new(source);
+        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
+        PictureReader::of_picture(bytes, header)
+    }
+
+    fn of_picture(mut bytes: Bytes<R>, header: Header) -> Result<PictureReader<R>, PictureError> {
+        let encoding = Encoding::from_header(&header)?;
+        let components = components_of(&header, encoding)?;
+        let resolution = bytes.parse(CHUNK, |bytes| Resolution::read(bytes, 0))?;
+        PictureReader::over(bytes, header, encoding, components, resolution, Storage::Exponent)
+    }
+
+    /// Reads the header and the size of a picture, or of a matrix of floats with one or three components, whose components count as
+    /// those of an RGBE picture.
+    ///
+    /// # Errors
+    /// As [`PictureReader::new`].
+    pub fn picture_or_matrix(source: R) -> Result<PictureReader<R>, PictureError> {
+        let mut bytes = Bytes::new(source);
+        let header = bytes.parse(LONGEST_HEADER, Header::read)?;
+        if header.format().is_none_or(|format| format != "float") {
+            return PictureReader::of_picture(bytes, header);
+        }
+        let components = header.components()?.unwrap_or(1);
+        if components != 1 && components != 3 {
+            let line = header.assignments("NCOMP").last().map_or(0, |assignment| assignment.line);
+            let value = components.to_string();
+            return Err(PictureError::HeaderValue { line, name: "NCOMP", value, expected: "1 or 3" });
+        }
+        let resolution = match (header.count("NCOLS")?, header.count("NROWS")?) {
+            (Some(columns), Some(rows)) => Resolution::standard(columns, rows),
+            _ => bytes.parse(CHUNK, |bytes| Resolution::read(bytes, 0))?,
+        };
+        let is_big = header.is_big_endian().unwrap_or(cfg!(target_endian = "big"));
+        let storage = if is_big { Storage::BigEndian } else { Storage::LittleEndian };
+        PictureReader::over(bytes, header, Encoding::Rgbe, components, resolution, storage)
+    }
+
+    fn over(
+        bytes: Bytes<R>,
+        header: Header,
+        encoding: Encoding,
+        components: usize,
+        resolution: Resolution,
+        storage: Storage,
+    ) -> Result<PictureReader<R>, PictureError> {
+        check_length(&resolution, components)?;
+        let left = resolution.scanlines();
+        let (stored, planes) = (Vec::new(), Vec::new());
+        Ok(PictureReader { bytes, header, encoding, components, resolution, storage, left, stored, planes })
+    }
+
+    /// The next scanline as stored: mantissas and exponent of each pixel, or the bytes of its floats.
     ///
     /// # Errors
     /// When it is malformed or not there, or the source fails.
@@ -88,8 +148,11 @@ impl<R: Read> PictureReader<R> {
             return Err(PictureError::Truncated { offset: self.bytes.offset(), expected: "another scanline".into() });
         }
         let (stored, planes) = (&mut self.stored, &mut self.planes);
-        let size = length * (self.components + 1);
-        if self.components == 3 {
+        let size = match self.storage {
+            Storage::Exponent => length * (self.components + 1),
+            _ => length * self.components * size_of::<f32>(),
+        };
+        if self.components == 3 && self.storage == Storage::Exponent {
             // Only runs make a scanline longer than its pixels: by a count for each, and nobody writes counts of none.
             let longest = CHUNK + 16 * size;
             // Memory is taken when there are bytes for it, so that a large number in a header costs nothing.
@@ -119,9 +182,14 @@ impl<R: Read> PictureReader<R> {
     /// # Errors
     /// As [`PictureReader::read_stored`].
     pub fn read_values(&mut self, values: &mut [f32]) -> Result<(), PictureError> {
-        let components = self.components;
+        let (components, storage) = (self.components, self.storage);
         let stored = self.read_stored()?;
-        if components == 3 {
+        if storage != Storage::Exponent {
+            let from_bytes = if storage == Storage::BigEndian { f32::from_be_bytes } else { f32::from_le_bytes };
+            for (value, bytes) in values.iter_mut().zip(stored.as_chunks::<4>().0) {
+                *value = from_bytes(*bytes);
+            }
+        } else if components == 3 {
             for (value, pixel) in values.as_chunks_mut::<3>().0.iter_mut().zip(stored.as_chunks::<4>().0) {
                 *value = decode_rgbe(*pixel);
             }
@@ -135,7 +203,7 @@ impl<R: Read> PictureReader<R> {
 }
 
 impl<R: Read> PictureReader<R> {
-    /// The raw values of the next scanline in three components: of a spectrum the mean in each of its parts.
+    /// The raw values of the next scanline in three components: of a spectrum the mean in each of its parts, of a grey matrix three times its value.
     ///
     /// # Errors
     /// As [`PictureReader::read_stored`].
@@ -150,6 +218,12 @@ impl<R: Read> PictureReader<R> {
                     decode_spectrum(pixel, &mut spectrum);
                     *value = mean_of_parts(&spectrum, &parts);
                 }
+                Ok(())
+            }
+            _ if components == 1 => {
+                let mut grey = vec![0.0; values.len()];
+                self.read_values(&mut grey)?;
+                values.iter_mut().zip(grey).for_each(|(value, grey)| *value = [grey; 3]);
                 Ok(())
             }
             _ => self.read_values(values.as_flattened_mut()),

@@ -1,10 +1,12 @@
 //! Pictures from files and pipes.
 
-use crate::failure::{Failure, reason};
+use crate::failure::{Failure, Outcome, reason};
+use crate::output::write_file;
 use radsight_picture::{Header, PictureError, PictureReader};
 use radsight_picture_tools::ToolError;
 use std::fs::File;
 use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, StdoutLock, Write};
+use std::process::{Child, ChildStdout, Command, Stdio};
 
 /// What a picture is read from.
 pub(super) type Source = Box<dyn Read>;
@@ -95,4 +97,95 @@ pub(super) fn write_failed(error: &io::Error) -> Failure {
 /// Writes all that was held back.
 pub(super) fn finish(mut out: impl Write) -> Result<(), Failure> {
     out.flush().map_err(|error| write_failed(&error))
+}
+
+/// Writes a file that appears whole or not at all, or standard output (`-`).
+pub(super) fn put_file(path: &str, write: impl FnOnce(&mut dyn Write) -> Outcome) -> Outcome {
+    if path == "-" {
+        let mut out = output();
+        write(&mut out)?;
+        return finish(out);
+    }
+    let mut bytes = Vec::new();
+    write(&mut bytes)?;
+    write_file(path, &bytes)
+}
+
+/// Whether the headers of the inputs are copied to the output's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum History {
+    Copied,
+    LeftOut,
+}
+
+impl History {
+    pub(super) fn other(self) -> History {
+        match self {
+            History::Copied => History::LeftOut,
+            History::LeftOut => History::Copied,
+        }
+    }
+
+    /// Adds the header of an input, without what identifies it as one.
+    pub(super) fn push(self, header: &mut Header, name: &str, nested: &Header) {
+        if self == History::LeftOut {
+            return;
+        }
+        header.push_line(&format!("{}:", shown(name)));
+        for line in nested.lines().filter(|line| !line.starts_with(b"#?")) {
+            header.push_line(&format!("\t{}", String::from_utf8_lossy(line)));
+        }
+    }
+}
+
+/// The name of an input in a header.
+fn shown(path: &str) -> &str {
+    match path {
+        "-" => "<stdin>",
+        command if command.starts_with('!') => "<Command>",
+        path => path,
+    }
+}
+
+/// The header of a new picture.
+pub(super) fn dated_header() -> Header {
+    Header::new("RADIANCE")
+}
+
+/// Opens a file, standard input (`-`), or what a command (`!…`) writes.
+pub(super) fn open_any(path: &str) -> Result<Source, Failure> {
+    match path.strip_prefix('!') {
+        Some(command) => Ok(Box::new(CommandOutput::start(command)?)),
+        None => open(path),
+    }
+}
+
+/// The output of a command.
+struct CommandOutput {
+    child: Child,
+    output: ChildStdout,
+}
+
+impl CommandOutput {
+    fn start(command: &str) -> Result<CommandOutput, Failure> {
+        let wrong = |words: &str| Failure::input(format!("cannot run \"{command}\": {words}"));
+        let started = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let mut child = started.map_err(|error| wrong(&reason(&error)))?;
+        let output = child.stdout.take().ok_or_else(|| wrong("it has no output"))?;
+        Ok(CommandOutput { child, output })
+    }
+}
+
+impl Read for CommandOutput {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.output.read(buffer)
+    }
+}
+
+impl Drop for CommandOutput {
+    fn drop(&mut self) {
+        // What is left of its output nobody wants; it must not become a zombie.
+        let _ = io::copy(&mut self.output, &mut io::sink());
+        let _ = self.child.wait();
+    }
 }

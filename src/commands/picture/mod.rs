@@ -2,7 +2,12 @@
 
 mod files;
 mod getinfo;
+mod pcomb;
+mod pcompos;
+mod pextrem;
 mod pfilt;
+mod psign;
+mod pturn;
 mod pvalue;
 mod words;
 
@@ -10,8 +15,17 @@ use crate::failure::Outcome;
 use words::Words;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 3] =
-    [("getinfo", getinfo::run), ("pfilt", pfilt::run), ("pvalue", pvalue::run)];
+const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 9] = [
+    ("getinfo", getinfo::run),
+    ("pcomb", pcomb::run),
+    ("pcompos", pcompos::run),
+    ("pextrem", pextrem::run),
+    ("pfilt", pfilt::run),
+    ("pflip", pturn::flip),
+    ("protate", pturn::rotate),
+    ("psign", psign::run),
+    ("pvalue", pvalue::run),
+];
 
 /// The names of the programs.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {

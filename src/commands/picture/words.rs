@@ -90,6 +90,16 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// The files to read and to write; `-` for what is not named.
+    pub(super) fn input_and_output(&self) -> Result<(&'a str, &'a str), Failure> {
+        match self.rest() {
+            [] => Ok(("-", "-")),
+            [input] => Ok((input, "-")),
+            [input, output] => Ok((input, output)),
+            [_, _, third, ..] => Err(self.too_many(third)),
+        }
+    }
+
     pub(super) fn too_many(&self, word: &str) -> Failure {
         Failure::usage(format!("{}: \"{word}\" is one file too many", self.program()))
     }

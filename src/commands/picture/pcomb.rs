@@ -1,0 +1,192 @@
+//! `pcomb`: pictures combined by functions of their pixels.
+//!
+//! `pcomb [-h] [-w] [-ff] [-x N] [-y N] [-f file] [-e definitions] [ [-o] [-s F] [-c R G B] picture …]`: `ro go bo` or `lo` are what comes out (the sums
+//! where nothing is defined); `ri(n) gi(n) bi(n) li(n)` are the inputs, with offsets as second and third argument; `x y xmax ymax xres yres
+//! nfiles WE PI re ge be le pa Ox Oy Oz Dx Dy Dz T S` as in Radiance. `-o` undoes exposures, `-s` and `-c` multiply, `-ff` writes floats. A
+//! picture that begins with `!` is a command.
+
+use super::files::{History, Source, failed, finish, open_any, output, write_failed};
+use super::words::Words;
+use crate::disk::{Commands, DiskLoader};
+use crate::failure::{Failure, Outcome};
+use radsight_cal::{Environment, NoHost};
+use radsight_diag::SourceMap;
+use radsight_loader::{FileKind, Loader};
+use radsight_picture::{PictureReader, PictureWriter, Resolution};
+use radsight_picture_tools::combine::{CombineInput, Combination, Defined, Exposures, encoding, prepare};
+use std::io::Write;
+
+/// What the options before the pictures ask.
+struct Options {
+    history: History,
+    floats: bool,
+    /// Definitions and sizes, in the order in which they are typed.
+    definitions: Vec<Definition>,
+}
+
+enum Definition {
+    Columns(String),
+    Rows(String),
+    Text(String),
+    File(String),
+}
+
+/// Runs the program.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let options = read_options(&mut words)?;
+    let (names, inputs) = open_inputs(&mut words)?;
+    let (environment, size) = environment(&options, &inputs)?;
+    let header = header(&options, &words, &names, &inputs);
+    let encoding = encoding(&inputs);
+    let wrong = |error| match error {
+        radsight_picture_tools::ToolError::Input { index, error } => failed(&names[index], error.into()),
+        error => failed("pcomb", error),
+    };
+    let mut combination = Combination::new(inputs, environment, size).map_err(wrong)?;
+    let mut header = header;
+    let mut values = vec![[0.0f32; 3]; size[0]];
+    if !options.floats {
+        header.push_variable("FORMAT", encoding.name());
+        let write_wrong = |error: radsight_picture::PictureError| failed("standard output", error.into());
+        let mut writer = PictureWriter::new(output(), &header, 3, Resolution::standard(size[0], size[1])).map_err(write_wrong)?;
+        for row in 0..size[1] {
+            combination.row(row, &mut values).map_err(wrong)?;
+            writer.write_values(values.as_flattened()).map_err(write_wrong)?;
+        }
+        return writer.finish().map_err(write_wrong);
+    }
+    let components = if combination.defined() == Defined::Grey { 1 } else { 3 };
+    for (name, value) in [("NROWS", size[1]), ("NCOLS", size[0]), ("NCOMP", components)] {
+        header.push_variable(name, &value.to_string());
+    }
+    header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
+    header.push_variable("FORMAT", "float");
+    let mut out = output();
+    out.write_all(&header.to_bytes()).map_err(|error| write_failed(&error))?;
+    for row in 0..size[1] {
+        combination.row(row, &mut values).map_err(wrong)?;
+        let numbers = values.iter().flat_map(|value| &value[..components]);
+        let bytes: Vec<u8> = numbers.flat_map(|value| value.to_ne_bytes()).collect();
+        out.write_all(&bytes).map_err(|error| write_failed(&error))?;
+    }
+    finish(out)
+}
+
+fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
+    let mut options = Options { history: History::Copied, floats: false, definitions: Vec::new() };
+    while let Some(option) = words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..])) {
+        let expected = "what it is to be";
+        match option {
+            "-x" => options.definitions.push(Definition::Columns(words.value(option, expected)?.to_owned())),
+            "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
+            "-e" => options.definitions.push(Definition::Text(words.value(option, "definitions")?.to_owned())),
+            "-f" => options.definitions.push(Definition::File(words.value(option, "a file")?.to_owned())),
+            "-w" => {}
+            "-h" => options.history = options.history.other(),
+            "-ff" => options.floats = true,
+            _ => return Err(words.unknown(option, "-h -w -ff -x -y -f or -e")),
+        }
+    }
+    Ok(options)
+}
+
+type Inputs = (Vec<String>, Vec<CombineInput<Source>>);
+
+fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
+    let (mut names, mut inputs) = (Vec::new(), Vec::new());
+    let (mut factors, mut exposures) = ([1.0f32; 3], Exposures::AsStored);
+    while let Some(word) = words.next_if(|_| true) {
+        match word {
+            "-o" => exposures = Exposures::Undone,
+            "-s" => {
+                let factor = words.number(word)?;
+                factors = factors.map(|part| (f64::from(part) * factor) as f32);
+            }
+            "-c" => {
+                for part in &mut factors {
+                    *part = (f64::from(*part) * words.number(word)?) as f32;
+                }
+            }
+            option if option.len() > 1 && option.starts_with('-') => {
+                return Err(words.unknown(option, "-o -s -c or a picture"));
+            }
+            path => {
+                let wrong = |error| failed(path, error);
+                let reader = PictureReader::picture_or_matrix(open_any(path)?).map_err(|error| wrong(error.into()))?;
+                inputs.push(CombineInput::new(reader, factors, exposures).map_err(wrong)?);
+                names.push(path.to_owned());
+                (factors, exposures) = ([1.0; 3], Exposures::AsStored);
+            }
+        }
+    }
+    Ok((names, inputs))
+}
+
+/// The definitions, and the size of the output that they give.
+fn environment(options: &Options, inputs: &[CombineInput<Source>]) -> Result<(Environment, [usize; 2]), Failure> {
+    let mut environment = Environment::new();
+    prepare(&mut environment, inputs);
+    let loader = DiskLoader::new(Commands::Refused);
+    let mut sources = SourceMap::default();
+    for definition in &options.definitions {
+        match definition {
+            Definition::Columns(text) | Definition::Rows(text) => {
+                let source = sources.add("pcomb", text.as_bytes(), None);
+                let handle = environment.expression(source, text.as_bytes());
+                let value = handle
+                    .map_err(|found| vec![found])
+                    .and_then(|handle| environment.eval(handle, &[], &NoHost))
+                    .map_err(|found| Failure::diagnostics(&found, &sources))?;
+                let name = if matches!(definition, Definition::Columns(_)) { "xres" } else { "yres" };
+                environment.set_constant(name, value);
+            }
+            Definition::Text(text) => {
+                let source = sources.add("-e", text.as_bytes(), None);
+                let read = environment.define(source, text.as_bytes());
+                read.map_err(|found| Failure::diagnostics(&found, &sources))?;
+            }
+            Definition::File(name) => {
+                let loaded = loader.load(name, FileKind::Function);
+                let loaded = loaded.map_err(|error| Failure::input(format!("pcomb: {error}")))?;
+                let source = sources.add(&loaded.path, &loaded.bytes[..], None);
+                let read = environment.define(source, &loaded.bytes);
+                read.map_err(|found| Failure::diagnostics(&found, &sources))?;
+            }
+        }
+    }
+    let mut size = [0; 2];
+    for (size, name) in size.iter_mut().zip(["xres", "yres"]) {
+        let handle = environment.variable(name);
+        let value = environment.eval(handle, &[], &NoHost).map_err(|found| Failure::diagnostics(&found, &sources))?;
+        *size = (value + 0.5) as usize;
+        if *size == 0 || *size > 1 << 22 {
+            return Err(Failure::input(format!("pcomb: {name} is {value}, expected 1 to 4194304 pixels")));
+        }
+    }
+    Ok((environment, size))
+}
+
+fn header(
+    options: &Options,
+    words: &Words<'_>,
+    names: &[String],
+    inputs: &[CombineInput<Source>],
+) -> radsight_picture::Header {
+    let mut header = super::files::dated_header();
+    for (name, input) in names.iter().zip(inputs) {
+        let mut nested = input.reader().header().clone();
+        for stored in ["FORMAT", "BigEndian", "NROWS", "NCOLS"] {
+            nested.remove(stored);
+        }
+        if input.exposures() == Exposures::Undone {
+            nested.remove("EXPOSURE");
+            nested.remove("COLORCORR");
+        }
+        options.history.push(&mut header, name, &nested);
+    }
+    header.push_command(words.all());
+    if let Some(view) = inputs.iter().find_map(CombineInput::view) {
+        header.push_variable("VIEW", &view.options().to_full_string());
+    }
+    header
+}
