@@ -3,7 +3,7 @@
 mod program;
 mod real_radiance;
 
-use program::{Run, command, radsight_with, run_with};
+use program::{Folder, Run, command, radsight_with, run_with};
 use radsight_picture::{Header, Image, Picture};
 use real_radiance::Radiance;
 use std::path::PathBuf;
@@ -53,6 +53,15 @@ fn same(radiance: &Radiance, words: &[&str], input: &[u8]) -> Vec<u8> {
     let (real, ours) = (worked(real, words), worked(ours, words));
     assert!(without_dates(&real) == without_dates(&ours), "{words:?} gives other bytes");
     ours
+}
+
+/// As [`same`], in a folder.
+#[track_caller]
+fn same_in(radiance: &Radiance, folder: &Folder, words: &[&str], input: &[u8]) {
+    let real = run_with(radiance.command(words[0], &words[1..]).current_dir(folder.path("")), input);
+    let ours = run_with(command(words).current_dir(folder.path("")), input);
+    let (real, ours) = (worked(real, words), worked(ours, words));
+    assert!(without_dates(&real) == without_dates(&ours), "{words:?} gives other bytes");
 }
 
 #[track_caller]
@@ -150,6 +159,114 @@ fn getinfo_gives_the_bytes_of_the_real_one() {
         same(&radiance, &["getinfo", "-a", "VIEW= -vtv", "hello"], &picture);
         same(&radiance, &["getinfo", "-r", "EXPOSURE=3", "VIEW="], &picture);
         same(&radiance, &["getinfo", "-c", "wc", "-c"], &picture);
+    }
+}
+
+#[test]
+fn pcomb_gives_the_bytes_of_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let (first, second) = (folder.file("a.hdr", gradient(40, 33)), folder.file("b.hdr", gradient(40, 33)));
+    let (a, b) = (first.as_str(), second.as_str());
+    for words in [
+        &[a][..],
+        &["-o", a],
+        &["-s", ".5", a, "-o", "-s", "2", b],
+        &["-c", "1", ".5", "2", a],
+        &["-h", a],
+        &["-e", "lo=li(1)", a],
+        &["-e", "ro=gi(1);go=bi(1);bo=ri(1)*x/xmax", a],
+        &["-e", "lo=(li(1)+li(1,1)+li(1,-1)+li(1,0,1)+li(1,0,-1))/5", a],
+        &["-e", "lo=max(ri(1,5,70),ri(1,-5,-70))", a],
+        &["-x", "xmax/2", "-y", "ymax/3", a],
+        &["-x", "50", "-y", "30", "-e", "lo=x*y/30000"],
+        &["-ff", "-e", "lo=li(1)-.3", a],
+        &["-ff", a],
+        &["-e", "ro=Dx(1)+1;go=Dy(1)+1;bo=Dz(1)+1", a],
+        &["-e", "ro=S(1)*1e4;go=T(1);bo=le(1)", a],
+        &["-e", "lo=if(li(1)-.5,li(1),re(2)+pa(1)+nfiles)", a, b],
+        &["-e", "sum=sum+li(1);lo=WE*sum", a],
+        &["!cat a.hdr", b],
+    ] {
+        let words: Vec<&str> = std::iter::once("pcomb").chain(words.iter().copied()).collect();
+        same_in(&radiance, &folder, &words, b"");
+    }
+    let floats = same(&radiance, &["pcomb", "-ff", a], b"");
+    same(&radiance, &["pcomb", "-e", "lo=li(1)", "-"], &floats);
+}
+
+#[test]
+fn pcompos_gives_the_bytes_of_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("a.hdr", gradient(40, 33));
+    folder.file("b.hdr", gradient(25, 50));
+    for words in [
+        "a.hdr 0 0 b.hdr 40 0",
+        "-a 2 a.hdr b.hdr a.hdr",
+        "-a -2 -s 5 a.hdr b.hdr a.hdr",
+        "-x 60 -y 40 -b .5 .2 .1 a.hdr -5 -2",
+        "-h a.hdr 0 0 +t .3 b.hdr 3 4",
+        "-t .2 a.hdr 0 0 =+- b.hdr 40 0",
+        "=00 a.hdr 30 20 b.hdr 1 2",
+        "-a 2 -o 20 10 a.hdr b.hdr",
+    ] {
+        let words: Vec<&str> = std::iter::once("pcompos").chain(words.split(' ')).collect();
+        same_in(&radiance, &folder, &words, b"");
+    }
+}
+
+#[test]
+fn turned_pictures_and_extrema_are_those_of_the_real_programs() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("a.hdr", gradient(40, 33));
+    for words in [
+        "pflip -h a.hdr",
+        "pflip -v a.hdr",
+        "pflip -h -v -c a.hdr",
+        "pextrem a.hdr",
+        "pextrem -o a.hdr",
+        "pextrem -O a.hdr",
+    ] {
+        same_in(&radiance, &folder, &words.split(' ').collect::<Vec<_>>(), b"");
+    }
+    for options in ["", " -r", " -c", " -r -c"] {
+        let words = format!("protate{options} a.hdr turned.hdr");
+        let words: Vec<&str> = words.split(' ').collect();
+        let mut real = radiance.command(words[0], &words[1..]);
+        run_with(real.current_dir(folder.path("")), b"").done();
+        // The real one puts its path into the header.
+        let real = Picture::read(&folder.read("turned.hdr")).expect("a picture");
+        run_with(command(&words).current_dir(folder.path("")), b"").done();
+        let ours = Picture::read(&folder.read("turned.hdr")).expect("a picture");
+        assert_eq!((real.pixels(), real.resolution()), (ours.pixels(), ours.resolution()), "{words:?}");
+    }
+}
+
+#[test]
+fn signs_have_the_pixels_of_the_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let Some(shared) = std::env::var_os("RADSIGHT_SHARED") else {
+        println!("skipped: RADSIGHT_SHARED is not set");
+        return;
+    };
+    let font = PathBuf::from(shared).join("radiance/loose/fnt/helvet.fnt").display().to_string();
+    for words in [
+        &["hello"][..],
+        &["-s", "-.15", "-cf", "1", "1", "1", "-cb", "0", "0", "0", "-h", "20", "cd/m2"],
+        &["-a", "2", "-x", "200", "-y", "24", "-s", "-.15", "some label text"],
+        &["-s", ".2", "two   words", "and tab"],
+        &["-du", "up"],
+        &["-dl", "left"],
+        &["-dd", "-h", "50", "Down gq"],
+        &["-x", "120", "-a", "0", "-y", "40", "fill"],
+    ] {
+        let words: Vec<&str> = ["psign", "-f", &font].into_iter().chain(words.iter().copied()).collect();
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), b"").done();
+        let ours = radsight_with(&words, b"").done();
+        let pixels = |bytes: &[u8]| Picture::read(bytes).expect("a picture").pixels().clone();
+        assert!(pixels(&real) == pixels(&ours), "{words:?}");
     }
 }
 

@@ -15,9 +15,8 @@ const ROWS_ABOVE: usize = 62;
 const ROWS_BELOW: usize = 64;
 
 /// Functions that expressions can call, in the order of their numbers.
-const FUNCTIONS: [&str; 17] = [
-    "ri", "gi", "bi", "li", "re", "ge", "be", "le", "pa", "Ox", "Oy", "Oz", "Dx", "Dy", "Dz", "T", "S",
-];
+const FUNCTIONS: [&str; 17] =
+    ["ri", "gi", "bi", "li", "re", "ge", "be", "le", "pa", "Ox", "Oy", "Oz", "Dx", "Dy", "Dz", "T", "S"];
 
 /// One of the pictures that are combined.
 pub struct CombineInput<R> {
@@ -52,7 +51,9 @@ impl<R: Read> CombineInput<R> {
     ) -> Result<CombineInput<R>, ToolError> {
         if reader.components() > 3 {
             let what = format!("{} components", reader.components());
-            return Err(PictureError::Unsupported { format: "a spectral picture", what, expected: "RGBE or XYZE" }.into());
+            return Err(
+                PictureError::Unsupported { format: "a spectral picture", what, expected: "RGBE or XYZE" }.into()
+            );
         }
         let header = reader.header();
         let correction = header.color_correction()?;
@@ -348,7 +349,13 @@ impl<R> Host for Site<'_, R> {
             None if part == 6 => -1.0,
             None => 0.0,
             Some((_, _, length)) if part == 6 => length,
-            Some((origin, direction, _)) => if part < 3 { origin[part] } else { direction[part - 3] },
+            Some((origin, direction, _)) => {
+                if part < 3 {
+                    origin[part]
+                } else {
+                    direction[part - 3]
+                }
+            }
         };
         match function {
             0..=2 => f64::from(self.color(input, arguments)[function as usize]),

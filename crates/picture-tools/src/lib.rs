@@ -3,7 +3,8 @@
 //! - [`filter`] is `pfilt`: exposure, size, star patterns.
 //! - [`combine`] is `pcomb`: pictures combined by functions of their pixels.
 //! - [`compose`] is `pcompos`: pictures side by side and over one another; [`sign`] is `psign`, text as a picture.
-//! - [`extrema`] is `pextrem`; [`turn`] is `pflip` and `protate`.
+//! - [`falsecolor`](mod@falsecolor) is `falsecolor`: brightness as colour, contours and bands.
+//! - [`extrema`](mod@extrema) is `pextrem`; [`turn`] is `pflip` and `protate`.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
 //!
 //! Guarantees: the same bytes as Radiance's programs give where those are defined; a scanline at a time where the work allows it, so that
@@ -30,7 +31,9 @@ pub mod combine;
 pub mod compose;
 mod error;
 pub mod extrema;
+pub mod falsecolor;
 pub mod filter;
+pub mod gamma;
 pub mod sign;
 pub mod turn;
 pub mod values;

@@ -99,9 +99,7 @@ fn ends(glyph: &Glyph) -> [i64; 2] {
 
 fn limits(values: impl Iterator<Item = i64>) -> [i64; 2] {
     const MIDDLE: i64 = 128;
-    values.fold([MIDDLE; 2], |[low, high], value| {
-        if value < low { [value, high] } else { [low, high.max(value)] }
-    })
+    values.fold([MIDDLE; 2], |[low, high], value| if value < low { [value, high] } else { [low, high.max(value)] })
 }
 
 /// The mean width of the letters of a font.

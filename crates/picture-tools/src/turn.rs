@@ -127,7 +127,8 @@ mod tests {
     #[test]
     fn four_quarter_turns_are_none() {
         for bits in 0..8u8 {
-            let from = Orientation { scanlines_are_rows: bits & 4 != 0, x_falls: bits & 1 != 0, y_falls: bits & 2 != 0 };
+            let from =
+                Orientation { scanlines_are_rows: bits & 4 != 0, x_falls: bits & 1 != 0, y_falls: bits & 2 != 0 };
             let once = new_orientation(from, Turn::Clockwise);
             let four = (0..3).fold(once, |orientation, _| new_orientation(orientation, Turn::Clockwise));
             assert_eq!(four, from);

@@ -70,6 +70,6 @@ pub use rgbe::{decode_rgbe, encode_rgbe, mantissa_step};
 pub use scanline::write_rgbe_scanline;
 pub use stream::{PictureReader, PictureWriter};
 #[cfg(feature = "tiff")]
-pub use tiff::{read_tiff, write_tiff};
+pub use tiff::{Tiff, TiffCompression, TiffPixels, read_tiff, read_tiff_pixels, write_tiff, write_tiff_pixels};
 pub use unfinished::Unfinished;
 pub use view::{View, ViewError, ViewKind, ViewLocation, ViewOptions, ViewRay};

@@ -203,6 +203,21 @@ impl<R: Read> PictureReader<R> {
 }
 
 impl<R: Read> PictureReader<R> {
+    /// The pixels of the next scanline as stored, with three mantissas; of a spectrum or a matrix those of its three values.
+    ///
+    /// # Errors
+    /// As [`PictureReader::read_stored`].
+    pub fn read_pixels(&mut self, pixels: &mut [[u8; 4]]) -> Result<(), PictureError> {
+        if self.components == 3 && self.storage == Storage::Exponent {
+            pixels.as_flattened_mut().copy_from_slice(self.read_stored()?);
+            return Ok(());
+        }
+        let mut values = vec![[0.0; 3]; pixels.len()];
+        self.read_three(&mut values)?;
+        pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel = encode_rgbe(value));
+        Ok(())
+    }
+
     /// The raw values of the next scanline in three components: of a spectrum the mean in each of its parts, of a grey matrix three times its value.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! TIFF pictures: single precision, grey and RGB, uncompressed when written.
+//! TIFF pictures: 8 and 16 bits and single precision, grey and RGB.
 //!
 //! The Radiance header travels along as the image description.
 
@@ -6,7 +6,7 @@ use crate::{Header, Image, PictureError};
 use std::io::Cursor;
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::encoder::{TiffEncoder, colortype};
+use tiff::encoder::{Compression, TiffEncoder, TiffValue, colortype};
 use tiff::tags::Tag;
 
 /// Reads the first picture of a file: grey, RGB or RGBA of 8, 16 or 32 bit whole numbers, which become 0 to 1, or of
@@ -15,6 +15,55 @@ use tiff::tags::Tag;
 /// # Errors
 /// When the bytes are not such a picture, or claim more pixels than they can hold.
 pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureError> {
+    let Tiff { width, height, components, pixels, header } = read_tiff_pixels(bytes)?;
+    let data = match pixels {
+        TiffPixels::Bytes(values) => fractions(values, f64::from(u8::MAX)),
+        TiffPixels::Words(values) => fractions(values, f64::from(u16::MAX)),
+        TiffPixels::Floats(values) => values,
+    };
+    Ok((Image::new(width, height, components, data)?, header))
+}
+
+/// The pixels of a file as they are stored.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TiffPixels {
+    /// 8 bits.
+    Bytes(Vec<u8>),
+    /// 16 bits.
+    Words(Vec<u16>),
+    /// Single precision; other numbers become this.
+    Floats(Vec<f32>),
+}
+
+/// A file as it is stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tiff {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Values a pixel, from 1 to 4.
+    pub components: usize,
+    /// The values, row 0 at the top.
+    pub pixels: TiffPixels,
+    /// The Radiance header, if the file has one.
+    pub header: Option<Header>,
+}
+
+/// How pixels are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TiffCompression {
+    /// Not at all.
+    None,
+    /// Lempel-Ziv-Welch.
+    Lzw,
+}
+
+/// Reads the first picture of a file, of the kinds that [`read_tiff`] reads.
+///
+/// # Errors
+/// As [`read_tiff`].
+pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
     // Deflate and LZW cannot shrink by more than this factor, so no honest file needs more memory.
     const LARGEST_RATIO: usize = 1400;
     let memory = bytes.len().saturating_mul(LARGEST_RATIO).saturating_add(1 << 16);
@@ -35,13 +84,13 @@ pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureEr
             return Err(PictureError::Unsupported { format: "tiff", what, expected: "grey or RGB pixels" });
         }
     };
-    let data = match decoder.read_image().map_err(codec)? {
-        DecodingResult::U8(values) => fractions(values, f64::from(u8::MAX)),
-        DecodingResult::U16(values) => fractions(values, f64::from(u16::MAX)),
-        DecodingResult::U32(values) => fractions(values, f64::from(u32::MAX)),
-        DecodingResult::F16(values) => values.into_iter().map(f32::from).collect(),
-        DecodingResult::F32(values) => values,
-        DecodingResult::F64(values) => values.into_iter().map(|value| value as f32).collect(),
+    let pixels = match decoder.read_image().map_err(codec)? {
+        DecodingResult::U8(values) => TiffPixels::Bytes(values),
+        DecodingResult::U16(values) => TiffPixels::Words(values),
+        DecodingResult::U32(values) => TiffPixels::Floats(fractions(values, f64::from(u32::MAX))),
+        DecodingResult::F16(values) => TiffPixels::Floats(values.into_iter().map(f32::from).collect()),
+        DecodingResult::F32(values) => TiffPixels::Floats(values),
+        DecodingResult::F64(values) => TiffPixels::Floats(values.into_iter().map(|value| value as f32).collect()),
         _ => {
             let what = "signed or 64 bit whole numbers".to_owned();
             return Err(PictureError::Unsupported {
@@ -53,7 +102,7 @@ pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureEr
     };
     let description = decoder.find_tag(Tag::ImageDescription).ok().flatten().and_then(|value| value.into_string().ok());
     let header = description.filter(|text| text.starts_with("#?")).map(|text| Header::read_text(text.as_bytes()));
-    Ok((Image::new(width as usize, height as usize, components, data)?, header))
+    Ok(Tiff { width: width as usize, height: height as usize, components, pixels, header })
 }
 
 fn fractions<T: Into<f64>>(values: Vec<T>, largest: f64) -> Vec<f32> {
@@ -65,35 +114,65 @@ fn fractions<T: Into<f64>>(values: Vec<T>, largest: f64) -> Vec<f32> {
 /// # Errors
 /// [`PictureError::Shape`] unless there are one or three components.
 pub fn write_tiff(image: &Image<f32>, header: Option<&Header>) -> Result<Vec<u8>, PictureError> {
-    match image.components() {
-        1 => encode::<colortype::Gray32Float>(image, header),
-        3 => encode::<colortype::RGB32Float>(image, header),
-        _ => Err(bad_shape(image, "1 or 3 components for tiff")),
+    let (width, height, components) = (image.width(), image.height(), image.components());
+    let pixels = TiffPixels::Floats(image.data().to_vec());
+    write_tiff_pixels(&Tiff { width, height, components, pixels, header: header.cloned() }, TiffCompression::None)
+}
+
+/// Writes pixels.
+///
+/// # Errors
+/// [`PictureError::Shape`] unless there are one or three components, and as many values as the size says.
+pub fn write_tiff_pixels(picture: &Tiff, compression: TiffCompression) -> Result<Vec<u8>, PictureError> {
+    match (&picture.pixels, picture.components) {
+        (TiffPixels::Bytes(values), 1) => encode::<colortype::Gray8>(picture, values, compression),
+        (TiffPixels::Bytes(values), 3) => encode::<colortype::RGB8>(picture, values, compression),
+        (TiffPixels::Words(values), 1) => encode::<colortype::Gray16>(picture, values, compression),
+        (TiffPixels::Words(values), 3) => encode::<colortype::RGB16>(picture, values, compression),
+        (TiffPixels::Floats(values), 1) => encode::<colortype::Gray32Float>(picture, values, compression),
+        (TiffPixels::Floats(values), 3) => encode::<colortype::RGB32Float>(picture, values, compression),
+        _ => Err(bad_shape(picture, "1 or 3 components for tiff")),
     }
 }
 
-fn encode<C: colortype::ColorType<Inner = f32>>(
-    image: &Image<f32>,
-    header: Option<&Header>,
-) -> Result<Vec<u8>, PictureError> {
-    let (Ok(width), Ok(height)) = (u32::try_from(image.width()), u32::try_from(image.height())) else {
-        return Err(bad_shape(image, "at most 2^32 - 1 pixels a side for tiff"));
+fn encode<C: colortype::ColorType>(
+    picture: &Tiff,
+    values: &[C::Inner],
+    compression: TiffCompression,
+) -> Result<Vec<u8>, PictureError>
+where
+    [C::Inner]: TiffValue,
+{
+    let (Ok(width), Ok(height)) = (u32::try_from(picture.width), u32::try_from(picture.height)) else {
+        return Err(bad_shape(picture, "at most 2^32 - 1 pixels a side for tiff"));
     };
+    if Some(values.len()) != picture.width.checked_mul(picture.height).and_then(|n| n.checked_mul(picture.components)) {
+        return Err(bad_shape(picture, "width * height * components values"));
+    }
     let mut out = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut out).map_err(codec)?;
+    let compression = match compression {
+        TiffCompression::None => Compression::Uncompressed,
+        TiffCompression::Lzw => Compression::Lzw,
+    };
+    let mut encoder = TiffEncoder::new(&mut out).map_err(codec)?.with_compression(compression);
     let mut writer = encoder.new_image::<C>(width, height).map_err(codec)?;
-    if let Some(header) = header {
+    if let Some(header) = &picture.header {
         // The description is ASCII and ends at a zero byte.
         let text: String = header.to_text().chars().map(|c| if c.is_ascii() && c != '\0' { c } else { '?' }).collect();
         writer.encoder().write_tag(Tag::ImageDescription, text.as_str()).map_err(codec)?;
     }
-    writer.write_data(image.data()).map_err(codec)?;
+    writer.write_data(values).map_err(codec)?;
     Ok(out.into_inner())
 }
 
-fn bad_shape(image: &Image<f32>, expected: &'static str) -> PictureError {
-    let (width, height, components) = (image.width(), image.height(), image.components());
-    PictureError::Shape { width, height, components, values: image.data().len(), expected }
+fn bad_shape(picture: &Tiff, expected: &'static str) -> PictureError {
+    let values = match &picture.pixels {
+        TiffPixels::Bytes(values) => values.len(),
+        TiffPixels::Words(values) => values.len(),
+        TiffPixels::Floats(values) => values.len(),
+    };
+    let Tiff { width, height, components, .. } = *picture;
+    PictureError::Shape { width, height, components, values, expected }
 }
 
 fn codec(error: tiff::TiffError) -> PictureError {

@@ -1,5 +1,6 @@
 //! Radiance's picture programs.
 
+mod falsecolor;
 mod files;
 mod getinfo;
 mod pcomb;
@@ -9,13 +10,16 @@ mod pfilt;
 mod psign;
 mod pturn;
 mod pvalue;
+mod ra_xyze;
+mod raster;
 mod words;
 
 use crate::failure::Outcome;
 use words::Words;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 9] = [
+const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 15] = [
+    ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),
     ("pcompos", pcompos::run),
@@ -25,6 +29,11 @@ const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 9] = [
     ("protate", pturn::rotate),
     ("psign", psign::run),
     ("pvalue", pvalue::run),
+    ("ra_bmp", raster::ra_bmp),
+    ("ra_ppm", raster::ra_ppm),
+    ("ra_rgbe", ra_xyze::ra_rgbe),
+    ("ra_tiff", raster::ra_tiff),
+    ("ra_xyze", ra_xyze::run),
 ];
 
 /// The names of the programs.

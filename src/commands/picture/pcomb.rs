@@ -13,7 +13,7 @@ use radsight_cal::{Environment, NoHost};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::{PictureReader, PictureWriter, Resolution};
-use radsight_picture_tools::combine::{CombineInput, Combination, Defined, Exposures, encoding, prepare};
+use radsight_picture_tools::combine::{Combination, CombineInput, Defined, Exposures, encoding, prepare};
 use std::io::Write;
 
 /// What the options before the pictures ask.
@@ -48,7 +48,8 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     if !options.floats {
         header.push_variable("FORMAT", encoding.name());
         let write_wrong = |error: radsight_picture::PictureError| failed("standard output", error.into());
-        let mut writer = PictureWriter::new(output(), &header, 3, Resolution::standard(size[0], size[1])).map_err(write_wrong)?;
+        let mut writer =
+            PictureWriter::new(output(), &header, 3, Resolution::standard(size[0], size[1])).map_err(write_wrong)?;
         for row in 0..size[1] {
             combination.row(row, &mut values).map_err(wrong)?;
             writer.write_values(values.as_flattened()).map_err(write_wrong)?;
@@ -74,7 +75,9 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
 
 fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
     let mut options = Options { history: History::Copied, floats: false, definitions: Vec::new() };
-    while let Some(option) = words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..])) {
+    while let Some(option) =
+        words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..]))
+    {
         let expected = "what it is to be";
         match option {
             "-x" => options.definitions.push(Definition::Columns(words.value(option, expected)?.to_owned())),

@@ -205,7 +205,8 @@ impl Composition {
         if let Some(format) = reader.header().format() {
             match &self.format {
                 Some(known) if *known != format => {
-                    let message = format!("pcompos: {path}: its format is \"{format}\", expected \"{known}\" as before");
+                    let message =
+                        format!("pcompos: {path}: its format is \"{format}\", expected \"{known}\" as before");
                     return Err(Failure::input(message));
                 }
                 _ => self.format = Some(format.into_owned()),

@@ -30,15 +30,8 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut out = output();
     for extremum in found {
         let number = |i: usize| scientific(f64::from(extremum.color[i] * scale[i]), 2);
-        let written = writeln!(
-            out,
-            "{} {}\t{} {} {}",
-            extremum.position,
-            extremum.scanline,
-            number(0),
-            number(1),
-            number(2)
-        );
+        let written =
+            writeln!(out, "{} {}\t{} {} {}", extremum.position, extremum.scanline, number(0), number(1), number(2));
         written.map_err(|error| write_failed(&error))?;
     }
     finish(out)

@@ -1,0 +1,282 @@
+//! `falsecolor`: brightness as colour, contours and bands.
+
+mod tables;
+
+use crate::ToolError;
+use crate::brightness::{Brightness, of_rgb};
+use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, encode_rgbe};
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+use std::io::{Read, Write};
+use tables::{DEFAULT, TURBO};
+
+/// A scale of colours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Palette {
+    /// `def`: from blue over green and red to yellow.
+    Default,
+    /// `spec`: the spectrum.
+    Spectrum,
+    /// `pm3d`: from black over blue, red and yellow.
+    Pm3d,
+    /// `hot`: from black over red and yellow to white.
+    Hot,
+    /// `eco`: blue below the middle, yellow above.
+    Eco,
+    /// `tbo`: turbo.
+    Turbo,
+}
+
+/// The gamma of the displays that some scales were made for.
+const GAMMA: f64 = 2.2;
+
+impl Palette {
+    /// All, with their names.
+    pub const ALL: [(&'static str, Palette); 6] = [
+        ("def", Palette::Default),
+        ("spec", Palette::Spectrum),
+        ("pm3d", Palette::Pm3d),
+        ("hot", Palette::Hot),
+        ("eco", Palette::Eco),
+        ("tbo", Palette::Turbo),
+    ];
+
+    /// The colour of a value between 0 and 1; other values have the colours that the formula gives.
+    #[must_use]
+    pub fn color(self, value: f64) -> [f64; 3] {
+        let clip = |value: f64| value.clamp(0.0, 1.0);
+        let shown = |color: [f64; 3]| color.map(|part| part.powf(GAMMA));
+        match self {
+            Palette::Default => interpolated(value),
+            Palette::Spectrum => {
+                let green = if value > 0.375 { 1.6 - 1.6 * value } else { 8.0 / 3.0 * value };
+                [1.6 * value - 0.6, green, 1.0 - 8.0 / 3.0 * value]
+            }
+            Palette::Pm3d => {
+                let wave = clip((2.0 * PI * clip(value)).sin());
+                shown([clip(value).sqrt(), clip(value * value * value), wave])
+            }
+            Palette::Hot => shown([clip(3.0 * value), clip(3.0 * value - 1.0), clip(3.0 * value - 2.0)]),
+            Palette::Eco => shown([clip(2.0 * value), clip(2.0 * (value - 0.5)), clip(2.0 * (0.5 - value))]),
+            Palette::Turbo => shown(turbo(value)),
+        }
+    }
+}
+
+fn interpolated(value: f64) -> [f64; 3] {
+    // The step is written with so many digits in Radiance too.
+    let place = value / 0.0454545 + 1.0;
+    let last = DEFAULT.len();
+    if !(place > 1.0) {
+        return DEFAULT[0];
+    }
+    if place >= last as f64 {
+        return DEFAULT[last - 1];
+    }
+    let below = place.floor();
+    let index = below as usize;
+    std::array::from_fn(|i| (below + 1.0 - place) * DEFAULT[index - 1][i] + (place - below) * DEFAULT[index][i])
+}
+
+fn turbo(value: f64) -> [f64; 3] {
+    if value > 1.0 {
+        return TURBO[TURBO.len() - 1];
+    }
+    if !(value > 0.0) {
+        return TURBO[0];
+    }
+    let nearest = (value * 255.0 + 0.5).floor();
+    let index = (nearest as usize).min(TURBO.len() - 1);
+    let next = (index + 1).min(TURBO.len() - 1);
+    std::array::from_fn(|i| TURBO[index][i] + (TURBO[next][i] - TURBO[index][i]) * (value * 255.0 - nearest))
+}
+
+/// Where pixels take the colour of their value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// Everywhere.
+    All,
+    /// Everywhere, in as many steps as there are divisions.
+    Posterized,
+    /// On lines between the divisions.
+    Lines,
+    /// In narrow bands around the borders of the divisions.
+    Bands,
+    /// Nowhere.
+    None,
+}
+
+/// How brightness becomes colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scale {
+    /// The brightness of the top, after the multiplier.
+    pub top: f64,
+    /// What brightness is multiplied by, 179 for cd/m².
+    pub multiplier: f64,
+    /// Decades of a logarithmic scale; 0 for a linear one.
+    pub decades: f64,
+    /// Divisions.
+    pub divisions: f64,
+    /// Where pixels take colour.
+    pub coverage: Coverage,
+    /// The colours.
+    pub palette: Palette,
+}
+
+impl Scale {
+    /// The place on the scale, 0 to 1, of a value that is 1 at the top.
+    fn mapped(&self, value: f64) -> f64 {
+        if self.decades <= 0.0 {
+            value
+        } else if value > 10f64.powf(-self.decades) {
+            value.log10() / self.decades + 1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// The colour of a place on the scale, or `None` where the background shows. `around` are the places to the left, right, above and below.
+    #[must_use]
+    pub fn color(&self, place: f64, around: [f64; 4]) -> Option<[f32; 3]> {
+        let divisions = self.divisions;
+        let half = 1.0 / divisions / 2.0;
+        let inside = place >= half && place < 1.0 + half;
+        let crosses = |a: f64, b: f64| ((divisions * a).floor() - (divisions * b).floor()).abs() > 1e-7;
+        let [left, right, above, below] = around;
+        let is_colored = match self.coverage {
+            Coverage::All | Coverage::Posterized => true,
+            Coverage::Lines => inside && (crosses(left, right) || crosses(above, below)),
+            Coverage::Bands => {
+                let fraction = divisions * place - (divisions * place).floor();
+                inside && !(0.1..0.9).contains(&fraction)
+            }
+            Coverage::None => false,
+        };
+        // The lowest division has no border, so the colours begin with the second.
+        let shifted = |value: f64| (value - 1.0 / divisions) * divisions / (divisions - 1.0);
+        let value = match self.coverage {
+            Coverage::All => place,
+            Coverage::Posterized => shifted(((place * divisions).floor() + 0.5) / divisions),
+            _ => shifted(place),
+        };
+        is_colored.then(|| self.palette.color(value).map(|part| part.clamp(0.0, 1.0) as f32))
+    }
+}
+
+/// What is seen where there is no colour.
+pub enum Background<R> {
+    /// Nothing.
+    Black,
+    /// The picture itself.
+    Same,
+    /// Another picture of the same size.
+    Other(PictureReader<R>),
+}
+
+/// Colours a picture, row by row.
+///
+/// # Errors
+/// When a picture cannot be read, the background has another size, or the output not be written.
+pub fn falsecolor<R: Read, W: Write>(
+    mut reader: PictureReader<R>,
+    mut background: Background<R>,
+    scale: &Scale,
+    header: &Header,
+    target: W,
+) -> Result<(), ToolError> {
+    let resolution = reader.resolution();
+    let (columns, rows) = (resolution.scanline_length(), resolution.scanlines());
+    if let Background::Other(other) = &background {
+        let found = [other.resolution().scanline_length(), other.resolution().scanlines()];
+        if found != [columns, rows] {
+            return Err(ToolError::OtherSize { found, expected: [columns, rows] });
+        }
+    }
+    let is_luminance = reader.encoding() == Encoding::Xyze;
+    let brightness = Brightness::new(if is_luminance { Encoding::Xyze } else { Encoding::Rgbe }, 3);
+    let exposure = exposure(reader.header(), is_luminance)?;
+    let norm = scale.multiplier / scale.top / exposure;
+    let mut writer = PictureWriter::new(target, header, 3, radsight_picture::Resolution::standard(columns, rows))?;
+    let mut window: VecDeque<Row> = VecDeque::new();
+    let mut behind = vec![[0.0f32; 3]; columns];
+    for row in 0..rows {
+        // The row itself, the one above if there is one, and the one below if there is one.
+        while window.back().is_none_or(|last| last.number < (row + 1).min(rows - 1)) {
+            let number = window.back().map_or(0, |last| last.number + 1);
+            let mut pixels = vec![[0.0f32; 3]; columns];
+            reader.read_three(&mut pixels)?;
+            let places = pixels.iter().map(|pixel| scale.mapped(brightness.of(pixel) * norm)).collect();
+            window.push_back(Row { number, pixels, places });
+        }
+        while window.front().is_some_and(|first| first.number + 1 < row) {
+            window.pop_front();
+        }
+        if let Background::Other(other) = &mut background {
+            other.read_three(&mut behind)?;
+        }
+        let index = window.iter().position(|found| found.number == row).unwrap_or(0);
+        let here = &window[index];
+        let above = &window[index.saturating_sub(1)];
+        let below = &window[(index + 1).min(window.len() - 1)];
+        let color = |column: usize| {
+            let around = [
+                here.places[column.saturating_sub(1)],
+                here.places[(column + 1).min(columns - 1)],
+                above.places[column],
+                below.places[column],
+            ];
+            let background = || match background {
+                Background::Black => [0.0; 3],
+                Background::Same => here.pixels[column],
+                Background::Other(_) => behind[column],
+            };
+            encode_rgbe(scale.color(here.places[column], around).unwrap_or_else(background))
+        };
+        let stored: Vec<u8> = (0..columns).flat_map(color).collect();
+        writer.write_stored(&stored)?;
+    }
+    Ok(writer.finish()?)
+}
+
+/// A row of the picture and the places of its pixels on the scale.
+struct Row {
+    number: usize,
+    pixels: Vec<[f32; 3]>,
+    places: Vec<f64>,
+}
+
+/// The brightness of all exposures and corrections of a header.
+fn exposure(header: &Header, is_luminance: bool) -> Result<f64, ToolError> {
+    let correction = header.color_correction()?;
+    let exposure = header.exposure()?;
+    let parts = correction.map(|part| (part * exposure) as f32);
+    Ok(if is_luminance { f64::from(parts[1]) } else { of_rgb(parts) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ends_of_the_scales_are_their_first_and_last_colours() {
+        assert_eq!(Palette::Default.color(-1.0), DEFAULT[0]);
+        assert_eq!(Palette::Default.color(2.0), DEFAULT[22]);
+        assert_eq!(Palette::Hot.color(1.0), [1.0; 3]);
+        assert_eq!(Palette::Eco.color(0.0), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn lines_are_where_the_division_changes() {
+        let scale = Scale {
+            top: 1.0,
+            multiplier: 1.0,
+            decades: 0.0,
+            divisions: 4.0,
+            coverage: Coverage::Lines,
+            palette: Palette::Spectrum,
+        };
+        assert!(scale.color(0.5, [0.49, 0.51, 0.5, 0.5]).is_some());
+        assert!(scale.color(0.6, [0.55, 0.65, 0.6, 0.6]).is_none());
+        assert!(scale.color(0.1, [0.1, 0.3, 0.1, 0.1]).is_none());
+    }
+}

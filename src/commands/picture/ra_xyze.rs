@@ -1,0 +1,188 @@
+//! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: between RGBE and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and
+//! `-u` ask for run-lengths or none. `ra_rgbe [-r] [-e ±STOPS] [input [output]]`: without run-lengths, or with them (`-r`).
+
+use super::files::{failed, open_picture, put_file};
+use super::raster::{rows_of, stops};
+use super::words::Words;
+use crate::failure::{Failure, Outcome};
+use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
+use radsight_picture_tools::gamma::shifted;
+
+/// How scanlines are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Packing {
+    Flat,
+    RunLengths,
+}
+
+struct Options {
+    to_rgb: bool,
+    undoes_exposure: bool,
+    exposure: f64,
+    packing: Option<Packing>,
+    primaries: RgbPrimaries,
+}
+
+/// Runs `ra_xyze`.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let mut options = Options {
+        to_rgb: false,
+        undoes_exposure: false,
+        exposure: 1.0,
+        packing: None,
+        primaries: RgbPrimaries::STANDARD,
+    };
+    while let Some(option) = words.option() {
+        match option {
+            "-c" => options.packing = Some(Packing::RunLengths),
+            "-u" => options.packing = Some(Packing::Flat),
+            "-r" => options.to_rgb = true,
+            "-o" => options.undoes_exposure = true,
+            "-e" => {
+                let word = words.value(option, "an exposure")?;
+                let number = words.number_in(word, option)?;
+                options.exposure = if word.starts_with(['+', '-']) { 2f64.powf(number) } else { number };
+            }
+            "-p" => {
+                let mut numbers = [0.0; 8];
+                for number in &mut numbers {
+                    *number = words.number(option)?;
+                }
+                options.primaries = RgbPrimaries::from_array(numbers);
+            }
+            _ => return Err(words.unknown(option, "-r -o -e -c -u or -p")),
+        }
+    }
+    convert(&options, &words)
+}
+
+fn convert(options: &Options, words: &Words<'_>) -> Outcome {
+    let (path, target) = words.input_and_output()?;
+    let mut reader = open_picture(path)?;
+    let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
+    if reader.components() != 3 {
+        return Err(Failure::input(format!("{path}: spectral pictures are not supported, expected RGBE or XYZE")));
+    }
+    let from_xyz = reader.encoding() == Encoding::Xyze;
+    let primaries = reader.header().primaries().map_err(wrong)?.unwrap_or(RgbPrimaries::STANDARD);
+    let to_xyz = if from_xyz { None } else { Some(primaries.rgb_to_xyz().ok_or_else(|| impossible(path))?) };
+    let to_rgb = match options.to_rgb {
+        true => Some(options.primaries.xyz_to_rgb().ok_or_else(|| impossible(path))?),
+        false => None,
+    };
+    let (mut factor, mut recorded) = (options.exposure, options.exposure);
+    if options.undoes_exposure {
+        factor /= reader.header().exposure().map_err(wrong)?;
+    }
+    // XYZE has luminance, RGBE radiance.
+    let change = match (from_xyz, options.to_rgb) {
+        (true, true) => 1.0 / WHITE_EFFICACY,
+        (false, false) => WHITE_EFFICACY,
+        _ => 1.0,
+    };
+    if options.undoes_exposure {
+        factor *= change;
+    } else {
+        recorded /= change;
+    }
+    let header = header(options, words, reader.header(), recorded);
+    let matrix = to_xyz.map(rows_of);
+    let packing = options.packing.unwrap_or(if options.to_rgb { Packing::RunLengths } else { Packing::Flat });
+    let resolution = reader.resolution();
+    put_file(target, |out| {
+        let mut writer = PictureWriter::new(out, &header, 3, resolution).map_err(wrong)?;
+        let mut values = vec![[0.0f32; 3]; resolution.scanline_length()];
+        for _ in 0..resolution.scanlines() {
+            reader.read_three(&mut values).map_err(wrong)?;
+            let stored: Vec<u8> = values
+                .iter()
+                .flat_map(|value| {
+                    let xyz = matrix.map_or(*value, |rows| transformed(&rows, *value));
+                    let value = to_rgb.map_or(xyz, |matrix| xyz_to_rgb(&matrix, xyz));
+                    encode_rgbe(value.map(|part| (f64::from(part) * factor) as f32))
+                })
+                .collect();
+            match packing {
+                Packing::Flat => writer.write_flat(&stored).map_err(wrong)?,
+                Packing::RunLengths => writer.write_stored(&stored).map_err(wrong)?,
+            }
+        }
+        writer.finish().map_err(wrong)
+    })
+}
+
+fn impossible(path: &str) -> Failure {
+    Failure::input(format!("{path}: the primaries lie on a line, or white is impossible"))
+}
+
+fn transformed(rows: &[[f32; 3]; 3], [a, b, c]: [f32; 3]) -> [f32; 3] {
+    rows.map(|row| row[0] * a + row[1] * b + row[2] * c)
+}
+
+fn header(options: &Options, words: &Words<'_>, input: &Header, recorded: f64) -> Header {
+    let mut header = input.clone();
+    for name in ["FORMAT", "PRIMARIES", "NCOMP", "WAVELENGTH_SPLITS"] {
+        header.remove(name);
+    }
+    if options.undoes_exposure {
+        header.remove("EXPOSURE");
+    }
+    header.push_command(words.all());
+    if !(0.99..=1.01).contains(&recorded) {
+        header.push_exposure(recorded);
+    }
+    if options.to_rgb {
+        header.push_variable("PRIMARIES", &options.primaries.to_header_value());
+        header.push_variable("FORMAT", Encoding::Rgbe.name());
+    } else {
+        header.push_variable("FORMAT", Encoding::Xyze.name());
+    }
+    header
+}
+
+/// Runs `ra_rgbe`.
+pub(super) fn ra_rgbe(mut words: Words<'_>) -> Outcome {
+    let (mut packing, mut exposure) = (Packing::Flat, 0);
+    while let Some(option) = words.option() {
+        match option {
+            "-r" => packing = Packing::RunLengths,
+            "-e" => exposure = stops(&mut words, option)?,
+            "-f" => {}
+            _ => return Err(words.unknown(option, "-r -e or -f")),
+        }
+    }
+    let (path, target) = words.input_and_output()?;
+    let mut reader = open_picture(path)?;
+    let mut header = Header::new("RADIANCE");
+    for line in reader.header().history().lines().filter(|line| !line.starts_with(b"#?")) {
+        header.push_line(&String::from_utf8_lossy(line));
+    }
+    let mut command = words.program().to_owned();
+    if exposure != 0 {
+        command.push_str(&format!(" -e {exposure:+}"));
+    }
+    if packing == Packing::RunLengths {
+        command.push_str(" -r");
+    }
+    header.push_line(&command);
+    if exposure != 0 {
+        header.push_exposure(2f64.powi(exposure));
+    }
+    let encoding = if reader.encoding() == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };
+    header.push_variable("FORMAT", encoding.name());
+    let resolution = reader.resolution();
+    let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
+    put_file(target, |out| {
+        let mut writer = PictureWriter::new(out, &header, 3, resolution).map_err(wrong)?;
+        let mut pixels = vec![[0; 4]; resolution.scanline_length()];
+        for _ in 0..resolution.scanlines() {
+            reader.read_pixels(&mut pixels).map_err(wrong)?;
+            pixels.iter_mut().for_each(|pixel| *pixel = shifted(*pixel, exposure));
+            match packing {
+                Packing::Flat => writer.write_flat(pixels.as_flattened()).map_err(wrong)?,
+                Packing::RunLengths => writer.write_stored(pixels.as_flattened()).map_err(wrong)?,
+            }
+        }
+        writer.finish().map_err(wrong)
+    })
+}

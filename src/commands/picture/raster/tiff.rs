@@ -1,0 +1,143 @@
+//! `ra_tiff [-b] [-w|-f] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`), grey (`-b`), packed (`-z`); `-r` the
+//! other way.
+
+use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
+use crate::commands::picture::files::{failed, open};
+use crate::commands::picture::words::Words;
+use crate::failure::{Failure, Outcome, reason};
+use radsight_picture::{
+    Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels, write_tiff_pixels,
+};
+use radsight_picture_tools::brightness::of_rgb;
+use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
+use std::io::Read;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Depth {
+    Bytes,
+    Words,
+    Floats,
+}
+
+struct Options {
+    direction: Direction,
+    colors: Colors,
+    depth: Depth,
+    compression: TiffCompression,
+    gamma: f64,
+    stops: i32,
+}
+
+/// Runs the program.
+pub(crate) fn run(mut words: Words<'_>) -> Outcome {
+    let mut options = Options {
+        direction: Direction::FromRadiance,
+        colors: Colors::Color,
+        depth: Depth::Bytes,
+        compression: TiffCompression::None,
+        gamma: GAMMA,
+        stops: 0,
+    };
+    while let Some(option) = words.option() {
+        match option {
+            "-b" => options.colors = Colors::Grey,
+            "-w" => options.depth = Depth::Words,
+            "-f" => options.depth = Depth::Floats,
+            "-z" => options.compression = TiffCompression::Lzw,
+            "-g" => options.gamma = words.number(option)?,
+            "-e" => options.stops = stops(&mut words, option)?,
+            "-r" => options.direction = Direction::ToRadiance,
+            "-L" | "-l" | "-x" => {
+                return Err(Failure::usage(format!(
+                    "ra_tiff: option \"{option}\" (LogLuv and XYZE) is not supported, expected -f for all of the range"
+                )));
+            }
+            _ => return Err(words.unknown(option, "-r -b -w -f -z -g or -e")),
+        }
+    }
+    match options.direction {
+        Direction::FromRadiance => from_radiance(&options, &words),
+        Direction::ToRadiance => to_radiance(&options, &words),
+    }
+}
+
+fn from_radiance(options: &Options, words: &Words<'_>) -> Outcome {
+    let (path, target) = words.input_and_output()?;
+    let reader = open_picture(path)?;
+    let mut header = reader.header().history();
+    header.push_command(words.all());
+    let mut pixels = Pixels::new(reader, options.stops);
+    let (width, height) = pixels.size();
+    let components = if options.colors == Colors::Grey { 1 } else { 3 };
+    let table = GammaTable::new(options.gamma);
+    let mut found = match options.depth {
+        Depth::Bytes => TiffPixels::Bytes(Vec::new()),
+        Depth::Words => TiffPixels::Words(Vec::new()),
+        Depth::Floats => TiffPixels::Floats(Vec::new()),
+    };
+    for _ in 0..height {
+        for pixel in pixels.next().map_err(|error| failed(path, error.into()))? {
+            options.put(*pixel, &table, &mut found);
+        }
+    }
+    let picture = Tiff { width, height, components, pixels: found, header: Some(header) };
+    let bytes = write_tiff_pixels(&picture, options.compression).map_err(|error| failed(path, error.into()))?;
+    put_file(target, |out| out.write_all(&bytes).map_err(|error| Failure::write(target, &error)))
+}
+
+impl Options {
+    fn put(&self, pixel: [u8; 4], table: &GammaTable, pixels: &mut TiffPixels) {
+        let is_grey = self.colors == Colors::Grey;
+        let value = || match decode_rgbe(pixel) {
+            value if is_grey => vec![of_rgb(value) as f32],
+            value => value.to_vec(),
+        };
+        match pixels {
+            TiffPixels::Bytes(bytes) if is_grey => bytes.push(table.to_bytes(with_grey(pixel))[1]),
+            TiffPixels::Bytes(bytes) => bytes.extend_from_slice(&table.to_bytes(pixel)),
+            TiffPixels::Words(words) => words.extend(value().iter().map(|value| self.word(*value))),
+            TiffPixels::Floats(floats) => floats.extend_from_slice(&value()),
+        }
+    }
+
+    fn word(&self, value: f32) -> u16 {
+        match value {
+            value if value <= 0.0 => 0,
+            value if value >= 1.0 => u16::MAX,
+            value => (65536.0 * f64::from(value).powf(1.0 / self.gamma)) as u16,
+        }
+    }
+
+    /// The pixel of numbers of a TIFF, grey or in colour.
+    fn pixel(&self, pixels: &TiffPixels, start: usize, is_grey: bool, table: &GammaTable) -> [u8; 4] {
+        let at = |component: usize| start + if is_grey { 0 } else { component };
+        let scale = 2f64.powi(self.stops);
+        match pixels {
+            TiffPixels::Bytes(bytes) => shifted(table.pixel(std::array::from_fn(|i| bytes[at(i)])), self.stops),
+            TiffPixels::Words(words) => encode_rgbe(std::array::from_fn(|i| {
+                let linear = ((f64::from(words[at(i)]) + 0.5) / 65536.0).powf(self.gamma) as f32;
+                (f64::from(linear) * scale) as f32
+            })),
+            TiffPixels::Floats(floats) => {
+                encode_rgbe(std::array::from_fn(|i| (f64::from(floats[at(i)]) * scale) as f32))
+            }
+        }
+    }
+}
+
+fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
+    let (path, target) = words.input_and_output()?;
+    let mut bytes = Vec::new();
+    let read = open(path)?.read_to_end(&mut bytes);
+    read.map_err(|error| Failure::input(format!("{path}: {}", reason(&error))))?;
+    let picture = read_tiff_pixels(&bytes).map_err(|error| failed(path, error.into()))?;
+    let table = GammaTable::new(options.gamma);
+    let is_grey = picture.components < 3;
+    write_picture(words, target, (picture.width, picture.height), |row, stored| {
+        for column in 0..picture.width {
+            let start = (row * picture.width + column) * picture.components;
+            stored.extend_from_slice(&options.pixel(&picture.pixels, start, is_grey, &table));
+        }
+        Ok(())
+    })
+}
