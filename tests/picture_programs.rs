@@ -271,6 +271,126 @@ fn signs_have_the_pixels_of_the_real_ones() {
 }
 
 #[test]
+fn pixmaps_are_those_of_the_real_program_both_ways() {
+    let Some(radiance) = Radiance::find() else { return };
+    let picture = gradient(40, 33);
+    for options in ["", " -b", " -a", " -a -b", " -s 65535", " -s 1000 -a -g 1", " -e +2", " -e -3 -g 1.8"] {
+        let words = format!("ra_ppm{options}");
+        let pixmap = same(&radiance, &words.split(' ').collect::<Vec<_>>(), &picture);
+        same(&radiance, &["ra_ppm", "-r"], &pixmap);
+        same(&radiance, &["ra_ppm", "-r", "-e", "+1", "-g", "1.5"], &pixmap);
+    }
+}
+
+#[test]
+fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("a.hdr", gradient(40, 33));
+    let run = |words: &str, is_real: bool| -> Run {
+        let words: Vec<&str> = words.split(' ').collect();
+        let mut command = if is_real { radiance.command(words[0], &words[1..]) } else { command(&words) };
+        run_with(command.current_dir(folder.path("")), b"")
+    };
+    for (forward, back, file) in [
+        ("ra_bmp a.hdr", "ra_bmp -r", "out.bmp"),
+        ("ra_bmp -b -e +1 a.hdr", "ra_bmp -r", "out.bmp"),
+        ("ra_tiff a.hdr", "ra_tiff -r", "out.tif"),
+        ("ra_tiff -b a.hdr", "ra_tiff -r", "out.tif"),
+        ("ra_tiff -w a.hdr", "ra_tiff -r", "out.tif"),
+        ("ra_tiff -f a.hdr", "ra_tiff -r", "out.tif"),
+        ("ra_tiff -z -e -1 a.hdr", "ra_tiff -r", "out.tif"),
+    ] {
+        let mut pictures = Vec::new();
+        for (writer, reader) in [(true, true), (true, false), (false, true), (false, false)] {
+            run(&format!("{forward} {file}"), writer).done();
+            run(&format!("{back} {file} back.hdr"), reader).done();
+            pictures.push(Picture::read(&folder.read("back.hdr")).expect("a picture").pixels().clone());
+        }
+        assert!(pictures.windows(2).all(|pair| pair[0] == pair[1]), "{forward}");
+    }
+}
+
+#[test]
+fn tristimulus_values_are_within_a_step_of_the_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let picture = gradient(40, 33);
+    for words in ["ra_xyze", "ra_xyze -o", "ra_xyze -e +1 -c", "ra_xyze -r"] {
+        let words: Vec<&str> = words.split(' ').collect();
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
+        let ours = radsight_with(&words, &picture).done();
+        let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
+        let lines = |picture: &Picture| picture.header().to_text();
+        assert_eq!(lines(&real), lines(&ours));
+        for (a, b) in real.pixels().pixels().zip(ours.pixels().pixels()) {
+            // The real one computes with fewer bits than a float has.
+            let same = a[3] == b[3] && (0..3).all(|i| a[i].abs_diff(b[i]) <= 1);
+            assert!(same || a[3].abs_diff(b[3]) == 1, "{words:?}: {a:?} {b:?}");
+        }
+    }
+    for words in [&["ra_rgbe", "-e", "+2"][..], &["ra_rgbe", "-r"]] {
+        // The real one puts its path into the header.
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
+        let (real, ours) = (Picture::read(&real), Picture::read(&radsight_with(words, &picture).done()));
+        assert_eq!(real.expect("a picture").pixels(), ours.expect("a picture").pixels(), "{words:?}");
+    }
+}
+
+#[test]
+fn falsecolor_shows_a_value_in_its_colour_beside_a_legend() {
+    let folder = Folder::new();
+    let grey = Image::new(120, 250, 3, vec![0.5f32; 3 * 120 * 250]).expect("a shape");
+    let picture = Picture::from_rgb(Header::new("RADIANCE"), &grey).expect("a picture").to_bytes();
+    let file = folder.file("a.hdr", &picture);
+    let run = |options: &str| {
+        let words: Vec<&str> =
+            ["falsecolor", "-i", &file, "-m", "1", "-s", "1"].into_iter().chain(options.split(' ')).collect();
+        Picture::read(&radsight_with(&words, b"").done()).expect("a picture")
+    };
+    // The middle of the "spectrum": red 1.6/2 − 0.6, green 1.6 − 1.6/2, no blue.
+    let spectrum = run("-pal spec");
+    assert_eq!((spectrum.width(), spectrum.height()), (220, 250));
+    let values = spectrum.values();
+    let pixel = values.pixel(150, 100);
+    for (found, expected) in pixel.iter().zip([0.2, 0.8, 0.0]) {
+        assert!((found - expected).abs() < 0.01, "{pixel:?}");
+    }
+    assert_eq!(run("-lw 0").width(), 120);
+    // A picture without edges has no contours.
+    let lines = run("-cl -lw 0");
+    assert!(lines.values().data().iter().all(|value| *value < 1e-6));
+}
+
+/// The real one is a script that not every installation has.
+#[test]
+fn falsecolor_has_the_pixels_of_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("a.hdr", gradient(140, 230));
+    let words =
+        |options: &'static str| -> Vec<&'static str> { ["falsecolor"].into_iter().chain(options.split(' ')).collect() };
+    let found = radiance.command("falsecolor", &["-i", "a.hdr"]).current_dir(folder.path("")).output();
+    if !found.is_ok_and(|output| output.status.success()) {
+        println!("skipped: real falsecolor not found");
+        return;
+    }
+    for options in [
+        "-i a.hdr -s 100",
+        "-ip a.hdr -cl -s 50",
+        "-i a.hdr -cb -n 5 -s 20 -l Nits",
+        "-i a.hdr -log 2 -s 500 -pal hot",
+        "-i a.hdr -cp -pal eco",
+        "-i a.hdr -e -s auto",
+    ] {
+        let words = words(options);
+        let real = run_with(radiance.command(words[0], &words[1..]).current_dir(folder.path("")), b"").done();
+        let ours = run_with(command(&words).current_dir(folder.path("")), b"").done();
+        let pixels = |bytes: &[u8]| Picture::read(bytes).expect("a picture").pixels().clone();
+        assert!(pixels(&real) == pixels(&ours), "{words:?}");
+    }
+}
+
+#[test]
 fn a_picture_that_ends_early_is_filtered_as_far_as_it_goes() {
     let picture = gradient(40, 33);
     let run = radsight_with(&["pfilt", "-x", "/2", "-y", "/2"], &picture[..picture.len() / 2]);
