@@ -269,3 +269,22 @@ fn many_lights_that_are_drawn_by_promise_agree_with_the_sum_of_each() {
     let found = mean(&all, irradiance(), DVec3::new(0.3, 0.2, 0.0), DVec3::Z, 1 << 12);
     assert_close(found, expected, 2e-3);
 }
+
+#[test]
+fn a_hollow_ball_of_glass_dims_a_shadow_ray_twice() {
+    let lit = |scene: &mut Builder| {
+        let light = scene.light([100.0; 3]);
+        let center = DVec3::Z * 4.0;
+        scene.ring(light, Ring { center, normal: DOWN, inner_radius: 0.0, outer_radius: 0.01 });
+    };
+    let (mut bare, mut covered) = (Builder::default(), Builder::default());
+    lit(&mut bare);
+    lit(&mut covered);
+    let glass = covered.glass([0.5; 3], 1.52);
+    covered.sphere(glass, Sphere { center: DVec3::Z, radius: 0.5, facing: Facing::Outward });
+    let of = |scene: &Builder| mean(scene, irradiance(), DVec3::ZERO, DVec3::Z, 64);
+    // A pane at normal incidence: t(1 − r)²/(1 − r²t²), r = ((n − 1)/(n + 1))².
+    let r = (0.52f64 / 2.52).powi(2);
+    let once = 0.5 * (1.0 - r) * (1.0 - r) / (1.0 - r * r * 0.25);
+    assert_close(of(&covered) / of(&bare), once * once, 1e-3);
+}

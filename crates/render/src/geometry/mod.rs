@@ -366,7 +366,7 @@ impl Geometry {
             let member = MemberId(index);
             if !blocked {
                 blocked = if self.is_plain(member) {
-                    self.crossing(scene, member, ray, &frame, from, limits).is_some_and(&mut *block)
+                    self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
                     self.any_within(scene, member, ray, from, limits, block)
                 };
@@ -388,10 +388,34 @@ impl Geometry {
     ) -> bool {
         let limits = Limits { nearest: self.nearest, farthest: distance };
         if self.is_plain(member) {
-            self.crossing(scene, member, ray, frame, from, &limits).is_some_and(block)
+            self.any_crossing(scene, member, (ray, frame), from, &limits, &mut block)
         } else {
             self.any_within(scene, member, ray, from, &limits, &mut block)
         }
+    }
+
+    /// Calls `block` for each crossing of a plain member: a curved one may be in the way twice.
+    fn any_crossing(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        (ray, frame): (&Ray, &RayFrame),
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let curved = matches!(self.shapes[member.0 as usize], Shape::Sphere(_) | Shape::Cone(_));
+        let mut range = *limits;
+        while let Some(crossing) = self.crossing(scene, member, ray, frame, from, &range) {
+            if block(crossing) {
+                return true;
+            }
+            range.nearest = crossing.distance * (1.0 + 1e-12) + self.nearest;
+            if !curved {
+                break;
+            }
+        }
+        false
     }
 
     #[cold]
