@@ -244,7 +244,8 @@ fn compare_written(radiance: &Radiance, folder: &Path, names: &[String]) -> Resu
         let input = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(input.path(), &rays).unwrap();
         let mut command = radiance.command("rtrace");
-        command.args(["-h", "-w", "-ab", "0", "-dj", "0", "-ss", "0", "-st", "0", "-lr", "2"]).arg(file.path());
+        // Otherwise the random numbers, which mist takes, depend on the time of day.
+        command.args(["-u-", "-h", "-w", "-ab", "0", "-dj", "0", "-ss", "0", "-st", "0", "-lr", "2"]).arg(file.path());
         command.current_dir(folder).stdin(std::fs::File::open(input.path()).unwrap());
         values.push(numbers(&command.output().unwrap().stdout));
     }
