@@ -5,6 +5,8 @@
 //! is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`.
 #![forbid(unsafe_code)]
 
+use glam::DVec3;
+use radsight_bsdf::{Bsdf, Side};
 use radsight_formats::{Font, Mesh, Octree};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
@@ -96,6 +98,25 @@ pub fn font(bytes: &[u8]) {
         ),
         bytes,
     );
+}
+
+/// A BSDF file: values, draws and their densities, and a material of it.
+pub fn bsdf(bytes: &[u8]) {
+    read_with(&format!("void BSDF b 6 0 {NAME} 0 1 0 . 0 0\nb sphere s 0 0 4 0 0 0 1\n"), bytes);
+    let Ok(reading) = Bsdf::read(bytes) else { return };
+    let bsdf = reading.bsdf;
+    for given in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, -0.6, -0.8)] {
+        let side = Side::of(given);
+        for scattering in [bsdf.reflection(side), bsdf.transmission(side)].into_iter().flatten() {
+            for draw in [[0.0, 0.0], [0.3, 0.7], [0.999, 0.5]] {
+                let Some(sample) = scattering.sample(given, draw) else { continue };
+                let other = sample.direction;
+                let values = bsdf.value(given, other);
+                assert!(values.iter().all(|value| value.is_finite() && *value >= 0.0), "{values:?}");
+                assert!(scattering.density(given, other).is_finite());
+            }
+        }
+    }
 }
 
 /// An IES luminaire.
