@@ -1,5 +1,6 @@
 //! What light from the other side of a surface does: diffuse transmission, and a lobe about the straight way through.
 
+use crate::bands::gathered;
 use crate::frame::Frame;
 use crate::tilt::Peak;
 use glam::DVec3;
@@ -79,8 +80,6 @@ pub(crate) fn chance_of_second(first: f64, second: f64) -> f64 {
 
 /// Brightness of a colour, with Radiance's weights of its primaries.
 pub(crate) fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
-    match bands[..] {
-        [red, green, blue] => 0.265 * red + 0.670 * green + 0.065 * blue,
-        _ => bands[0],
-    }
+    let [red, green, blue] = gathered(bands);
+    0.265 * red + 0.670 * green + 0.065 * blue
 }

@@ -2,6 +2,7 @@
 //!
 //! Radiance evaluates them for light sources only; what comes from elsewhere is scattered as if diffuse.
 
+use crate::bands::spread;
 use crate::shader::Function;
 use crate::view::{Encounter, View};
 use glam::DVec3;
@@ -92,7 +93,7 @@ impl<const BANDS: usize> FunctionLobe<'_, BANDS> {
         if cosine.abs() <= TINY || factor.iter().all(|band| *band <= TINY) {
             return [0.0; BANDS];
         }
-        let values = self.values(incident, solid_angle, scratch).unwrap_or([0.0; 3]);
+        let values: [f64; BANDS] = spread(self.values(incident, solid_angle, scratch).unwrap_or([0.0; 3]));
         std::array::from_fn(|band| {
             let value = values[band] * factor[band] * cosine.abs();
             if value.is_finite() { value.max(0.0) } else { 0.0 }

@@ -30,8 +30,8 @@ pub(crate) enum Highlight<'a, const BANDS: usize> {
 pub(crate) enum Coupling {
     /// Nothing.
     None,
-    /// What a smooth coat reflects by Radiance's estimate, with this constant in it.
-    Coat(f64),
+    /// What a smooth coat reflects by Radiance's estimate.
+    Coat,
     /// Schlick's term of Ashikhmin and Shirley's model.
     Schlick,
 }
@@ -42,7 +42,7 @@ impl Coupling {
     fn share(self, cosine: f64) -> f64 {
         match self {
             Coupling::None => 1.0,
-            Coupling::Coat(offset) => 1.0 - fresnel_estimate(cosine.abs(), offset),
+            Coupling::Coat => 1.0 - fresnel_estimate(cosine.abs()),
             Coupling::Schlick => 1.0 - schlick(cosine),
         }
     }
@@ -135,13 +135,10 @@ pub(crate) fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64;
     std::array::from_fn(|band| a[band] + b[band])
 }
 
-/// Radiance's estimate of the Fresnel reflectance of a smooth coat at this cosine, less its value at normal incidence.
-pub(crate) fn fresnel_estimate(cosine: f64, offset: f64) -> f64 {
-    (-5.85 * cosine).exp() - offset
+/// Radiance's estimate of what the Fresnel reflectance of a smooth coat is above that at normal incidence, at this cosine.
+pub(crate) fn fresnel_estimate(cosine: f64) -> f64 {
+    (-5.85 * cosine).exp() - 0.002_029_430_64
 }
-
-/// The offset in the estimate for `plastic`, `metal` and `trans` (its `normal.c`).
-pub(crate) const COAT_OFFSET: f64 = 0.002_029_430_64;
 
 /// Specularities below this get no Fresnel estimate in Radiance.
 pub(crate) const FRESNEL_THRESHOLD: f64 = 0.017_999;
@@ -179,7 +176,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let smooth = kind.is_smooth();
         let cosine = outgoing.dot(shading_normal).max(0.001);
         let coated = smooth && kind.specularity >= FRESNEL_THRESHOLD;
-        let fresnel = if coated { fresnel_estimate(cosine, COAT_OFFSET) } else { 0.0 };
+        let fresnel = if coated { fresnel_estimate(cosine) } else { 0.0 };
         let specularity = kind.specularity + fresnel * (1.0 - kind.specularity);
         let specular: [f64; BANDS] = match kind.metallic {
             true => color.map(|band| fresnel + band * kind.specularity * (1.0 - fresnel)),
@@ -198,7 +195,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             frame: Frame::new(shading_normal),
             diffuse_normal: if retro { outgoing } else { shading_normal },
             diffuse: color.map(|band| band * (1.0 - specularity)),
-            coupling: if coated { Coupling::Coat(COAT_OFFSET) } else { Coupling::None },
+            coupling: if coated { Coupling::Coat } else { Coupling::None },
             highlight,
             mirror: if smooth && kind.specularity > 0.0 { specular } else { [0.0; BANDS] },
             beyond: None,

@@ -4,6 +4,7 @@
 //! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
 
 use super::{Meeting, Met, Onward};
+use crate::bands::spread;
 use crate::beyond::Beyond;
 use crate::frame::Frame;
 use crate::function_lobe::{FunctionLobe, LobeFunction, Surroundings};
@@ -116,6 +117,10 @@ impl BrtdKind {
         surroundings: &Surroundings<'_>,
         scratch: &mut Scratch,
     ) -> [f64; BANDS] {
-        std::array::from_fn(|band| surroundings.value(&self.function, first + band, scratch))
+        let mut values = [0.0; 3];
+        for (band, value) in values[..BANDS.min(3)].iter_mut().enumerate() {
+            *value = surroundings.value(&self.function, first + band, scratch);
+        }
+        spread(values)
     }
 }

@@ -13,6 +13,7 @@ pub(crate) use functions::{BrtdKind, ScatteringKind};
 pub(crate) use sheet::Sheet;
 pub(crate) use ward_function::{Component, Look, WardFunctionKind};
 
+use crate::bands::gathered;
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
 use crate::ray::Hit;
@@ -23,6 +24,9 @@ use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
+
+#[cfg(test)]
+mod tests;
 
 /// A scattering material.
 #[derive(Clone, Debug)]
@@ -134,7 +138,7 @@ impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
             encounter: self.encounter,
             normal: self.normal,
             cosine: self.outgoing().dot(self.normal),
-            color: std::array::from_fn(|band| color[band.min(BANDS - 1)]),
+            color: gathered(&color),
         }
     }
 

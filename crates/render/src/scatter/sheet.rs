@@ -8,7 +8,7 @@ use super::{Meeting, Met, Onward};
 use crate::beyond::{Beyond, ThroughLobe};
 use crate::frame::Frame;
 use crate::shader::{Function, SMOOTH_ROUGHNESS, bands};
-use crate::surface_light::{COAT_OFFSET, Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
+use crate::surface_light::{Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
 use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
@@ -94,7 +94,7 @@ impl Sheet {
 
     fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64) -> Division<BANDS> {
         let coated = self.is_smooth() && self.specularity >= FRESNEL_THRESHOLD;
-        let fresnel = if coated { fresnel_estimate(cosine.max(0.001), COAT_OFFSET) } else { 0.0 };
+        let fresnel = if coated { fresnel_estimate(cosine.max(0.001)) } else { 0.0 };
         let specularity = self.specularity + fresnel * (1.0 - self.specularity);
         let transmitted = self.transmissivity * (1.0 - specularity);
         let through = transmitted * self.transmitted_specularity;
@@ -108,7 +108,7 @@ impl Sheet {
             diffuse: share(1.0 - transmitted - specularity),
             transmitted_diffuse: share(transmitted - through),
             through: share(through),
-            coupling: if coated { Coupling::Coat(COAT_OFFSET) } else { Coupling::None },
+            coupling: if coated { Coupling::Coat } else { Coupling::None },
         }
     }
 

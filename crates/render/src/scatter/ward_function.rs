@@ -62,9 +62,6 @@ struct Specular<const BANDS: usize> {
     roughness: Option<[f64; 2]>,
 }
 
-/// The offset in the estimate of the Fresnel reflectance for this type (its `m_wgmdf.c`).
-const COAT_OFFSET: f64 = 0.002_029_430_64;
-
 /// Shares and roughnesses up to this count as none (Radiance's).
 const TINY: f64 = 1e-6;
 
@@ -209,9 +206,9 @@ fn coat<const BANDS: usize>(reflection: &mut Specular<BANDS>, outgoing: DVec3) -
     if !is_smooth || luminance(&reflection.share) < FRESNEL_THRESHOLD {
         return (Coupling::None, 1.0);
     }
-    let fresnel = fresnel_estimate(outgoing.dot(reflection.seen.normal).abs(), COAT_OFFSET);
+    let fresnel = fresnel_estimate(outgoing.dot(reflection.seen.normal).abs());
     reflection.share = reflection.share.map(|band| band + fresnel * (1.0 - band));
-    (Coupling::Coat(COAT_OFFSET), 1.0 - fresnel)
+    (Coupling::Coat, 1.0 - fresnel)
 }
 
 /// The frame of a part, and its roughness along it.
