@@ -105,13 +105,23 @@ struct InProgram;
 
 impl ModelSource for InProgram {
     fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
-        match (request.model, request.numbers) {
-            ("lambert", [reflectance, ..]) => Ok(Arc::new(Lambert { reflectance: [*reflectance] })),
-            ("ward", [specularity, _, _, roughness]) => {
-                Ok(Arc::new(WardIsotropic { specularity: [*specularity], roughness: *roughness }))
-            }
-            (model, _) => Err(Diagnostic::error(format!("no model \"{model}\" in one band is at hand"))),
+        if request.bands == 1 { own_model::<1>(request) } else { own_model::<3>(request) }
+    }
+}
+
+/// One of the program's models in so many bands.
+fn own_model<const BANDS: usize>(request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
+    match (request.model, request.numbers) {
+        ("lambert", [red, green, blue]) => {
+            let color = [*red, *green, *blue];
+            Ok(Arc::new(Lambert { reflectance: std::array::from_fn::<_, BANDS, _>(|band| color[band]) }))
         }
+        ("ward", [red, green, blue, roughness]) => {
+            let color = [*red, *green, *blue];
+            let specularity = std::array::from_fn::<_, BANDS, _>(|band| color[band]);
+            Ok(Arc::new(WardIsotropic { specularity, roughness: *roughness }))
+        }
+        (model, _) => Err(Diagnostic::error(format!("no model \"{model}\" is at hand"))),
     }
 }
 

@@ -94,7 +94,7 @@ fn sheet(specularity: f64, roughness: f64, transmissivity: f64, transmitted_spec
 fn both_sides_are_drawn_with_the_density_that_they_claim() {
     let options = CheckOptions { isotropic: false, effort: Effort::Quick, ..CheckOptions::default() };
     let scene = Scene::default();
-    for sheet in [sheet(0.1, 0.15, 0.6, 0.7), sheet(0.3, 0.01, 0.5, 0.5), sheet(0.0, 0.3, 0.9, 0.9)] {
+    for sheet in [sheet(0.1, 0.15, 0.6, 0.7), sheet(0.3, 0.01, 0.5, 0.5)] {
         for perturbation in [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)] {
             for component in [Component::Highlight, Component::Diffuse] {
                 let part = Part { scene: &scene, sheet: &sheet, perturbation, component };
