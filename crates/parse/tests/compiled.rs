@@ -167,15 +167,28 @@ fn a_placed_octree_is_a_scene_of_its_own() {
     }
 }
 
+/// An octree that names a scene file.
+fn octree(name: &str) -> Vec<u8> {
+    let mut header = radsight_picture::Header::new("RADIANCE");
+    header.push_variable("FORMAT", radsight_formats::OCTREE_FORMAT);
+    let content = radsight_formats::OctreeContent::Files(vec![name.as_bytes()]);
+    let octree = radsight_formats::Octree { header, origin: [0.0; 3], size: 1.0, object_count: 1, content };
+    octree.write(&radsight_formats::Tree::Empty).unwrap()
+}
+
+#[test]
+fn an_octree_without_its_scene_file_is_an_error() {
+    let loader = MemoryLoader::default().with("a.oct", octree("none.rad"));
+    for input in [&octree("none.rad")[..], b"void instance a 1 a.oct 0 0\n"] {
+        let input = Input::Text { name: "input".to_owned(), text: input.into() };
+        let read = read_scene(&[input], &loader, &ReadOptions::default());
+        assert!(read.has_errors());
+        assert_eq!(read.diagnostics[0].message, "cannot find scene file \"none.rad\"");
+    }
+}
+
 #[test]
 fn octrees_that_place_each_other_come_to_an_end() {
-    let octree = |name: &str| {
-        let mut header = radsight_picture::Header::new("RADIANCE");
-        header.push_variable("FORMAT", radsight_formats::OCTREE_FORMAT);
-        let content = radsight_formats::OctreeContent::Files(vec![name.as_bytes()]);
-        let octree = radsight_formats::Octree { header, origin: [0.0; 3], size: 1.0, object_count: 1, content };
-        octree.write(&radsight_formats::Tree::Empty).unwrap()
-    };
     let loader = MemoryLoader::default()
         .with("a.oct", octree("a.rad"))
         .with("a.rad", "void instance b 1 b.oct 0 0\nvoid sphere s 0 0 4 0 0 0 1\n")
@@ -191,12 +204,8 @@ fn octrees_that_place_each_other_come_to_an_end() {
 fn a_chain_of_octrees_that_doubles_at_each_level_is_read_once() {
     let mut loader = MemoryLoader::default().with("s30.rad", "void sphere s 0 0 4 0 0 0 1\n");
     for level in 0..=30 {
-        let mut header = radsight_picture::Header::new("RADIANCE");
-        header.push_variable("FORMAT", radsight_formats::OCTREE_FORMAT);
         let file = format!("s{level}.rad");
-        let content = radsight_formats::OctreeContent::Files(vec![file.as_bytes()]);
-        let octree = radsight_formats::Octree { header, origin: [0.0; 3], size: 1.0, object_count: 1, content };
-        loader = loader.with(&format!("s{level}.oct"), octree.write(&radsight_formats::Tree::Empty).unwrap());
+        loader = loader.with(&format!("s{level}.oct"), octree(&file));
         if level < 30 {
             let next = level + 1;
             let text = format!("void instance a 1 s{next}.oct 0 0\nvoid instance b 5 s{next}.oct -t 1 0 0 0 0\n");

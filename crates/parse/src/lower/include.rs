@@ -297,15 +297,24 @@ impl Reader<'_> {
         source
     }
 
-    /// Reads a file that an octree names.
+    /// Reads a file that an octree names. Without it the octree is not what it was, so unlike a command it may not fail.
     pub(super) fn include_file(&mut self, name: &str, context: &Context, span: Span) {
         let key = TextKey { directory: context.directory.clone(), name: name.to_owned() };
-        let shared = Rc::clone(&self.loader);
-        if self.load(&key, &*shared, span) {
-            let path = self.inclusions.texts[&key].path.clone();
-            let source = self.source_of(&key, &path, span);
-            self.include(&key, source, context, span, false);
+        if !self.inclusions.texts.contains_key(&key) {
+            let is_kept = match self.loader.load(name, FileKind::Scene) {
+                Ok(loaded) => self.keep(&key, loaded.bytes, loaded.path, span),
+                Err(error) => {
+                    self.log.push(load_error(&error, span));
+                    false
+                }
+            };
+            if !is_kept {
+                return;
+            }
         }
+        let path = self.inclusions.texts[&key].path.clone();
+        let source = self.source_of(&key, &path, span);
+        self.include(&key, source, context, span, false);
     }
 
     /// Counts bytes that the scene brings in; reading stops when there are too many.
