@@ -45,7 +45,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("picture", &[]),
     ("picture-tools", &["cal", "diag", "formats", "picture"]),
     ("pinhole", &["sampling"]),
-    ("render", &["brdf", "cal", "diag", "ir", "irradiance", "retro", "sampling", "spectrum"]),
+    ("render", &["brdf", "bsdf", "cal", "diag", "ir", "irradiance", "retro", "sampling", "spectrum"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
     ("sensor", &[]),

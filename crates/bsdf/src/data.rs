@@ -92,6 +92,14 @@ impl Bsdf {
         own.or(self.transmission[side.opposite().index()].as_ref())
     }
 
+    /// Whether red, green and blue are the same for all directions.
+    #[must_use]
+    pub fn is_grey(&self) -> bool {
+        let mut diffuse = self.diffuse_reflectance.iter().chain(&self.diffuse_transmittance);
+        let mut beyond = self.reflection.iter().chain(&self.transmission).flatten();
+        diffuse.all(|[red, green, blue]| red == green && green == blue) && beyond.all(Scattering::is_grey)
+    }
+
     /// The value for two directions, 1/sr: red, green, blue; with the Lambertian part.
     #[must_use]
     pub fn value(&self, given: DVec3, other: DVec3) -> [f64; 3] {

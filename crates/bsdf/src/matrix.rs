@@ -60,6 +60,10 @@ impl Matrix {
         rgb.map(|band| PI * band.max(0.0))
     }
 
+    pub(crate) fn is_grey(&self) -> bool {
+        self.colors.is_none()
+    }
+
     /// The largest share of light from one direction that is scattered.
     pub(crate) fn largest_total(&self) -> f64 {
         let count = self.exit.len();

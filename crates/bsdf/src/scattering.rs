@@ -97,6 +97,15 @@ impl Scattering {
         Scattering { data, incident, exit, lambertian, least_projected_solid_angle, largest_total }
     }
 
+    /// Whether red, green and blue are the same for all directions.
+    #[must_use]
+    pub fn is_grey(&self) -> bool {
+        match &self.data {
+            Data::Matrix(matrix) => matrix.is_grey(),
+            Data::Tensor(tensor) => tensor.is_grey(),
+        }
+    }
+
     /// The size of the smallest cell: projected solid angle, sr.
     #[must_use]
     pub fn least_projected_solid_angle(&self) -> f64 {

@@ -73,6 +73,10 @@ impl Tensor {
         xyz_of_yuv(at(&self.luminance) + self.split_luminance, at(u), at(v))
     }
 
+    pub(crate) fn is_grey(&self) -> bool {
+        self.chromaticity.is_none()
+    }
+
     pub(crate) fn largest_total(&self) -> f64 {
         self.luminance.largest_total()
     }

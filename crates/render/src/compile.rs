@@ -10,8 +10,8 @@ use crate::prism::PrismKind;
 use crate::ray::ShaderId;
 use crate::recognise::turns_the_normal_to_the_viewer;
 use crate::refraction::Boundary;
-use crate::scatter::Look;
-use crate::shader::{Emitter, EmitterClass, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
+use crate::scatter::{BsdfKind, Look, Scatterer};
+use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
 use crate::step::{MixedSteps, Step};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
@@ -404,6 +404,11 @@ impl Compiler<'_> {
             }
             Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
             Material::Unusable { .. } => Ok(Kind::Unusable),
+            Material::Bsdf { data, call, form, added_diffuse } => {
+                let bsdf = scene.bsdfs[*data].bsdf.clone();
+                let kind = BsdfKind { bsdf, function: Function::new(call), form: *form, added_diffuse: *added_diffuse };
+                Ok(Kind::Scatterer(Box::new(Scatterer::Bsdf(kind))))
+            }
             other => {
                 let look = |modifier| self.compile_look(chains, modifier);
                 match compile_scatterer(other, modifier.modifier, look) {

@@ -26,6 +26,7 @@ mod lettering;
 mod light;
 mod lighting;
 mod link;
+mod measured_lobe;
 mod medium;
 mod mixture;
 mod model_light;

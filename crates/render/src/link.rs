@@ -145,7 +145,8 @@ impl Link {
         }
         let selection = selection_density(plan, self.receiver, self.primitive, id);
         let other = light.density(self.receiver, self.direction, length, cosine, &self.peak) * selection;
-        focal * self.density / (self.density + other)
+        // A ray without a density leaves the light to its sampling, if that can find it there.
+        if other > 0.0 { focal * self.density / (self.density + other) } else { focal }
     }
 
     /// Distance and cosine at which the drawn direction would meet the light if nothing bent it.

@@ -196,6 +196,12 @@ impl Function {
         encounter.direction_to_scene(self.to_scene.direction(vector))
     }
 
+    /// A length of the function in the scene.
+    pub(crate) fn length_in_scene(&self, encounter: &Encounter, length: f64) -> f64 {
+        let to_object = encounter.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+        length * self.to_scene.scale / to_object.map_or(1.0, |transform| transform.scale)
+    }
+
     pub(crate) fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
         View::new(encounter, self.to_function.as_ref())
     }

@@ -3,6 +3,7 @@
 use crate::beyond::{Beyond, chance_of_second, strongest};
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
+use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
 use glam::DVec3;
@@ -22,6 +23,8 @@ pub(crate) enum Highlight<'a, const BANDS: usize> {
     Retro(Paper1991<BANDS>),
     /// Meets light from sources only, and is not drawn from.
     Function(FunctionLobe<'a, BANDS>),
+    /// Of both sides.
+    Measured(MeasuredLobe<'a, BANDS>),
     Model(&'a dyn Brdf),
 }
 
@@ -126,7 +129,7 @@ impl<const BANDS: usize> Highlight<'_, BANDS> {
             Highlight::WardAnisotropic(ward) => strongest(&ward.specularity),
             Highlight::Ashikhmin(lobe) => strongest(&lobe.specularity),
             Highlight::Retro(retro) => strongest(&retro.reflectance),
-            Highlight::Model(_) => 1.0,
+            Highlight::Measured(_) | Highlight::Model(_) => 1.0,
         }
     }
 }
@@ -242,7 +245,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             Highlight::Ashikhmin(lobe) => {
                 about_mirror(0.125 * lobe.exponents[0].min(lobe.exponents[1]), &lobe.specularity)
             }
-            Highlight::None | Highlight::Function(_) | Highlight::Model(_) => Peak::NONE,
+            Highlight::None | Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => Peak::NONE,
         };
         match self.beyond.and_then(|beyond| Some((beyond.diffuse, beyond.lobe?))) {
             Some((diffuse, lobe)) => {
@@ -344,6 +347,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
                     response.highlight = retro.reflectance.map(|band| band * shape);
                 }
             }
+            Highlight::Measured(lobe) => (response.highlight, response.highlight_density) = lobe.respond(incident),
             Highlight::Function(lobe) => response.highlight = lobe.respond(incident, light_density.recip(), scratch),
             Highlight::Model(model) => {
                 let local = self.frame.to_local(incident);
@@ -414,12 +418,15 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
     }
 
     fn draw_reflected(&self, u: [f64; 3]) -> Option<Drawn<BANDS>> {
+        if let Highlight::Measured(lobe) = &self.highlight {
+            return lobe.draw(u).filter(|drawn| self.sides_agree(drawn.direction));
+        }
         // The retroreflecting lobe lives on the geometric normal: its texture is what turns the other one.
         let frame = if matches!(self.highlight, Highlight::Retro(_)) { Frame::new(self.normal) } else { self.frame };
         let outgoing = frame.to_local(self.outgoing);
         let mut weight = [0.0; BANDS];
         let sample = match &self.highlight {
-            Highlight::None | Highlight::Function(_) => None,
+            Highlight::None | Highlight::Function(_) | Highlight::Measured(_) => None,
             Highlight::Ward(ward) => ward.sample(outgoing, u, &mut weight),
             Highlight::WardAnisotropic(ward) => ward.sample(outgoing, u, &mut weight),
             Highlight::Ashikhmin(lobe) => lobe.sample(outgoing, u, &mut weight),

@@ -110,6 +110,13 @@ pub(crate) struct Segment<const BANDS: usize> {
     pub(crate) direct_view: bool,
 }
 
+impl<const BANDS: usize> Segment<BANDS> {
+    /// Whether it was drawn from what a surface scatters, at its origin or before.
+    pub(crate) fn is_scattered(&self) -> bool {
+        self.link.is_some()
+    }
+}
+
 /// Follows rays through a plan, in `BANDS` bands; one a thread.
 #[derive(Debug)]
 pub(crate) struct Tracer<'p, const BANDS: usize> {
@@ -316,6 +323,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             }
             return self.shade(&segment, &hit, shader);
         }
+    }
+
+    /// Goes on as if nothing had been hit.
+    pub(crate) fn pass_through(&mut self, segment: &Segment<BANDS>, hit: &Hit) {
+        if segment.direct_view {
+            self.effective_distance = f64::INFINITY;
+        }
+        let next = self.passed_through(*segment, hit);
+        self.push(next);
     }
 
     /// The same ray, on the other side of what it hit.

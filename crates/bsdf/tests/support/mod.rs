@@ -86,6 +86,26 @@ pub(crate) fn matrix(
     file(structure, &own_basis(), &data)
 }
 
+/// A pane that transmits a share of all light straight through, as far as Klems' quarter basis can tell, and does nothing else.
+pub(crate) fn clear(transmittance: f64) -> String {
+    let rings = [(0.0_f64, 9.0_f64, 1), (9.0, 27.0, 8), (27.0, 45.0, 12), (45.0, 63.0, 12), (63.0, 90.0, 8)];
+    let sine_squared = |degrees: f64| degrees.to_radians().sin().powi(2);
+    let size = |(inner, outer, patches): (f64, f64, usize)| {
+        let each = std::f64::consts::PI * (sine_squared(outer) - sine_squared(inner)) / patches as f64;
+        vec![each; patches]
+    };
+    let sizes = rings.map(size).concat();
+    let mut data = String::new();
+    for (row, size) in sizes.iter().enumerate() {
+        for column in 0..sizes.len() {
+            write!(data, "{:.6} ", if row == column { transmittance / size } else { 0.0 }).unwrap();
+        }
+    }
+    let bases =
+        "<ColumnAngleBasis>LBNL/Klems Quarter</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Quarter</RowAngleBasis>";
+    file("Columns", "", &block("Visible", DIRECTIONS[2], bases, &data))
+}
+
 /// A basis that no program knows, which ends before the horizon: 17 patches.
 fn own_basis() -> String {
     let ring = |(lower, upper, patches): (f64, f64, usize)| {

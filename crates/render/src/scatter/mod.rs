@@ -4,11 +4,13 @@
 //! straight way through.
 
 mod ashikhmin;
+mod bsdf;
 mod functions;
 mod sheet;
 mod ward_function;
 
 pub(crate) use ashikhmin::AshikhminKind;
+pub(crate) use bsdf::BsdfKind;
 pub(crate) use functions::{BrtdKind, ScatteringKind};
 pub(crate) use sheet::Sheet;
 pub(crate) use ward_function::{Component, Look, WardFunctionKind};
@@ -41,6 +43,8 @@ pub(crate) enum Scatterer {
     Function(ScatteringKind),
     /// `BRTDfunc`.
     Brtd(BrtdKind),
+    /// `BSDF` and `aBSDF`.
+    Bsdf(BsdfKind),
 }
 
 /// A ray at a scattering material.
@@ -87,6 +91,7 @@ impl Scatterer {
             Scatterer::WardFunction(kind) => kind.meet(meeting, scratch),
             Scatterer::Function(kind) => kind.meet(meeting),
             Scatterer::Brtd(kind) => kind.meet(meeting, scratch),
+            Scatterer::Bsdf(kind) => kind.meet(meeting, scratch),
         }
     }
 
@@ -96,6 +101,7 @@ impl Scatterer {
             Scatterer::Sheet(sheet) => sheet.lets_through(),
             Scatterer::WardFunction(kind) => kind.lets_through(),
             Scatterer::Brtd(kind) => kind.lets_through(),
+            Scatterer::Bsdf(kind) => kind.lets_through(),
             Scatterer::Ashikhmin(_) | Scatterer::Function(_) => false,
         }
     }
@@ -108,6 +114,11 @@ impl Scatterer {
         appearance: Appearance<BANDS>,
         scratch: &mut Scratch,
     ) -> Option<[f64; BANDS]> {
+        if let Scatterer::Bsdf(kind) = self
+            && kind.is_passed_by_shadows(encounter, scratch)
+        {
+            return Some([1.0; BANDS]);
+        }
         let normal = shading_normal(encounter, appearance.perturbation);
         let turned = encounter.turned();
         let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal };
@@ -127,6 +138,7 @@ impl Scatterer {
             Scatterer::WardFunction(kind) => kind.is_grey(),
             Scatterer::Function(kind) => kind.is_grey(),
             Scatterer::Brtd(kind) => kind.is_grey(),
+            Scatterer::Bsdf(kind) => kind.is_grey(),
         }
     }
 }
@@ -187,6 +199,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         scatterer: &Scatterer,
         encounter: &Encounter,
     ) {
+        if let Scatterer::Bsdf(kind) = scatterer {
+            return self.shade_bsdf(segment, hit, shader, kind, encounter);
+        }
         let (appearance, normal) = self.appearance(segment, shader, encounter);
         let turned = encounter.turned();
         let scene = shader.home.scene(&self.plan.scene);

@@ -1,0 +1,280 @@
+//! The lobe of a measured material: light from both sides, scattered as data say.
+
+use crate::beyond::{chance_of_second, luminance};
+use crate::frame::Frame;
+use crate::shader::bands;
+use crate::surface_light::Drawn;
+use glam::DVec3;
+use radsight_brdf::Density;
+use radsight_bsdf::{Bsdf, Scattering, Side};
+use radsight_ir::Rgb;
+use std::f64::consts::FRAC_1_PI;
+
+/// Data for one direction of view, without their Lambertian parts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
+    pub(crate) reflection: Option<&'a Scattering>,
+    pub(crate) transmission: Option<&'a Scattering>,
+    /// The frame of the data: +z on the front.
+    pub(crate) frame: Frame,
+    /// The view in that frame.
+    pub(crate) view: BlurredView,
+    /// Multiplies what is transmitted.
+    pub(crate) pattern: [f64; BANDS],
+    /// What goes straight through apart from this lobe.
+    pub(crate) peak: PeakCells,
+    /// How often a draw is of transmitted light.
+    transmitted_chance: f64,
+}
+
+impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
+    /// `straight` is the luminance that goes straight through, by way of the cells of `peak`. None where nothing is scattered.
+    pub(crate) fn new(
+        [reflection, transmission]: [Option<&'a Scattering>; 2],
+        (frame, view): (Frame, BlurredView),
+        pattern: [f64; BANDS],
+        (peak, straight): (PeakCells, f64),
+    ) -> Option<Self> {
+        /// Draws of transmitted light that fall into the peak are lost, but some must fall beside it.
+        const LEAST_BESIDE: f64 = 0.1;
+        reflection.or(transmission)?;
+        let total = |scattering: Option<&Scattering>| scattering.map_or(0.0, |scattering| scattering.total(view.drawn));
+        let through = total(transmission);
+        let beside = (through - straight).max(if straight > 0.0 { LEAST_BESIDE * through } else { 0.0 });
+        let transmitted_chance = chance_of_second(total(reflection), beside * luminance(&pattern));
+        Some(MeasuredLobe { reflection, transmission, frame, view, pattern, peak, transmitted_chance })
+    }
+
+    /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is
+    /// blurred in another way for light of sources, which draws leave to their sampling.
+    pub(crate) fn respond(&self, incident: DVec3) -> ([f64; BANDS], f64) {
+        let incident = self.frame.to_local(incident);
+        let is_transmitted = Side::of(incident) != Side::of(self.view.exact);
+        let nothing = ([0.0; BANDS], 0.0);
+        let Some((scattering, chance)) = self.part(is_transmitted) else { return nothing };
+        if is_transmitted && self.peak.holds(scattering, self.view.exact, incident) {
+            return nothing;
+        }
+        let value: [f64; BANDS] = bands(Rgb(self.view.value(scattering, incident)));
+        let pattern = if is_transmitted { self.pattern } else { [1.0; BANDS] };
+        let cosine = incident.z.abs();
+        let density =
+            if self.view.offset.is_some() { 0.0 } else { chance * scattering.density(self.view.exact, incident) };
+        (std::array::from_fn(|band| value[band] * pattern[band] * cosine), density)
+    }
+
+    /// Draws a direction in the scene.
+    pub(crate) fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<Drawn<BANDS>> {
+        let is_transmitted = choice < self.transmitted_chance;
+        let (scattering, chance) = self.part(is_transmitted)?;
+        let sample = scattering.sample(self.view.drawn, [u, v])?;
+        if is_transmitted && self.peak.holds(scattering, self.view.drawn, sample.direction) {
+            return None;
+        }
+        let value: [f64; BANDS] = bands(Rgb(sample.weight));
+        let pattern = if is_transmitted { self.pattern } else { [1.0; BANDS] };
+        let density = if self.view.offset.is_some() { 0.0 } else { chance * sample.density };
+        Some(Drawn {
+            direction: self.frame.to_scene(sample.direction),
+            weight: std::array::from_fn(|band| value[band] * pattern[band] / chance),
+            density: Density::Continuous(density),
+        })
+    }
+
+    /// The scattering to one side, and how often it is drawn from.
+    fn part(&self, is_transmitted: bool) -> Option<(&'a Scattering, f64)> {
+        if is_transmitted {
+            Some((self.transmission?, self.transmitted_chance))
+        } else {
+            Some((self.reflection?, 1.0 - self.transmitted_chance))
+        }
+    }
+}
+
+/// A view that is moved about within the cells of the data, so that their edges do not show.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlurredView {
+    /// Unit, towards the viewer, in the frame of the data.
+    exact: DVec3,
+    /// Moved within the finest cell there; what is drawn is drawn for it.
+    drawn: DVec3,
+    /// How far, in widths of a cell, 0…1; none where edges must not be blurred.
+    offset: Option<[f64; 2]>,
+}
+
+impl BlurredView {
+    /// As it is.
+    pub(crate) fn exact(outgoing: DVec3) -> BlurredView {
+        BlurredView { exact: outgoing, drawn: outgoing, offset: None }
+    }
+
+    /// Moved by two numbers in [0,1).
+    pub(crate) fn new(bsdf: &Bsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
+        let drawn = moved(outgoing, bsdf.resolution(outgoing).least, offset);
+        BlurredView { exact: outgoing, drawn, offset: Some(offset) }
+    }
+
+    /// The value towards a light: the mean over a view in each quarter of the cell that the pair falls into.
+    fn value(&self, scattering: &Scattering, incident: DVec3) -> [f64; 3] {
+        /// Views that fall into a cell smaller by this do not count: a rare bright one would be noise (Radiance's).
+        const LEAST_CELL: f64 = 0.12;
+        let Some([u, v]) = self.offset else { return scattering.value(self.exact, incident) };
+        let Some(size) = scattering.projected_solid_angle(self.exact, incident) else { return [0.0; 3] };
+        let (mut sum, mut count) = ([0.0; 3], 0.0);
+        for (i, j) in [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
+            let view = moved(self.exact, size, [0.5 * u + i, 0.5 * v + j]);
+            let value = scattering.value(view, incident);
+            let is_dark = value == [0.0; 3];
+            let other = scattering.projected_solid_angle(view, incident);
+            if !is_dark && other.is_none_or(|other| other < LEAST_CELL * size) {
+                continue;
+            }
+            sum = std::array::from_fn(|band| sum[band] + value[band]);
+            count += 1.0;
+        }
+        sum.map(|band| if count > 0.0 { band / count } else { 0.0 })
+    }
+}
+
+/// A direction moved within a square of a projected solid angle about it.
+fn moved(direction: DVec3, projected_solid_angle: f64, [u, v]: [f64; 2]) -> DVec3 {
+    (direction + DVec3::new(0.5 - u, 0.5 - v, 0.0) * projected_solid_angle.sqrt()).normalize()
+}
+
+/// A peak has no more cells than this.
+const MOST_CELLS: usize = 12;
+
+/// The cells of data through which a view goes undisturbed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PeakCells {
+    cells: [usize; MOST_CELLS],
+    count: usize,
+}
+
+impl PeakCells {
+    fn holds(&self, scattering: &Scattering, outgoing: DVec3, incident: DVec3) -> bool {
+        let cells = &self.cells[..self.count];
+        !cells.is_empty() && scattering.cell(outgoing, incident).is_some_and(|cell| cells.contains(&cell))
+    }
+
+    fn is_full(&self) -> bool {
+        self.count == MOST_CELLS
+    }
+
+    fn add(&mut self, cell: usize) {
+        self.cells[self.count] = cell;
+        self.count += 1;
+    }
+}
+
+/// A peak of transmission about the straight way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StraightPeak {
+    /// What goes through in it: red, green, blue.
+    pub(crate) transmittance: [f64; 3],
+    pub(crate) cells: PeakCells,
+}
+
+/// Directions in which a peak is looked for, in widths of the finest cell.
+const STEPS: [(f64, f64); 29] = [
+    (0.0, 0.0),
+    (-0.6, 0.0),
+    (0.0, 0.6),
+    (0.0, -0.6),
+    (0.6, 0.0),
+    (-0.6, 0.6),
+    (-0.6, -0.6),
+    (0.6, 0.6),
+    (0.6, -0.6),
+    (-1.2, 0.0),
+    (0.0, 1.2),
+    (0.0, -1.2),
+    (1.2, 0.0),
+    (-1.2, 1.2),
+    (-1.2, -1.2),
+    (1.2, 1.2),
+    (1.2, -1.2),
+    (-1.8, 0.0),
+    (0.0, 1.8),
+    (0.0, -1.8),
+    (1.8, 0.0),
+    (-1.8, 1.8),
+    (-1.8, -1.8),
+    (1.8, 1.8),
+    (1.8, -1.8),
+    (-2.4, 0.0),
+    (0.0, 2.4),
+    (0.0, -2.4),
+    (2.4, 0.0),
+];
+
+/// A cell that the straight way may lead through.
+struct Candidate {
+    luminance: f64,
+    color: [f64; 3],
+    cell: usize,
+    projected_solid_angle: f64,
+}
+
+/// The peak of transmission about the straight way: the brightest of the finest cells there, if they stand out from enough of others
+/// around them. Found as by `aBSDF` of Radiance (Ward and others, "Modeling specular transmission of complex fenestration systems with
+/// data-driven BSDFs", Building and Environment 196, 2021).
+pub(crate) fn straight_peak(bsdf: &Bsdf, outgoing: DVec3) -> Option<StraightPeak> {
+    /// Cells larger than the finest by this are no part of a peak, nor those this much darker than its mean.
+    const LARGEST_CELL: f64 = 1.5;
+    const DARKEST: f64 = 8.0;
+    /// The surroundings must have this share of the peak's solid angle.
+    const LEAST_SURROUNDINGS: f64 = 0.2;
+    /// A fainter peak is none.
+    const LEAST_PEAK: f64 = 0.0005;
+    const DARK: f64 = 1e-6;
+
+    let side = Side::of(outgoing);
+    let finest = bsdf.transmission(side)?.least_projected_solid_angle();
+    let candidates = candidates(bsdf, outgoing)?;
+    if candidates.first()?.luminance <= DARK {
+        return None;
+    }
+    let diffuse = bsdf.diffuse_transmittance(side).map(|band| band * FRAC_1_PI);
+    let mut cells = PeakCells::default();
+    let (mut transmittance, mut luminances) = ([0.0; 3], 0.0);
+    let (mut peak_size, mut surrounding_size) = (0.0, 0.0);
+    for candidate in candidates {
+        let size = candidate.projected_solid_angle;
+        let is_faint = luminances > DARKEST * candidate.luminance * cells.count as f64;
+        if size > LARGEST_CELL * finest || is_faint || cells.is_full() {
+            if cells.count == 0 {
+                return None;
+            }
+            surrounding_size += size;
+            continue;
+        }
+        cells.add(candidate.cell);
+        luminances += candidate.luminance;
+        peak_size += size;
+        for (sum, (band, diffuse)) in transmittance.iter_mut().zip(candidate.color.iter().zip(diffuse)) {
+            *sum += (band - diffuse).max(0.0) * size;
+        }
+    }
+    let stands_out = surrounding_size >= LEAST_SURROUNDINGS * peak_size;
+    (stands_out && luminance(&transmittance) >= LEAST_PEAK).then_some(StraightPeak { transmittance, cells })
+}
+
+/// The cells near the straight way, each once, brightest first.
+fn candidates(bsdf: &Bsdf, outgoing: DVec3) -> Option<Vec<Candidate>> {
+    let transmission = bsdf.transmission(Side::of(outgoing))?;
+    let width = transmission.least_projected_solid_angle().sqrt();
+    let mut found: Vec<Candidate> = Vec::with_capacity(STEPS.len());
+    for (x, y) in STEPS {
+        let direction = (DVec3::new(x * width, y * width, 0.0) - outgoing).normalize();
+        let Some(cell) = transmission.cell(outgoing, direction) else { continue };
+        if found.iter().any(|known| known.cell == cell) {
+            continue;
+        }
+        let color = bsdf.value(outgoing, direction);
+        let projected_solid_angle = transmission.projected_solid_angle(outgoing, direction)?;
+        found.push(Candidate { luminance: luminance(&color), color, cell, projected_solid_angle });
+    }
+    found.sort_by(|a, b| b.luminance.total_cmp(&a.luminance));
+    Some(found)
+}
