@@ -158,7 +158,7 @@ fn functions_and_tables() {
         of("brightfunc moved twice", "!xform -rz 30 -s .7 -t .3 .1 0 inner.rad\n")
             .file("inner.rad", "void brightfunc pat 8 .5+.3*sin(5*Px) . -rx 10 -t .1 0 0 0 0\n"),
         of("colorfunc", "void colorfunc pat 4 wave ramp near own.cal 0 1 .1"),
-        of("colorfunc moved", "void colorfunc pat 7 wave Px Py own.cal -rz 33 -s 1.5 0 1 .1"),
+        of("colorfunc moved", "void colorfunc pat 8 wave Px Py own.cal -rz 33 -s 1.5 0 1 .1"),
         of("two patterns", "void brightfunc one 2 wave own.cal 0 1 .3\none colorfunc pat 4 ramp 1 near own.cal 0 0"),
         of(
             "constants",
@@ -167,7 +167,7 @@ fn functions_and_tables() {
         of("brightdata", "void brightdata pat 5 self t.dat own.cal Px*Px Py 0 0"),
         of("brightdata far outside", "void brightdata pat 5 twice t.dat own.cal 9*Px 9*Py 0 0"),
         of("brightdata of an irregular axis", "void brightdata pat 4 noneg c.dat . Px 0 0"),
-        of("brightdata moved", "void brightdata pat 9 noneg c.dat . Px -rz 45 -s 2 0 0"),
+        of("brightdata moved", "void brightdata pat 8 noneg c.dat . Px -rz 45 -s 2 0 0"),
         of("colordata", "void colordata pat 8 part part part c.dat c.dat d.dat own.cal Px 0 0"),
         of("colordata of two coordinates", "void colordata pat 9 sum sum sum t.dat t.dat t.dat own.cal Px Py 0 0"),
         of("colordata by bands", "void colordata pat 8 part twice self c.dat d.dat c.dat own.cal Px 0 0"),
