@@ -7,7 +7,7 @@ use crate::args::Reading;
 use crate::failure::Failure;
 use crate::switch::switched;
 use radsight_ir::Rgb;
-use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions};
+use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions, Sampling};
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
@@ -69,6 +69,15 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             options.mirror_relays = number(words, word, "a number of relays, 0 or more")?;
             Ok(2)
         }
+        "-cs" => {
+            let [longest, .., shortest] = options.sampling.splits_nm();
+            sampling(options, number(words, word, "a number of bands, 3 or more")?, [longest, shortest])
+        }
+        "-cw" => {
+            let first = number(words, word, "two wavelengths in nm")?;
+            let last = number(&words[1.min(words.len() - 1)..], word, "two wavelengths in nm")?;
+            sampling(options, options.sampling.bands(), [first, last]).map(|used| used + 1)
+        }
         "-af" => number::<String>(words, word, "a file for ambient values").map(|_| 2),
         "-av" => color(words, "three radiances", &mut options.ambient_value),
         "-me" => color(words, "three extinctions", &mut options.medium.extinction),
@@ -102,6 +111,16 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         "-u" | "-u+" | "-u-" | "-u1" | "-u0" => Ok(1),
         _ => Ok(0),
     }
+}
+
+/// Gives how many words of `-cs` are used.
+fn sampling(options: &mut RenderOptions, bands: usize, range_nm: [f64; 2]) -> Result<usize, Failure> {
+    let [first, last] = range_nm;
+    options.sampling = Sampling::new(bands, range_nm).ok_or_else(|| {
+        let what = format!("{bands} bands from {first} to {last} nm");
+        Failure::usage(format!("impossible sampling: {what}, expected 3 bands or more and a range of 50 nm or more"))
+    })?;
+    Ok(2)
 }
 
 fn path_limit(limit: i32) -> PathLimit {

@@ -19,10 +19,14 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, effort: Effor
     let first = number << SEQUENCE_LOG2;
     let mut traced = worker.trace(first, ray);
     let mut sum = traced.value;
+    let mut spectrum = traced.spectrum;
     let mut sum_up = |sum: &mut [f64; 3], samples: std::ops::Range<u32>| {
         for sample in samples {
-            let value = worker.trace(first | u64::from(sample), ray).value;
-            *sum = std::array::from_fn(|band| sum[band] + value[band]);
+            let more = worker.trace(first | u64::from(sample), ray);
+            *sum = std::array::from_fn(|band| sum[band] + more.value[band]);
+            if let (Some(spectrum), Some(more)) = (&mut spectrum, &more.spectrum) {
+                spectrum.add(more);
+            }
         }
     };
     let mut samples = 1;
@@ -50,5 +54,9 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, effort: Effor
         }
     }
     traced.value = sum.map(|sum| sum / f64::from(samples));
+    if let Some(spectrum) = &mut spectrum {
+        spectrum.scale(f64::from(samples).recip());
+    }
+    traced.spectrum = spectrum;
     traced
 }

@@ -57,6 +57,44 @@ impl Bands {
     }
 }
 
+/// The values of up to 24 bands, from the longest wavelength to the shortest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandValues {
+    values: [f32; Sampling::MOST_BANDS],
+    count: u8,
+}
+
+impl BandValues {
+    pub(crate) fn new(bands: impl Iterator<Item = f64>) -> BandValues {
+        let mut all = BandValues { values: [0.0; Sampling::MOST_BANDS], count: 0 };
+        for (value, band) in all.values.iter_mut().zip(bands) {
+            *value = band as f32;
+            all.count += 1;
+        }
+        all
+    }
+
+    /// Adds as many other values.
+    pub fn add(&mut self, other: &BandValues) {
+        for (sum, value) in self.values.iter_mut().zip(&other.values) {
+            *sum += value;
+        }
+    }
+
+    /// Multiplies all values.
+    pub fn scale(&mut self, factor: f64) {
+        for value in &mut self.values {
+            *value *= factor as f32;
+        }
+    }
+
+    /// One value a band.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f32] {
+        &self.values[..usize::from(self.count)]
+    }
+}
+
 /// Which band of a sampling stands in which place.
 #[derive(Clone, Debug)]
 pub(crate) struct BandLayout {

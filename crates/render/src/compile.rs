@@ -18,7 +18,6 @@ use radsight_ir::{
     Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
     ValidScene,
 };
-use radsight_spectrum::Sampling;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -41,26 +40,32 @@ impl ShaderTable {
 
 /// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
 ///
-/// `surroundings` are colours that come from elsewhere. Models from elsewhere are first made for three bands. If the whole scene then proves to be grey, they are made again for one.
+/// `surroundings` are colours that come from elsewhere. Models from elsewhere are first made for three bands. If the whole scene then
+/// proves to be grey, they are made again for one. Spectra take as many places as their layout has, whatever the scene.
 pub(crate) fn compile_shaders(
     scene: &ValidScene,
     models: &dyn ModelSource,
     surroundings: &[Rgb],
+    layout: &Arc<BandLayout>,
 ) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
-    let (shaders, table) = compile_for(scene, models, 3)?;
+    let (shaders, table) = compile_for(scene, models, 3, layout)?;
+    if !layout.sampling().is_rgb() {
+        return Ok((shaders, table, layout.places()));
+    }
     if !shaders.iter().all(Shader::is_grey) || !surroundings.iter().all(|color| color.is_grey()) {
         return Ok((shaders, table, 3));
     }
     if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {
         return Ok((shaders, table, 1));
     }
-    compile_for(scene, models, 1).map(|(shaders, table)| (shaders, table, 1))
+    compile_for(scene, models, 1, layout).map(|(shaders, table)| (shaders, table, 1))
 }
 
 fn compile_for(
     scene: &Scene,
     models: &dyn ModelSource,
     bands: usize,
+    layout: &Arc<BandLayout>,
 ) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
     let mut compiler = Compiler {
         models,
@@ -68,7 +73,7 @@ fn compile_for(
         shaders: Vec::new(),
         errors: Vec::new(),
         octrees: HashMap::new(),
-        layout: Arc::new(BandLayout::new(Sampling::RGB)),
+        layout: layout.clone(),
         mixtures: 0,
     };
     let table = compiler.compile_scene(scene, &Home::default(), Use::Shown);

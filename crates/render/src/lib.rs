@@ -49,10 +49,12 @@ mod tilt;
 mod trace;
 mod view;
 
+pub use bands::BandValues;
 pub use options::{
     AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping, Unshared,
 };
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
+pub use radsight_spectrum::Sampling;
 pub use ray::Ray;
 pub use renderer::{RayWorker, Renderer};
 pub use trace::{FirstHit, Traced};

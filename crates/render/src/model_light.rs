@@ -4,7 +4,7 @@
 
 use crate::direct::DirectSampler;
 use crate::light::LightSample;
-use crate::surface_light::{LitPoint, Response};
+use crate::surface_light::{LitPoint, Response, model_bands, of_model};
 use crate::trace::Tracer;
 use glam::DVec3;
 use radsight_brdf::Brdf;
@@ -44,7 +44,7 @@ impl DirectSampler {
             batch.incident.push(point.frame.to_local(sample.direction));
         });
         batch.values.clear();
-        batch.values.resize(batch.incident.len() * BANDS, 0.0);
+        batch.values.resize(batch.incident.len() * model_bands::<BANDS>(), 0.0);
         batch.densities.clear();
         batch.densities.resize(batch.incident.len(), 0.0);
         let mut sum = [0.0; BANDS];
@@ -52,11 +52,12 @@ impl DirectSampler {
             let outgoing = point.frame.to_local(point.outgoing);
             model.eval_pdf(outgoing, &batch.incident, &mut batch.values, &mut batch.densities);
         }
-        let answers = batch.incident.iter().zip(batch.values.chunks_exact(BANDS)).zip(&batch.densities);
+        let answers =
+            batch.incident.iter().zip(batch.values.chunks_exact(model_bands::<BANDS>())).zip(&batch.densities);
         for (place, ((incident, values), density)) in batch.places.iter().zip(answers) {
             let cosine = incident.z.abs();
             let response = Response {
-                highlight: std::array::from_fn(|band| values[band] * cosine),
+                highlight: of_model(values).map(|band: f64| band * cosine),
                 highlight_density: if point.sides_agree(place.sample.direction) { *density } else { 0.0 },
                 ..Response::NONE
             };

@@ -1,6 +1,7 @@
 //! What a user can ask of the renderer.
 
 use radsight_ir::Rgb;
+use radsight_spectrum::Sampling;
 
 /// Options of every program that traces rays; the names in brackets are Radiance's.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct RenderOptions {
     pub medium: GlobalMedium,
     /// Length of a ray in mist for each sample of its light, scene units (`-ms`); 0 is one sample a ray. Default 0.
     pub mist_sample_length: f64,
+    /// In which bands light is followed (`-cs`, `-cw`). Default red, green and blue.
+    pub sampling: Sampling,
     /// Whether surfaces are seen from behind (`-bv`).
     pub back_faces: BackFaces,
     /// What is wanted of a ray (`-i`, `-I`).
@@ -49,6 +52,7 @@ impl Default for RenderOptions {
             lights: Lights::Visible,
             medium: GlobalMedium::default(),
             mist_sample_length: 0.0,
+            sampling: Sampling::RGB,
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
             skipping: Skipping::Allowed,

@@ -1,6 +1,7 @@
 //! What a scene needs, decided once before the first ray.
 
 use crate::antimatter::all_cut;
+use crate::bands::BandLayout;
 use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
 use crate::geometry::Geometry;
@@ -50,7 +51,9 @@ pub struct RenderPlan {
     pub(crate) mist_lights: MistLights,
     /// Whether interreflection is left out on the surfaces of a shader; empty for none.
     excluded: Vec<bool>,
+    /// How many places the tracer has.
     pub(crate) bands: usize,
+    pub(crate) layout: Arc<BandLayout>,
     /// The first surface with an unusable material that a ray met.
     pub(crate) unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
     decisions: Vec<Decision>,
@@ -84,8 +87,9 @@ impl RenderPlan {
         options: RenderOptions,
         models: &dyn ModelSource,
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
+        let layout = Arc::new(BandLayout::new(options.sampling));
         let colors = [options.ambient_value, options.medium.extinction, options.medium.albedo];
-        let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors)?;
+        let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout)?;
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
             .map_err(|error| vec![error])?;
@@ -135,6 +139,7 @@ impl RenderPlan {
             mist_lights,
             excluded,
             bands,
+            layout,
             unusable_met: OnceLock::new(),
             decisions: Vec::new(),
         };
@@ -167,10 +172,10 @@ impl RenderPlan {
         self.options.seed
     }
 
-    /// How many bands are traced: one for a grey scene, else red, green and blue.
+    /// How many bands are traced: one for a grey scene, else red, green and blue, or those of a spectrum.
     #[must_use]
     pub fn bands(&self) -> usize {
-        self.bands
+        if self.layout.sampling().is_rgb() { self.bands } else { self.layout.sampling().bands() }
     }
 
     /// The decisions, in words.
@@ -282,7 +287,9 @@ impl RenderPlan {
     fn decide(&self) -> Vec<Decision> {
         let mut decisions = Vec::new();
         let mut say = |what: String, why: &str| decisions.push(Decision { what, why: why.to_owned() });
-        if self.bands == 1 {
+        if !self.layout.sampling().is_rgb() {
+            say(format!("{} bands are traced", self.bands()), "-cs");
+        } else if self.bands == 1 {
             say("one band is traced".into(), "every colour that a surface uses is grey");
         } else {
             say("three bands are traced".into(), "some surface uses a colour or a colour pattern");

@@ -29,6 +29,9 @@ pub struct RayWorker<'r>(Bands<'r>);
 enum Bands<'r> {
     Grey(Tracer<'r, 1>),
     Color(Tracer<'r, 3>),
+    NarrowSpectrum(Box<Tracer<'r, 27>>),
+    Spectrum(Box<Tracer<'r, 36>>),
+    WideSpectrum(Box<Tracer<'r, 72>>),
 }
 
 /// Rays that one thread takes at a time.
@@ -65,7 +68,10 @@ impl Renderer {
     pub fn worker(&self) -> RayWorker<'_> {
         RayWorker(match self.plan.bands {
             1 => Bands::Grey(Tracer::new(&self.plan, self.shared.grey.as_ref())),
-            _ => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref())),
+            3 => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref())),
+            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, None))),
+            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, None))),
+            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, None))),
         })
     }
 
@@ -94,6 +100,9 @@ impl RayWorker<'_> {
         match &mut self.0 {
             Bands::Grey(tracer) => tracer.trace(index, ray),
             Bands::Color(tracer) => tracer.trace(index, ray),
+            Bands::NarrowSpectrum(tracer) => tracer.trace(index, ray),
+            Bands::Spectrum(tracer) => tracer.trace(index, ray),
+            Bands::WideSpectrum(tracer) => tracer.trace(index, ray),
         }
     }
 }

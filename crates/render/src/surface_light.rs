@@ -1,5 +1,6 @@
 //! How a lit point of a surface scatters: its components, evaluated and drawn from.
 
+use crate::bands::spread;
 use crate::beyond::{Beyond, chance_of_second, strongest};
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
@@ -352,9 +353,10 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             Highlight::Model(model) => {
                 let local = self.frame.to_local(incident);
                 let mut density = [0.0];
-                model.eval_pdf(self.frame.to_local(self.outgoing), &[local], &mut response.highlight, &mut density);
+                let values = &mut response.highlight[..model_bands::<BANDS>()];
+                model.eval_pdf(self.frame.to_local(self.outgoing), &[local], values, &mut density);
                 response.highlight_density = density[0];
-                response.highlight = response.highlight.map(|band| band * local.z.abs());
+                response.highlight = of_model(&response.highlight).map(|band| band * local.z.abs());
             }
         }
         if let Some(beyond) = &self.beyond {
@@ -431,7 +433,11 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             Highlight::WardAnisotropic(ward) => ward.sample(outgoing, u, &mut weight),
             Highlight::Ashikhmin(lobe) => lobe.sample(outgoing, u, &mut weight),
             Highlight::Retro(retro) => draw_retro(retro, outgoing, u, &mut weight),
-            Highlight::Model(model) => model.sample(outgoing, u, &mut weight),
+            Highlight::Model(model) => {
+                let sample = model.sample(outgoing, u, &mut weight[..model_bands::<BANDS>()]);
+                weight = of_model(&weight);
+                sample
+            }
         }?;
         let direction = frame.to_scene(sample.incident);
         self.sides_agree(direction).then_some(Drawn { direction, weight, density: sample.density })
@@ -524,4 +530,14 @@ pub(crate) fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64,
 pub(crate) fn colored<const BANDS: usize>(kind: &GlossyKind, pattern: [f64; BANDS]) -> [f64; BANDS] {
     let own: [f64; BANDS] = bands(kind.color);
     std::array::from_fn(|band| own[band] * pattern[band])
+}
+
+/// In how many bands models from elsewhere are made: they know no spectra.
+pub(crate) const fn model_bands<const BANDS: usize>() -> usize {
+    if BANDS > 3 { 3 } else { BANDS }
+}
+
+/// A model's values in the places of a tracer.
+pub(crate) fn of_model<const BANDS: usize>(values: &[f64]) -> [f64; BANDS] {
+    if BANDS > 3 { spread([values[0], values[1], values[2]]) } else { std::array::from_fn(|band| values[band]) }
 }

@@ -20,7 +20,10 @@ const MOST_RECORDS: f64 = 0.25;
 impl RenderPlan {
     /// Whether irradiance is shared between points at all.
     pub(crate) fn shares_irradiance(&self) -> bool {
-        self.options.ambient_bounces > 0 && self.options.gathering.accuracy > 0.0 && self.options.gathering.rays() > 1
+        self.layout.sampling().is_rgb()
+            && self.options.ambient_bounces > 0
+            && self.options.gathering.accuracy > 0.0
+            && self.options.gathering.rays() > 1
     }
 
     /// How near and how far records are trusted: as Radiance does, from the scene's size.

@@ -7,6 +7,7 @@
 //! Russian roulette.
 
 use crate::antimatter::{Cut, CutId, Meeting};
+use crate::bands::BandValues;
 use crate::direct::DirectSampler;
 use crate::gather::Place;
 use crate::indirect::Indirect;
@@ -25,6 +26,7 @@ use radsight_cal::Scratch;
 use radsight_ir::{Rgb, SurfaceHandle};
 use radsight_irradiance::Cache;
 use radsight_sampling::{DimensionSet, RaySampler};
+use radsight_spectrum::Sampling;
 use std::f64::consts::PI;
 
 /// Memory of one thread.
@@ -58,8 +60,11 @@ pub struct FirstHit {
 /// What a ray brings.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
-    /// Radiance in W/(sr·m²), or irradiance in W/m², as the options ask; in a grey scene the three bands are equal.
+    /// Radiance in W/(sr·m²), or irradiance in W/m², as the options ask; in a grey scene the three bands are equal, of a spectrum it is
+    /// the colour.
     pub value: [f64; 3],
+    /// The same in each band where spectra are traced.
+    pub spectrum: Option<BandValues>,
     /// The first surface that is not invisible.
     pub first_hit: Option<FirstHit>,
     /// Distance along the ray to what is seen, through plane mirrors and panes; infinite for none.
@@ -199,10 +204,22 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             self.finish(start);
         }
         Traced {
-            value: std::array::from_fn(|band| self.radiance[band.min(BANDS - 1)]),
+            value: self.rgb(),
+            spectrum: (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(&self.radiance))),
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
         }
+    }
+
+    fn rgb(&self) -> [f64; 3] {
+        if BANDS <= 3 {
+            return std::array::from_fn(|band| self.radiance[band.min(BANDS - 1)]);
+        }
+        let mut bands = [0.0; Sampling::MOST_BANDS];
+        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(&self.radiance)) {
+            *band = value;
+        }
+        self.plan.layout.sampling().rgb(&bands)
     }
 
     /// Forgets the ray before; the next one begins in this medium.

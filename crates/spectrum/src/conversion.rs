@@ -8,7 +8,7 @@ use crate::sampling::Sampling;
 pub struct Conversion {
     /// For each value what it gives to each band of the result, or to X, Y and Z for red, green and blue.
     weights: Vec<Box<[f64]>>,
-    is_rgb: bool,
+    through_xyz: bool,
 }
 
 /// Two ranges of wavelengths are the same below this sum of squared differences, nm².
@@ -22,15 +22,24 @@ impl Conversion {
         let [longest, .., shortest] = to.splits_nm();
         if !to.is_rgb() {
             let weights = overlaps(to.bands(), [longest, shortest], count, [first_nm, last_nm]);
-            return Conversion { weights, is_rgb: false };
+            return Conversion { weights, through_xyz: false };
         }
         // Radiance takes a long or rising spectrum to the range of its colours first.
         if count <= Sampling::MOST_BANDS && first_nm > last_nm {
+            if count == 3 {
+                return Conversion { weights: unit(), through_xyz: false };
+            }
             let weights = band_weights(count, [first_nm, last_nm]).map(Box::from).collect();
-            return Conversion { weights, is_rgb: true };
+            return Conversion { weights, through_xyz: true };
         }
         let share = (longest - shortest) / (first_nm - last_nm).abs();
         let bands = ((count as f64 * share + 0.99) as usize).min(Sampling::MOST_BANDS);
+        if bands == 3 {
+            return Conversion {
+                weights: overlaps(3, [longest, shortest], count, [first_nm, last_nm]),
+                through_xyz: false,
+            };
+        }
         let of_bands: Vec<[f64; 3]> = band_weights(bands, [longest, shortest]).collect();
         let weights = overlaps(bands, [longest, shortest], count, [first_nm, last_nm])
             .into_iter()
@@ -38,7 +47,7 @@ impl Conversion {
                 (0..3).map(|i| shares.iter().zip(&of_bands).map(|(share, xyz)| share * xyz[i]).sum()).collect()
             })
             .collect();
-        Conversion { weights, is_rgb: true }
+        Conversion { weights, through_xyz: true }
     }
 
     /// The value in each band of the result; `bands` holds as many as the sampling has.
@@ -52,11 +61,16 @@ impl Conversion {
                 *band += value * weight;
             }
         }
-        if self.is_rgb {
+        if self.through_xyz {
             let rgb = xyz_to_rgb([bands[0], bands[1], bands[2]]);
             bands[..3].copy_from_slice(&rgb);
         }
     }
+}
+
+/// Three values are red, green and blue to Radiance, whatever their wavelengths.
+fn unit() -> Vec<Box<[f64]>> {
+    (0..3).map(|value| (0..3).map(|band| f64::from(u8::from(band == value))).collect()).collect()
 }
 
 /// For each value the share of each band that it covers.

@@ -77,7 +77,9 @@ impl Sampling {
         if self.is_rgb() {
             return band;
         }
-        let middle = self.splits_nm[0] - (band as f64 + 0.5) * self.step_nm();
+        // Summed up as in Radiance: a middle that falls on a border falls to the same side.
+        let step = -self.step_nm();
+        let middle = (0..band).fold(self.splits_nm[0] + 0.5 * step, |middle, _| middle + step);
         match middle {
             _ if middle >= self.splits_nm[1] => 0,
             _ if middle >= self.splits_nm[2] => 1,

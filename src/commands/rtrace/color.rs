@@ -1,4 +1,4 @@
-//! In which components values are written (`-p…`).
+//! In which components values are written (`-p…`, `-co`).
 
 use crate::failure::Failure;
 use crate::render_args::number;
@@ -14,6 +14,8 @@ pub(super) enum OutputColor {
     Xyz(DMat3),
     /// Red, green and blue of other primaries: to X, Y, Z, and from there.
     Primaries(RgbPrimaries, [DMat3; 2]),
+    /// Every band that is traced.
+    Bands,
     /// One number: the sum of red, green and blue with these weights.
     Weighted([f64; 3]),
 }
@@ -37,6 +39,8 @@ impl OutputColor {
             "-pY" => OutputColor::Weighted(to_xyz.row(1).to_array().map(|weight| weight * WHITE_EFFICACY)),
             "-pS" => OutputColor::Weighted(SCOTOPIC),
             "-pM" => OutputColor::Weighted(MELANOPIC),
+            "-co" | "-co+" => OutputColor::Bands,
+            "-co-" => OutputColor::Rgb,
             "-pA" => OutputColor::Weighted([1.0 / 3.0; 3]),
             "-pc" => {
                 let mut numbers = [0.0; 8];
@@ -52,9 +56,13 @@ impl OutputColor {
         Ok(Some((color, 1)))
     }
 
-    /// How many numbers a value has.
-    pub(super) fn components(&self) -> usize {
-        if matches!(self, OutputColor::Weighted(_)) { 1 } else { 3 }
+    /// How many numbers a value has, of so many bands that are traced.
+    pub(super) fn components(&self, bands: usize) -> usize {
+        match self {
+            OutputColor::Weighted(_) => 1,
+            OutputColor::Bands => bands,
+            _ => 3,
+        }
     }
 
     /// The primaries that a header names: none for the usual ones.
@@ -69,7 +77,7 @@ impl OutputColor {
     /// A value in these components, of which only as many count as there are.
     pub(super) fn of(&self, value: [f64; 3]) -> [f64; 3] {
         match self {
-            OutputColor::Rgb => value,
+            OutputColor::Rgb | OutputColor::Bands => value,
             OutputColor::Xyz(matrix) => (*matrix * DVec3::from(value)).to_array(),
             OutputColor::Primaries(_, [to_xyz, from_xyz]) => {
                 let xyz = (*to_xyz * DVec3::from(value)).to_array();

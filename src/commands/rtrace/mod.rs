@@ -151,6 +151,10 @@ fn header(options: &Options) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
     header.push_variable("NCOMP", &options.numbers().to_string());
+    if options.color == color::OutputColor::Bands {
+        let splits = options.render.sampling.splits_nm().map(|split| split.to_string());
+        header.push_variable("WAVELENGTH_SPLITS", &format!(" {}", splits.join(" ")));
+    }
     if let Some(primaries) = options.color.primaries() {
         header.push_variable("PRIMARIES", &primaries.to_header_value());
     }

@@ -168,7 +168,7 @@ impl Options {
         if self.output_format == OutputFormat::Pixels && self.output != [Field::Value] {
             return Err(Failure::usage("rtrace: pixels (-f.c) hold the value alone, expected -ov"));
         }
-        if self.output_format == OutputFormat::Pixels && self.color.components() != 3 {
+        if self.output_format == OutputFormat::Pixels && self.components() != 3 {
             return Err(Failure::usage("rtrace: pixels (-f.c) hold three numbers, expected -pRGB, -pXYZ or -pc"));
         }
         if self.render.quantity != Quantity::Radiance && !self.output.iter().any(|field| field.needs_tracing()) {
@@ -280,10 +280,15 @@ impl Options {
         })
     }
 
+    /// How many numbers a value has.
+    pub(super) fn components(&self) -> usize {
+        self.color.components(self.render.sampling.bands())
+    }
+
     /// How many numbers are in a record, names counted as one each.
     pub(super) fn numbers(&self) -> usize {
         let numbers = |field: &Field| match field {
-            field if field.is_value() => self.color.components(),
+            field if field.is_value() => self.components(),
             Field::Direction | Field::Origin | Field::Point | Field::PerturbedNormal | Field::Normal => 3,
             Field::Local => 2,
             Field::Tilde => 0,

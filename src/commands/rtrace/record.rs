@@ -1,11 +1,12 @@
 //! What is written for a ray.
 
+use super::color::OutputColor;
 use super::options::{Field, Options, OutputFormat};
 use super::rays::InputRay;
 use glam::DVec3;
 use radsight_picture::{encode_rgbe, scientific};
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{FirstHit, RenderPlan, Traced};
+use radsight_render::{BandValues, FirstHit, RenderPlan, Sampling, Traced};
 use std::io::Write;
 
 /// Digits after the point of a number in text.
@@ -46,6 +47,13 @@ impl Found {
         }
     }
 
+    fn spectrum(&self) -> Option<BandValues> {
+        match self {
+            Found::Traced(traced) => traced.spectrum,
+            Found::Cast(_) | Found::Clipped => None,
+        }
+    }
+
     fn effective_distance(&self) -> Option<f64> {
         match self {
             Found::Traced(traced) => Some(traced.effective_distance),
@@ -68,8 +76,8 @@ impl<'o> Writer<'o> {
 
     /// Appends the record of one ray; of a ray without direction nothing was found.
     pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, out: &mut Vec<u8>) {
-        let value = self.options.color.of(found.map_or([0.0; 3], Found::value));
-        let value = &value[..self.options.color.components()];
+        let mut bands = [0.0; Sampling::MOST_BANDS];
+        let value = self.value(found, &mut bands);
         if self.options.output_format == OutputFormat::Pixels {
             let pixel = [0, 1, 2].map(|band| value.get(band).map_or(0.0, |value| *value as f32));
             return out.extend_from_slice(&encode_rgbe(pixel));
@@ -80,7 +88,7 @@ impl<'o> Writer<'o> {
             match field {
                 Field::Value | Field::Contribution => self.numbers_out(value, out),
                 // The input ray is the whole of itself.
-                Field::Coefficient => self.numbers_out(&[1.0; 3][..value.len()], out),
+                Field::Coefficient => self.numbers_out(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
                 Field::Weight => self.numbers_out(&[1.0], out),
                 Field::Direction => self.numbers_out(&vector(input.ray.map(|ray| ray.direction)), out),
                 Field::Origin => self.numbers_out(&input.origin.to_array(), out),
@@ -101,6 +109,19 @@ impl<'o> Writer<'o> {
         if self.options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
             out.push(b'\n');
         }
+    }
+
+    /// The components of what a ray brings; `bands` is where they are put.
+    fn value<'b>(&self, found: Option<&Found>, bands: &'b mut [f64; Sampling::MOST_BANDS]) -> &'b [f64] {
+        match found.and_then(Found::spectrum) {
+            Some(spectrum) if self.options.color == OutputColor::Bands => {
+                for (band, value) in bands.iter_mut().zip(spectrum.as_slice()) {
+                    *band = f64::from(*value);
+                }
+            }
+            _ => bands[..3].copy_from_slice(&self.options.color.of(found.map_or([0.0; 3], Found::value))),
+        }
+        &bands[..self.options.components()]
     }
 
     fn numbers_out(&self, values: &[f64], out: &mut Vec<u8>) {
