@@ -34,7 +34,7 @@ pub fn extrema<R: Read>(mut reader: PictureReader<R>) -> Result<[Extremum; 2], T
     };
     let start = |color| Extremum { position: 0, scanline: 0, color };
     let mut found = [start(decode_rgbe(BRIGHTEST)), start([0.0; 3])];
-    let mut keys = [(BRIGHTEST[3], weights.iter().sum::<u32>() * u32::from(BRIGHTEST[0]) >> 8), (0, 0)];
+    let mut keys = [(BRIGHTEST[3], (weights.iter().sum::<u32>() * u32::from(BRIGHTEST[0])) >> 8), (0, 0)];
     for scanline in (0..reader.resolution().scanlines()).rev() {
         let stored = reader.read_stored()?;
         for (position, pixel) in stored.chunks_exact(components + 1).enumerate().rev() {

@@ -67,7 +67,7 @@ fn interpolated(value: f64) -> [f64; 3] {
     // The step is written with so many digits in Radiance too.
     let place = value / 0.0454545 + 1.0;
     let last = DEFAULT.len();
-    if !(place > 1.0) {
+    if place <= 1.0 || place.is_nan() {
         return DEFAULT[0];
     }
     if place >= last as f64 {
@@ -82,7 +82,7 @@ fn turbo(value: f64) -> [f64; 3] {
     if value > 1.0 {
         return TURBO[TURBO.len() - 1];
     }
-    if !(value > 0.0) {
+    if value <= 0.0 || value.is_nan() {
         return TURBO[0];
     }
     let nearest = (value * 255.0 + 0.5).floor();

@@ -190,9 +190,11 @@ fn proportional(font: &Font, line: &[u8], between: i64) -> (Vec<i64>, i64) {
         let wanted = cells * cell;
         width += wanted;
         let mut left = wanted - found;
-        for index in at + 1..=next {
-            let share = left / (next + 1 - index) as i64;
-            spaces[index] += share;
+        let stretch = &mut spaces[at + 1..=next];
+        let count = stretch.len();
+        for (index, space) in stretch.iter_mut().enumerate() {
+            let share = left / (count - index) as i64;
+            *space += share;
             left -= share;
         }
         at = next;

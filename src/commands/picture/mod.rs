@@ -17,8 +17,11 @@ mod words;
 use crate::failure::Outcome;
 use words::Words;
 
+/// What runs a program.
+type Program = fn(Words<'_>) -> Outcome;
+
 /// The programs by their names.
-const PROGRAMS: [(&str, fn(Words<'_>) -> Outcome); 15] = [
+const PROGRAMS: [(&str, Program); 15] = [
     ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),

@@ -166,14 +166,13 @@ impl Composition {
         let mut layer = Layer { reader, corner: [0; 2], above: placing.above, below: placing.below };
         let size = layer.size();
         if options.columns == 0 {
-            for axis in 0..2 {
-                let place = words.integer(path)?;
-                let taken = match placing.anchor[axis] {
-                    '+' => size[axis],
-                    '0' => size[axis] / 2,
+            for ((corner, size), anchor) in layer.corner.iter_mut().zip(size).zip(placing.anchor) {
+                let taken = match anchor {
+                    '+' => size,
+                    '0' => size / 2,
                     _ => 0,
                 };
-                layer.corner[axis] = place - taken;
+                *corner = words.integer(path)? - taken;
             }
         } else {
             if cursor.column >= options.columns.abs() {
