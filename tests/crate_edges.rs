@@ -47,6 +47,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("pinhole", &["sampling"]),
     ("render", &["brdf", "bsdf", "cal", "diag", "ir", "irradiance", "retro", "sampling", "spectrum"]),
     ("retro", &["brdf"]),
+    ("rif", &["generate"]),
     ("sampling", &[]),
     ("sensor", &[]),
     ("spectrum", &[]),

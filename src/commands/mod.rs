@@ -10,6 +10,7 @@ mod oconv;
 mod picture;
 mod pinhole;
 mod plugin;
+mod rad;
 mod rig;
 mod rpict;
 mod rtrace;
@@ -23,7 +24,8 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    ["mksource", "oconv", "rpict", "rtrace", "vwrays"].into_iter().chain(scene_program::names()).chain(picture::names())
+    let own = ["mksource", "oconv", "rad", "rpict", "rtrace", "vwrays"];
+    own.into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
@@ -32,6 +34,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     match name {
         "mksource" => return Some(mksource::run(words)),
         "oconv" => return Some(oconv::run(words)),
+        "rad" => return Some(rad::run(&words[1..])),
         "rpict" => return Some(rpict::run(words)),
         "rtrace" => return Some(rtrace::run(words)),
         "vwrays" => return Some(vwrays::run(&words[1..])),

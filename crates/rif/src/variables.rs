@@ -1,0 +1,343 @@
+//! The variables of a `.rif` file.
+
+use crate::RifError;
+
+/// A variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    AmbientFile,
+    Detail,
+    Exposure,
+    EyeSeparation,
+    Illum,
+    Indirect,
+    Materials,
+    Mkillum,
+    Mkpmap,
+    Objects,
+    Oconv,
+    Octree,
+    OptionFile,
+    CausticMap,
+    Penumbras,
+    Pfilt,
+    GlobalMap,
+    Picture,
+    Quality,
+    RawFile,
+    Render,
+    Report,
+    Resolution,
+    Rpict,
+    Rvu,
+    Scene,
+    Up,
+    Variability,
+    View,
+    ZFile,
+    Zone,
+}
+
+/// What a variable holds, and what more than one assignment means.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Text, perhaps in quotes; the last counts.
+    Text,
+    /// Several words; the last counts.
+    Last,
+    /// Assignments add up to one text.
+    Joined,
+    /// Each assignment counts.
+    Each,
+    /// Low, medium or high.
+    Quality,
+    Flag,
+    Whole,
+    Real,
+}
+
+use Variable as V;
+
+/// Each variable with its name, the length of the shortest short form of it, and its kind; in the order in which they are printed.
+const VARIABLES: [(Variable, &str, usize, Kind); 31] = [
+    (V::AmbientFile, "AMBFILE", 3, Kind::Text),
+    (V::Detail, "DETAIL", 3, Kind::Quality),
+    (V::Exposure, "EXPOSURE", 3, Kind::Real),
+    (V::EyeSeparation, "EYESEP", 3, Kind::Real),
+    (V::Illum, "illum", 3, Kind::Joined),
+    (V::Indirect, "INDIRECT", 3, Kind::Whole),
+    (V::Materials, "materials", 3, Kind::Joined),
+    (V::Mkillum, "mkillum", 3, Kind::Joined),
+    (V::Mkpmap, "mkpmap", 3, Kind::Joined),
+    (V::Objects, "objects", 3, Kind::Joined),
+    (V::Oconv, "oconv", 3, Kind::Joined),
+    (V::Octree, "OCTREE", 3, Kind::Text),
+    (V::OptionFile, "OPTFILE", 3, Kind::Text),
+    (V::CausticMap, "PCMAP", 2, Kind::Text),
+    (V::Penumbras, "PENUMBRAS", 3, Kind::Flag),
+    (V::Pfilt, "pfilt", 2, Kind::Joined),
+    (V::GlobalMap, "PGMAP", 2, Kind::Text),
+    (V::Picture, "PICTURE", 3, Kind::Text),
+    (V::Quality, "QUALITY", 3, Kind::Quality),
+    (V::RawFile, "RAWFILE", 3, Kind::Text),
+    (V::Render, "render", 3, Kind::Joined),
+    (V::Report, "REPORT", 3, Kind::Last),
+    (V::Resolution, "RESOLUTION", 3, Kind::Last),
+    (V::Rpict, "rpict", 3, Kind::Joined),
+    (V::Rvu, "rvu", 3, Kind::Joined),
+    (V::Scene, "scene", 3, Kind::Joined),
+    (V::Up, "UP", 2, Kind::Last),
+    (V::Variability, "VARIABILITY", 3, Kind::Quality),
+    (V::View, "view", 2, Kind::Each),
+    (V::ZFile, "ZFILE", 2, Kind::Text),
+    (V::Zone, "ZONE", 2, Kind::Last),
+];
+
+/// The columns after which a printed value goes on in the next line.
+const JOINED_WIDTH: usize = 64;
+const OTHER_WIDTH: usize = 236;
+
+/// What a `.rif` file says.
+#[derive(Clone, Debug)]
+pub struct Rif {
+    /// The file's name without its suffix.
+    pub(crate) root: String,
+    file: String,
+    values: [Vec<String>; VARIABLES.len()],
+}
+
+impl Rif {
+    /// Reads the text of a file of this name.
+    ///
+    /// # Errors
+    /// [`RifError::UnknownVariable`].
+    pub fn read(file: &str, text: &str) -> Result<Rif, RifError> {
+        let values = std::array::from_fn(|_| Vec::new());
+        let mut rif = Rif { root: without_suffix(file).to_owned(), file: file.to_owned(), values };
+        for (line, assignment) in logical_lines(text) {
+            rif.set(&assignment, line)?;
+        }
+        Ok(rif)
+    }
+
+    /// Takes an assignment such as `QUALITY=high` from the command line. False if nothing is assigned.
+    ///
+    /// # Errors
+    /// [`RifError::UnknownVariable`].
+    pub fn assign(&mut self, assignment: &str) -> Result<bool, RifError> {
+        self.set(assignment, 0)
+    }
+
+    fn set(&mut self, assignment: &str, line: usize) -> Result<bool, RifError> {
+        let assignment = assignment.trim();
+        let end = assignment.find(|c: char| c.is_whitespace() || c == '=').unwrap_or(assignment.len());
+        let (name, value) = assignment.split_at(end);
+        let value = squeezed(value.trim_start_matches(|c: char| c.is_whitespace() || c == '='));
+        if name.is_empty() || value.is_empty() {
+            return Ok(false);
+        }
+        let known = VARIABLES.iter().position(|(_, full, least, _)| name.len() >= *least && full.starts_with(name));
+        let Some(known) = known else {
+            return Err(RifError::UnknownVariable { file: self.file.clone(), line, name: name.to_owned() });
+        };
+        self.values[known].push(value);
+        Ok(true)
+    }
+
+    /// Checks the values and makes one of each that can be only one. Gives warnings.
+    ///
+    /// # Errors
+    /// [`RifError::Value`].
+    pub fn check(&mut self) -> Result<Vec<String>, RifError> {
+        let mut warnings = Vec::new();
+        for ((_, name, _, kind), values) in VARIABLES.iter().zip(&mut self.values) {
+            match kind {
+                Kind::Each => continue,
+                Kind::Joined if !values.is_empty() => *values = vec![values.join(" ")],
+                _ if values.len() > 1 => {
+                    warnings.push(format!("multiple assignment of variable '{name}'"));
+                    values.drain(..values.len() - 1);
+                }
+                _ => {}
+            }
+            let Some(value) = values.first_mut() else { continue };
+            let allowed: &[&str] = match kind {
+                Kind::Quality => &["LOW", "MEDIUM", "HIGH"],
+                Kind::Flag => &["TRUE", "FALSE"],
+                _ => &[],
+            };
+            let upper = value.to_ascii_uppercase();
+            let expected = match kind {
+                Kind::Quality if !allowed.iter().any(|word| word.starts_with(&upper)) => "low, medium or high",
+                Kind::Flag if !allowed.iter().any(|word| word.starts_with(&upper)) => "true or false",
+                Kind::Whole if value.parse::<i64>().is_err() => "a whole number",
+                Kind::Real if value.parse::<f64>().is_err() => "a number",
+                _ => {
+                    if *kind == Kind::Text {
+                        unquote(value);
+                    }
+                    continue;
+                }
+            };
+            return Err(RifError::Value { variable: name, value: value.clone(), expected });
+        }
+        Ok(warnings)
+    }
+
+    /// All values, an assignment a line, as `rad -e` prints them.
+    #[must_use]
+    pub fn explained(&self) -> String {
+        let mut text = String::new();
+        for ((_, name, _, kind), values) in VARIABLES.iter().zip(&self.values) {
+            let space = if matches!(kind, Kind::Joined | Kind::Last | Kind::Each) { " " } else { "" };
+            let (width, next) = match kind {
+                Kind::Joined => (JOINED_WIDTH, format!("\n{name}=")),
+                _ => (OTHER_WIDTH, " \\\n".to_owned()),
+            };
+            for value in values {
+                text.push_str(&format!("{name}={space}"));
+                wrap(value, width - name.len(), &next, &mut text);
+                text.push('\n');
+            }
+        }
+        text
+    }
+
+    /// The value of a variable; the first of several.
+    pub(crate) fn value(&self, variable: Variable) -> Option<&str> {
+        self.values[place(variable)].first().map(String::as_str)
+    }
+
+    /// All values of a variable.
+    pub(crate) fn all(&self, variable: Variable) -> &[String] {
+        &self.values[place(variable)]
+    }
+
+    /// Gives a variable without a value one.
+    pub(crate) fn set_default(&mut self, variable: Variable, value: impl Into<String>) {
+        let values = &mut self.values[place(variable)];
+        if values.is_empty() {
+            values.push(value.into());
+        }
+    }
+
+    /// The error of a value that turns out wrong when it is used.
+    pub(crate) fn wrong(&self, variable: Variable, expected: &'static str) -> RifError {
+        let value = self.value(variable).unwrap_or_default().to_owned();
+        RifError::Value { variable: VARIABLES[place(variable)].1, value, expected }
+    }
+}
+
+fn place(variable: Variable) -> usize {
+    variable as usize
+}
+
+/// The lines that backslashes at their ends make of those of the text, without comments, each with its number.
+fn logical_lines(text: &str) -> Vec<(usize, String)> {
+    let mut lines = Vec::new();
+    let mut characters = text.chars();
+    let (mut line, mut start, mut current, mut in_comment) = (1, 1, String::new(), false);
+    while let Some(character) = characters.next() {
+        match character {
+            '\\' => {
+                let next = characters.next();
+                line += usize::from(next == Some('\n'));
+                if !in_comment {
+                    current.extend(next.map(|next| if next == '\n' { ' ' } else { next }));
+                }
+            }
+            '\n' => {
+                line += 1;
+                lines.push((start, std::mem::take(&mut current)));
+                (start, in_comment) = (line, false);
+            }
+            '#' => in_comment = true,
+            _ if in_comment => {}
+            _ => current.push(character),
+        }
+    }
+    lines.push((start, current));
+    lines
+}
+
+/// Of white space outside of quotes the first character is kept. As in Radiance, a quote at the very start keeps nothing together, so
+/// that a command in quotes can go on in the next line.
+fn squeezed(value: &str) -> String {
+    let mut text = String::with_capacity(value.len());
+    let mut quote = None;
+    for (place, character) in value.trim().char_indices() {
+        match quote {
+            _ if place == 0 => {}
+            Some(open) if open == character => quote = None,
+            Some(_) => {}
+            None if character.is_whitespace() => {
+                if text.ends_with(char::is_whitespace) {
+                    continue;
+                }
+            }
+            None if matches!(character, '"' | '\'') => quote = Some(character),
+            None => {}
+        }
+        text.push(character);
+    }
+    text
+}
+
+fn unquote(value: &mut String) {
+    let quote = value.chars().next().filter(|quote| matches!(quote, '"' | '\''));
+    if let Some(quote) = quote
+        && let Some(inner) = value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote))
+    {
+        *value = inner.to_owned();
+    }
+}
+
+/// Writes a value, going on in a new line at the first space beyond a width.
+fn wrap(value: &str, width: usize, next: &str, text: &mut String) {
+    let mut left = width;
+    for character in value.chars() {
+        if left == 0 && character.is_whitespace() {
+            text.push_str(next);
+            left = width;
+        }
+        left = left.saturating_sub(1);
+        text.push(character);
+    }
+}
+
+/// A file's name without what follows the last full stop of its last part.
+pub(crate) fn without_suffix(name: &str) -> &str {
+    let last = name.rfind('/').map_or(0, |slash| slash + 1);
+    match name[last..].rfind('.') {
+        Some(dot) => &name[..last + dot],
+        None => name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_variables() {
+        assert!(VARIABLES.iter().enumerate().all(|(place, (variable, ..))| super::place(*variable) == place));
+    }
+
+    #[test]
+    fn names_can_be_short_and_lines_long() {
+        let text = "# all\nQUAL = Hi # best\nscene= a.rad \\\n  b.rad\nsce = \"!xform  -n c  d.rad\"\nEXP=\\#\n";
+        let mut rif = Rif::read("x/y.z.rif", text).unwrap();
+        assert_eq!(rif.root, "x/y.z");
+        assert!(rif.check().is_err(), "an exposure is a number");
+        rif.assign("EXP=2").unwrap();
+        assert_eq!(rif.check().unwrap(), ["multiple assignment of variable 'EXPOSURE'"]);
+        assert_eq!(rif.value(Variable::Scene), Some("a.rad b.rad \"!xform -n c d.rad\""));
+        assert_eq!(rif.value(Variable::Quality), Some("Hi"));
+    }
+
+    #[test]
+    fn unknown_variables_are_named_with_their_line() {
+        let error = Rif::read("a.rif", "view= X\n\nQU= low\n").unwrap_err();
+        assert_eq!(error.to_string(), "a.rif:3: unknown variable \"QU\"");
+    }
+}

@@ -1,0 +1,246 @@
+//! `rad`: finished pictures from a `.rif` file.
+
+use crate::disk::Commands;
+use crate::failure::{Failure, Outcome, reason, say};
+use crate::input::{read, read_file, scene_inputs};
+use crate::output::{write_file, write_standard_output};
+use crate::render_args::number;
+use crate::view_args;
+use radsight_generate::shell_words::{Stage, split};
+use radsight_parse::{Input, ReadOptions, cube};
+use radsight_picture::ViewOptions;
+use radsight_rif::{Cube, Date, How, Rif, Site, Step};
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+const USAGE: &str = "rad [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
+
+/// What the command line says.
+#[derive(Debug, Default)]
+struct Arguments {
+    how: How,
+    /// `-n`, and `-t`, which runs nothing either.
+    is_dry: bool,
+    /// `-s`
+    is_silent: bool,
+    /// `-w`
+    no_warnings: bool,
+    /// `-e`
+    explains: bool,
+    threads: Option<usize>,
+    file: String,
+    assignments: Vec<String>,
+}
+
+/// Runs the program.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let arguments = Arguments::read(words)?;
+    let text = read_file(&arguments.file, "file")?;
+    let wrong = |error: radsight_rif::RifError| Failure::input(format!("rad: {error}"));
+    let mut rif = Rif::read(&arguments.file, &String::from_utf8_lossy(&text)).map_err(wrong)?;
+    for assignment in &arguments.assignments {
+        if !rif.assign(assignment).map_err(wrong)? {
+            say(&format!("rad: bad variable assignment: {assignment} (ignored)\n"));
+        }
+    }
+    for warning in rif.check().map_err(wrong)? {
+        if !arguments.no_warnings {
+            say(&format!("rad: warning - {warning}\n"));
+        }
+    }
+    let steps = rif.steps(&arguments.how, &Disk).map_err(wrong)?;
+    if arguments.explains {
+        write_standard_output(rif.explained().as_bytes())?;
+    }
+    steps.iter().try_for_each(|step| arguments.take(step))
+}
+
+impl Arguments {
+    fn read(words: &[String]) -> Result<Arguments, Failure> {
+        let mut arguments = Arguments::default();
+        let mut at = 0;
+        while let Some(word) = words.get(at).filter(|word| word.starts_with('-')) {
+            match word.as_str() {
+                "-s" => arguments.is_silent = true,
+                "-n" => arguments.is_dry = true,
+                "-t" => arguments.how.touch_only = true,
+                "-e" => arguments.explains = true,
+                "-V" => arguments.how.show_views = true,
+                "-w" => arguments.no_warnings = true,
+                "-N" => {
+                    let threads = number(&words[at..], word, "a number of threads")?;
+                    arguments.is_dry = threads == 0;
+                    arguments.threads = Some(threads).filter(|threads| *threads > 0);
+                    at += 1;
+                }
+                "-v" => {
+                    arguments.how.view = Some(number(&words[at..], word, "a view")?);
+                    at += 1;
+                }
+                "-o" => {
+                    return Err(Failure::usage("rad: option \"-o\": rvu, the interactive viewer, is not supported"));
+                }
+                _ => return Err(Failure::usage(format!("rad: unknown option \"{word}\"; usage: {USAGE}"))),
+            }
+            at += 1;
+        }
+        let mut rest = words[at..].iter().cloned();
+        arguments.file = rest.next().ok_or_else(|| Failure::usage(format!("rad: no file is named; usage: {USAGE}")))?;
+        arguments.assignments = rest.collect();
+        Ok(arguments)
+    }
+
+    fn take(&self, step: &Step) -> Outcome {
+        match step {
+            Step::ShowView(options) => write_standard_output(format!("VIEW={}\n", whole_view(options)?).as_bytes()),
+            Step::Run { command, removed_on_failure } => self.run(command, removed_on_failure),
+            Step::Touch(name) => {
+                self.tell(&format!("touch {name}"))?;
+                self.unless_dry(name, |name| File::options().append(true).open(name)?.set_modified(SystemTime::now()))
+            }
+            Step::Remove(name) => {
+                self.tell(&format!("rm -f {name}"))?;
+                self.unless_dry(name, |name| fs::remove_file(name))
+            }
+            Step::Rename(from, to) => {
+                self.tell(&format!("mv {from} {to}"))?;
+                self.unless_dry(from, |from| fs::rename(from, to))
+            }
+            // Real rad writes this file even when it only says what it would do.
+            Step::WriteOptions(name, text) => write_file(name, text.as_bytes()),
+        }
+    }
+
+    fn tell(&self, line: &str) -> Outcome {
+        if self.is_silent { Ok(()) } else { write_standard_output(format!("\t{line}\n").as_bytes()) }
+    }
+
+    fn unless_dry(&self, name: &str, act: impl Fn(&str) -> std::io::Result<()>) -> Outcome {
+        if self.is_dry {
+            return Ok(());
+        }
+        act(name).map_err(|error| Failure::fault(format!("rad: \"{name}\": {}", reason(&error))))
+    }
+
+    fn run(&self, command: &str, removed_on_failure: &[String]) -> Outcome {
+        let (stage, output) =
+            command.rsplit_once(" > ").map_or((command, None), |(stage, output)| (stage, Some(output)));
+        if self.is_dry {
+            return self.tell(command);
+        }
+        // A small picture made first fills a file of ambient values, which radsight has no use for.
+        if output == Some("/dev/null") {
+            return Ok(());
+        }
+        self.tell(command)?;
+        let words = words(stage)?;
+        let done = match Path::new(&words[0]).file_name().and_then(|name| name.to_str()) {
+            Some("mkpmap") => {
+                self.note("mkpmap is not run: light is followed without photon maps");
+                Ok(())
+            }
+            Some("mkillum") => self.keep_windows(&words, output.unwrap_or_default()),
+            Some(name @ ("oconv" | "rpict" | "pfilt")) => self.run_own(name, &words[1..], output),
+            _ => Err(Failure::input(format!(
+                "rad: program \"{}\" is not part of radsight, expected oconv, rpict or pfilt",
+                words[0]
+            ))),
+        };
+        if done.is_err() {
+            removed_on_failure.iter().for_each(|name| drop(fs::remove_file(name)));
+        }
+        done
+    }
+
+    fn note(&self, text: &str) {
+        if !self.no_warnings {
+            say(&format!("rad: note: {text}\n"));
+        }
+    }
+
+    /// Runs another program of ours, with a file for its output.
+    fn run_own(&self, name: &str, words: &[String], output: Option<&str>) -> Outcome {
+        let fault = |error: std::io::Error| Failure::fault(format!("rad: cannot run {name}: {}", reason(&error)));
+        let mut command = Command::new(std::env::current_exe().map_err(fault)?);
+        command.arg(name);
+        if let (Some(threads), "rpict") = (self.threads, name) {
+            command.args(["-n", &threads.to_string()]);
+        }
+        command.args(words).stdin(Stdio::null());
+        if let Some(path) = output {
+            let failed = |error| Failure::write(&format!("\"{path}\""), &error);
+            command.stdout(File::create(path).map_err(failed)?);
+        }
+        let status = command.status().map_err(fault)?;
+        if status.success() {
+            return Ok(());
+        }
+        // What is wrong was said by the program itself.
+        Err(Failure::input(format!("rad: {name} failed ({status})")))
+    }
+
+    /// Radiance's `mkillum` gives windows a light of their own, which spares `rpict` to look for the sun through them. Here light is
+    /// followed through windows as they are, so they stay.
+    fn keep_windows(&self, words: &[String], output: &str) -> Outcome {
+        self.note("mkillum is not run: light is followed through the surfaces as they are");
+        let files = words.iter().skip_while(|word| *word != "<").skip(1);
+        let mut text = Vec::new();
+        for file in files {
+            text.extend(read_file(file, "scene file")?);
+            text.push(b'\n');
+        }
+        write_file(output, &text)
+    }
+}
+
+/// The words of a command without pipes.
+fn words(command: &str) -> Result<Vec<String>, Failure> {
+    let wrong =
+        || Failure::input(format!("rad: \"{command}\": expected a program and its arguments, without a shell's signs"));
+    let script = split(command).map_err(|_| wrong())?;
+    match &script.pipelines[..] {
+        [pipeline] => match &pipeline.stages[..] {
+            [Stage::Command(command)] if command.input.is_none() => {
+                Ok(command.words.iter().map(|word| word.text.clone()).collect())
+            }
+            _ => Err(wrong()),
+        },
+        _ => Err(wrong()),
+    }
+}
+
+/// All options of a view.
+fn whole_view(options: &str) -> Result<String, Failure> {
+    let words = words(&format!("view {options}"))?;
+    let mut view = ViewOptions::default();
+    let mut at = 1;
+    while at < words.len() {
+        at += view_args::take_one(&words[at..], &mut view)?.max(1);
+    }
+    Ok(view_args::checked(view)?.options().to_full_string())
+}
+
+/// The files of the working folder.
+struct Disk;
+
+impl Site for Disk {
+    fn date(&self, name: &str) -> Date {
+        let modified = fs::metadata(name).and_then(|found| found.modified());
+        let since = modified.ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+        since.map_or(0, |since| since.as_secs() as Date)
+    }
+
+    fn cube(&self, scene: &[String]) -> Option<Cube> {
+        let mut inputs = Vec::new();
+        for name in scene {
+            match name.starts_with('!') {
+                true => inputs.push(Input::File(name.clone())),
+                false => inputs.extend(scene_inputs(std::slice::from_ref(name), None).ok()?),
+            }
+        }
+        let cube = cube(&read(inputs, Commands::Refused, &ReadOptions::default()).scene)?;
+        Some(Cube { corner: cube.origin.to_array(), size: cube.size })
+    }
+}
