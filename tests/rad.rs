@@ -34,7 +34,7 @@ fn bench() -> Folder {
     let folder = Folder::new();
     folder.file("room.rad", ROOM);
     folder.file("more.rad", "wall sphere ball 0 0 4 2 3 1 1\n");
-    folder.file("last.rad", "# nothing\n");
+    folder.file("last.rad", "wall sphere egg 0 0 4 -2 3 1 .5\n");
     folder.file("room.rif", PROJECT.replace("\\# ", ""));
     folder
 }
@@ -84,7 +84,7 @@ fn a_project_becomes_finished_pictures_once() {
     let said = run(&["-v", "def"]).text();
     assert_eq!(said.lines().count(), 4, "{said}");
     let picture = Picture::read(&folder.read("room_def.hdr")).expect("a picture");
-    assert_eq!((picture.width(), picture.height()), (24, 18));
+    assert_eq!((picture.width(), picture.height()), (24, 17));
     assert!(
         picture.header().to_text().contains("\nrpict -vp 0 -3 1 -vh 60 -x 48 -y 36 "),
         "{}",
@@ -106,10 +106,10 @@ fn what_is_wrong_is_said() {
     };
     refuses(&["none.rif"], "cannot read file \"none.rif\": no such file or directory");
     refuses(&["-n", "room.rif", "QUAL=best"], "rad: variable QUALITY is \"best\", expected low, medium or high");
-    refuses(&["-n", "room.rif", "FOO=1"], "rad: room.rif:0: unknown variable \"FOO\"");
+    refuses(&["-n", "room.rif", "FOO=1"], "rad: command line: unknown variable \"FOO\"");
     refuses(&["-n", "room.rif", "sce=lost.rad"], "rad: file \"lost.rad\" does not exist");
     refuses(
-        &["-n", "room.rif", "RES=wide"],
+        &["-n", "-w", "room.rif", "RES=wide"],
         "rad: variable RESOLUTION is \"wide\", expected columns, and rows and pixel aspect if wanted",
     );
 }

@@ -5,12 +5,10 @@
 #[non_exhaustive]
 pub enum RifError {
     /// A name that is no variable.
-    #[error("{file}:{line}: unknown variable \"{name}\"")]
+    #[error("{place}: unknown variable \"{name}\"")]
     UnknownVariable {
-        /// The `.rif` file.
-        file: String,
-        /// From 1; 0 for the command line.
-        line: usize,
+        /// File and line, or the command line.
+        place: String,
         /// As typed.
         name: String,
     },

@@ -102,7 +102,6 @@ const OTHER_WIDTH: usize = 236;
 pub struct Rif {
     /// The file's name without its suffix.
     pub(crate) root: String,
-    file: String,
     values: [Vec<String>; VARIABLES.len()],
 }
 
@@ -113,9 +112,9 @@ impl Rif {
     /// [`RifError::UnknownVariable`].
     pub fn read(file: &str, text: &str) -> Result<Rif, RifError> {
         let values = std::array::from_fn(|_| Vec::new());
-        let mut rif = Rif { root: without_suffix(file).to_owned(), file: file.to_owned(), values };
+        let mut rif = Rif { root: without_suffix(file).to_owned(), values };
         for (line, assignment) in logical_lines(text) {
-            rif.set(&assignment, line)?;
+            rif.set(&assignment, &format!("{file}:{line}"))?;
         }
         Ok(rif)
     }
@@ -125,10 +124,10 @@ impl Rif {
     /// # Errors
     /// [`RifError::UnknownVariable`].
     pub fn assign(&mut self, assignment: &str) -> Result<bool, RifError> {
-        self.set(assignment, 0)
+        self.set(assignment, "command line")
     }
 
-    fn set(&mut self, assignment: &str, line: usize) -> Result<bool, RifError> {
+    fn set(&mut self, assignment: &str, place: &str) -> Result<bool, RifError> {
         let assignment = assignment.trim();
         let end = assignment.find(|c: char| c.is_whitespace() || c == '=').unwrap_or(assignment.len());
         let (name, value) = assignment.split_at(end);
@@ -138,7 +137,7 @@ impl Rif {
         }
         let known = VARIABLES.iter().position(|(_, full, least, _)| name.len() >= *least && full.starts_with(name));
         let Some(known) = known else {
-            return Err(RifError::UnknownVariable { file: self.file.clone(), line, name: name.to_owned() });
+            return Err(RifError::UnknownVariable { place: place.to_owned(), name: name.to_owned() });
         };
         self.values[known].push(value);
         Ok(true)
