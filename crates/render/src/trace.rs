@@ -139,6 +139,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) cuts: Vec<Cut>,
     pub(crate) radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
+    /// Whether the ray went on behind that as if nothing were there.
+    first_is_passed: bool,
     effective_distance: f64,
     /// Irradiance that was gathered before.
     pub(crate) cache: Option<&'p Cache<BANDS>>,
@@ -156,6 +158,8 @@ pub(crate) struct SetAside<const BANDS: usize> {
     cuts: Vec<Cut>,
     radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
+    /// Whether the ray went on behind that as if nothing were there.
+    first_is_passed: bool,
     effective_distance: f64,
 }
 
@@ -172,6 +176,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cuts: vec![Cut::default()],
             radiance: [0.0; BANDS],
             first_hit: None,
+            first_is_passed: false,
             effective_distance: f64::INFINITY,
             cache,
             survey: None,
@@ -230,6 +235,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.cuts.truncate(1);
         self.radiance = [0.0; BANDS];
         self.first_hit = None;
+        self.first_is_passed = false;
         self.effective_distance = f64::INFINITY;
         if medium == self.media[0] {
             return MediumId(0);
@@ -265,16 +271,28 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cuts: self.cuts.clone(),
             radiance: self.radiance,
             first_hit: self.first_hit,
+            first_is_passed: self.first_is_passed,
             effective_distance: self.effective_distance,
         }
     }
 
     /// Goes on with the ray that was put aside.
     pub(crate) fn take_up(&mut self, ray: SetAside<BANDS>) {
-        let SetAside { sampler, next_set, waiting, media, cuts, radiance, first_hit, effective_distance } = ray;
+        let SetAside {
+            sampler,
+            next_set,
+            waiting,
+            media,
+            cuts,
+            radiance,
+            first_hit,
+            first_is_passed,
+            effective_distance,
+        } = ray;
         (self.sampler, self.next_set, self.waiting) = (sampler, next_set, waiting);
         (self.media, self.cuts) = (media, cuts);
-        (self.radiance, self.first_hit, self.effective_distance) = (radiance, first_hit, effective_distance);
+        (self.radiance, self.effective_distance) = (radiance, effective_distance);
+        (self.first_hit, self.first_is_passed) = (first_hit, first_is_passed);
     }
 
     /// Irradiance is π times the radiance of a white Lambertian surface.
@@ -319,23 +337,20 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 let (Meeting::Surface(beyond) | Meeting::Nothing(beyond)) = meeting;
                 segment.cut_beyond = beyond;
                 if meeting == Meeting::Nothing(beyond) {
-                    segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
-                    segment = self.passed_through(segment, &hit);
+                    segment = self.unmet(&segment, &hit);
                     continue;
                 }
             }
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
-                segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
-                segment = self.passed_through(segment, &hit);
+                segment = self.unmet(&segment, &hit);
                 continue;
             }
             segment.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
             let behind = segment.ray.direction.dot(hit.front) > 0.0;
             let can_hide = self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
             if behind && can_hide {
-                segment = self.dimmed(&segment, self.medium(segment.medium), hit.distance);
-                segment = self.passed_through(segment, &hit);
+                segment = self.unmet(&segment, &hit);
                 continue;
             }
             return self.shade(&segment, &hit, shader);
@@ -349,6 +364,16 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         }
         let next = self.passed_through(*segment, hit);
         self.push(next);
+    }
+
+    /// The ray goes on behind a surface that does nothing to it.
+    fn unmet(&mut self, segment: &Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
+        if segment.depth == 0 && self.first_hit.is_none() {
+            self.first_hit = Some(FirstHit::at(hit, segment.travelled + hit.distance));
+            self.first_is_passed = true;
+        }
+        let segment = self.dimmed(segment, self.medium(segment.medium), hit.distance);
+        self.passed_through(segment, hit)
     }
 
     /// The same ray, on the other side of what it hit.
@@ -387,7 +412,11 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         }
         match &shader.kind {
             Kind::Emitter(emitter) if !behind => {
-                let share = self.emission_share(segment, hit.surface, emitter, hit.distance, encounter.cosine);
+                let share = if hit.placed.is_some() && segment.link.is_some() {
+                    placed_share(emitter, hit.distance)
+                } else {
+                    self.emission_share(segment, hit.surface, emitter, hit.distance, encounter.cosine)
+                };
                 self.emit(segment, shader, emitter, &encounter, share);
             }
             Kind::Illum { emitter, substitute } => {
@@ -510,6 +539,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     pub(crate) fn note_normal(&mut self, segment: &Segment<BANDS>, normal: DVec3) {
         if segment.depth == 0
+            && !self.first_is_passed
             && let Some(first) = &mut self.first_hit
         {
             first.perturbed_normal = normal;
@@ -735,7 +765,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let Some((surface, shader)) = plan.sky_at(direction, segment.link.is_some()) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
         let encounter = Encounter::distant(direction);
-        if segment.depth == 0 {
+        if segment.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }
         let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
@@ -780,6 +810,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             EmitterClass::Light => false,
         };
         if overcounted { 0.0 } else { link.share(self.plan, surface, distance, cosine) }
+    }
+}
+
+/// How much of the emission counts that a drawn ray finds within a mesh or an instance, where no light is sampled: as in Radiance only
+/// glows that are far away take part in interreflection.
+fn placed_share(emitter: &Emitter, distance: f64) -> f64 {
+    match emitter.class {
+        EmitterClass::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
+        _ => 0.0,
     }
 }
 

@@ -24,9 +24,10 @@ fn bitten(shade: impl Fn(&mut Builder, ModifierHandle) -> Option<ModifierHandle>
     scene
 }
 
+/// To what is seen, past what is not there.
 fn distance(scene: &Builder, x: f64) -> f64 {
     let ray = Ray::new(DVec3::new(x, 0.0, 10.0), DOWN).expect("the test's ray is one");
-    traced(scene, RenderOptions::default(), &[ray])[0].first_hit.map_or(f64::INFINITY, |hit| hit.distance)
+    traced(scene, RenderOptions::default(), &[ray])[0].effective_distance
 }
 
 #[test]
@@ -44,10 +45,9 @@ fn with_void_the_body_is_open() {
 
 #[test]
 fn the_surface_of_the_cut_faces_out_of_the_body() {
-    let scene = bitten(|_, paint| Some(paint));
-    let ray = Ray::new(DVec3::Z * 10.0, DOWN).expect("the test's ray is one");
-    let hit = traced(&scene, RenderOptions::default(), &[ray])[0].first_hit.expect("the bite is met");
-    assert!(hit.normal.distance(DVec3::Z) < 1e-12);
+    let scene = bitten(|scene, _| Some(scene.glow_of("Nz")));
+    let seen = mean(&scene, RenderOptions::default(), DVec3::Z * 10.0, DOWN, 1);
+    assert!((seen - 1.0).abs() < 1e-12, "{seen}");
 }
 
 #[test]

@@ -289,3 +289,26 @@ fn functions_see_a_back_face_as_it_faces() {
     assert_close(behind("0.5+0.25*Nz"), 0.25, 1e-12);
     assert_close(behind("0.5+0.25*Rdot"), 0.25, 1e-12);
 }
+
+#[test]
+fn a_light_within_an_instance_is_seen_but_lights_nothing() {
+    let mut lamp = Builder::default();
+    let light = lamp.light([5.0; 3]);
+    lamp.sphere(light, Sphere { center: DVec3::ZERO, radius: 0.5, facing: Facing::Outward });
+    let mut scene = Builder::default();
+    scene.instance(None, &lamp.shared(), moved(0.0, 0.0, 2.0));
+    assert_close(value(&scene, DVec3::ZERO, DVec3::Z), 5.0, 1e-12);
+    let options = RenderOptions { quantity: Quantity::Irradiance, ambient_bounces: 1, ..RenderOptions::default() };
+    assert_eq!(mean(&scene, options, DVec3::ZERO, DVec3::Z, 256), 0.0);
+}
+
+#[test]
+fn a_ray_ends_first_where_nothing_happens_to_it() {
+    let mut scene = Builder::default();
+    scene.mesh(None, square(None), moved(0.0, 0.0, 1.0));
+    let glow = scene.glow_of("7");
+    scene.ring(glow, Ring { center: DVec3::ZERO, normal: DVec3::Z, inner_radius: 0.0, outer_radius: 5.0 });
+    let origin = DVec3::new(0.3, 0.4, 3.0);
+    assert_close(first_hit(&scene, origin, DOWN).expect("the mesh is hit").distance, 2.0, 1e-12);
+    assert_close(value(&scene, origin, DOWN), 7.0, 1e-12);
+}
