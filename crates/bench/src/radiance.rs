@@ -55,8 +55,16 @@ impl Radiance {
     pub(crate) fn command(&self, name: &str) -> Command {
         let program = self.programs.as_ref().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
         let mut command = Command::new(program);
-        if let Some(library) = &self.library {
-            command.env("RAYPATH", library);
+        // Scenes name other files of their folder, and Radiance's programs call each other.
+        if let Some(Ok(path)) = self.library.as_ref().map(|library| std::env::join_paths([Path::new("."), library])) {
+            command.env("RAYPATH", path);
+        }
+        if let Some(folder) = &self.programs {
+            let others = std::env::var_os("PATH").unwrap_or_default();
+            let folders = std::iter::once(folder.clone()).chain(std::env::split_paths(&others));
+            if let Ok(path) = std::env::join_paths(folders) {
+                command.env("PATH", path);
+            }
         }
         command
     }
