@@ -8,7 +8,7 @@ use crate::shader::{Kind, Shader};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;
-use radsight_ir::{Material, ModifierKind, Scene, Shape, SurfaceHandle, ValidScene};
+use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, ValidScene};
 
 /// All lights: real ones first, then their images in one mirror or prism, in two, and so on.
 pub(crate) fn collect_lights<'a>(
@@ -29,11 +29,15 @@ pub(crate) fn collect_lights<'a>(
         .filter_map(|(handle, _)| real_light(scene, handle, primitive_of[handle.index()]))
         .collect();
     let relayers = collect_relayers(scene, geometry, &relay);
+    let real = lights.len();
     let mut first = 0;
     for _ in 0..relays {
         let end = lights.len();
         for index in first..end {
             for relayer in &relayers {
+                if lights.len() - real >= MAX_IMAGES {
+                    return lights;
+                }
                 let images: Vec<Light> = relayer.images_of(&lights[index]).collect();
                 lights.extend(images);
             }
@@ -98,16 +102,26 @@ fn bounding_sphere(form: &LightForm) -> (DVec3, f64) {
     }
 }
 
+/// No more images of lights are made: in a hall of mirrors each further one is weaker.
+const MAX_IMAGES: usize = 1 << 13;
+
 /// A flat surface that makes images of lights.
 struct Relayer<'a> {
     surface: SurfaceHandle,
     member: MemberId,
     point: DVec3,
     normal: DVec3,
-    /// Mean of its corners.
+    /// Points whose convex hull holds it, and their mean.
+    corners: Vec<DVec3>,
     middle: DVec3,
     /// `None` for a mirror.
     prism: Option<&'a PrismKind>,
+}
+
+fn square_around(ring: &Ring) -> Vec<DVec3> {
+    let (x, y) = ring.normal.any_orthonormal_pair();
+    let corner = |(a, b): (f64, f64)| ring.center + (x * a + y * b) * ring.outer_radius;
+    [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(corner).to_vec()
 }
 
 fn collect_relayers<'a>(
@@ -125,15 +139,13 @@ fn collect_relayers<'a>(
             };
             let shape = scene.surfaces[surface].shape;
             let normal = flat_normal(scene, shape)?;
-            let (point, middle) = match shape {
-                Shape::Polygon { start, count } => {
-                    let corners = &scene.vertices[start as usize..][..count as usize];
-                    (corners[0], corners.iter().sum::<DVec3>() / f64::from(count))
-                }
-                Shape::Ring(ring) => (scene.rings[ring].center, scene.rings[ring].center),
+            let corners = match shape {
+                Shape::Polygon { start, count } => scene.vertices[start as usize..][..count as usize].to_vec(),
+                Shape::Ring(ring) => square_around(&scene.rings[ring]),
                 _ => return None,
             };
-            Some(Relayer { surface, member, point, normal, middle, prism })
+            let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+            Some(Relayer { surface, member, point: corners[0], normal, corners, middle, prism })
         })
         .collect()
 }
@@ -142,7 +154,8 @@ impl Relayer<'_> {
     /// The images of a light in a mirror that it stands in front of, or by way of the faces of a prism.
     fn images_of(&self, light: &Light) -> impl Iterator<Item = Light> {
         let is_own = light.relays.first().is_some_and(|last| last.surface == self.surface);
-        let ways = if is_own || light.surface == self.surface { Vec::new() } else { self.ways(light) };
+        let is_dark = is_own || light.surface == self.surface || !self.is_lit_by(light);
+        let ways = if is_dark { Vec::new() } else { self.ways(light) };
         let distant = light.radius.is_infinite();
         ways.into_iter().map(move |(shift, redirection)| {
             let Relayer { surface, member, point, normal, .. } = *self;
@@ -157,6 +170,16 @@ impl Relayer<'_> {
             // The relays further along are seen in this one: real rays are unfolded one at a time, so they stay as they are.
             Light { form: relayed(&light.form, &relay), center, radius, cone, relays, ..light.clone() }
         })
+    }
+
+    /// Whether any light can come from the light, and from the mirror in which it is seen.
+    fn is_lit_by(&self, light: &Light) -> bool {
+        let reaches_before = |(normal, point): (DVec3, DVec3)| {
+            self.corners.iter().any(|corner| normal.dot(*corner - point) > 0.0)
+        };
+        let last = light.relays.first().filter(|last| last.redirection.is_none());
+        light.form.plane().is_none_or(reaches_before)
+            && last.is_none_or(|last| reaches_before((last.normal, last.point)))
     }
 
     /// The shifts that make images of a light.

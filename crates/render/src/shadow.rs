@@ -110,7 +110,7 @@ impl DirectSampler {
         };
         for _ in 0..MAX_CROSSINGS {
             let Some(mut hit) = plan.first_hit(&walk.ray, walk.from) else {
-                return leave(&walk, plan, light, radiance);
+                return leave(tracer, &walk, light, radiance);
             };
             walk.travelled += hit.distance;
             let mut beyond = walk.cut;
@@ -452,21 +452,27 @@ fn arrive<const BANDS: usize>(
 
 /// What a shadow ray brings that left the scene.
 fn leave<const BANDS: usize>(
+    tracer: &mut Tracer<'_, BANDS>,
     walk: &Walk<BANDS>,
-    plan: &RenderPlan,
     light: &Light,
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
+    let plan = tracer.plan;
     let Shape::Source(source) = plan.scene.surfaces[light.surface].shape else { return [0.0; BANDS] };
     if walk.relayed < light.relays.len() {
         return [0.0; BANDS];
     }
+    let mut found = radiance;
     if walk.bent {
         let source = &plan.scene.sources[source];
         let sin = (0.25 * source.extent.full_angle).sin();
         if 0.25 * source.direction.distance_squared(walk.ray.direction) > sin * sin {
             return [0.0; BANDS];
         }
+        let shader = plan.shader(light.surface);
+        let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
+        let encounter = Encounter::distant(walk.ray.direction);
+        found = emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch);
     }
-    product(product(radiance, walk.through), walk.medium.shadow_transmission(f64::INFINITY))
+    product(product(found, walk.through), walk.medium.shadow_transmission(f64::INFINITY))
 }
