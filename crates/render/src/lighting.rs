@@ -174,9 +174,8 @@ impl Relayer<'_> {
 
     /// Whether any light can come from the light, and from the mirror in which it is seen.
     fn is_lit_by(&self, light: &Light) -> bool {
-        let reaches_before = |(normal, point): (DVec3, DVec3)| {
-            self.corners.iter().any(|corner| normal.dot(*corner - point) > 0.0)
-        };
+        let reaches_before =
+            |(normal, point): (DVec3, DVec3)| self.corners.iter().any(|corner| normal.dot(*corner - point) > 0.0);
         let last = light.relays.first().filter(|last| last.redirection.is_none());
         light.form.plane().is_none_or(reaches_before)
             && last.is_none_or(|last| reaches_before((last.normal, last.point)))
