@@ -21,9 +21,6 @@ const MAX_MIST_SAMPLES: f64 = 16.0;
 impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// The segment as it arrives at a surface: dimmed by the medium that it crossed, which the surface may know better.
     pub(crate) fn crossed(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) -> Segment<BANDS> {
-        if !self.plan.has_media {
-            return *segment;
-        }
         let behind = segment.ray.direction.dot(hit.front) > 0.0;
         let known = self.medium(segment.medium);
         let medium = match &shader.kind {

@@ -395,7 +395,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let encounter = Encounter::at(&segment.ray, hit, travelled);
         self.note_hit(segment, hit, &encounter);
         let unseen = segment;
-        let segment = &self.crossed(segment, hit, shader);
+        let arrived;
+        let segment = if self.plan.has_media {
+            arrived = self.crossed(segment, hit, shader);
+            &arrived
+        } else {
+            segment
+        };
         if self.plan.options.quantity == Quantity::SurfaceIrradiance
             && segment.reflections == 0
             && segment.link.is_none()
