@@ -182,7 +182,7 @@ const LARGE: &[&str] = &["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab
 
 /// One bounce without interpolation.
 const AMBIENT: &[&str] = &[
-    "-dj", ".9", "-dt", "0", "-dc", "1", "-ss", "64", "-st", "0", "-aa", "0", "-ad", "256", "-lr", "-8", "-lw", "1e-6",
+    "-dj", ".9", "-dt", "0", "-dc", "1", "-ss", "64", "-st", "0", "-aa", "0", "-ad", "128", "-lr", "-8", "-lw", "1e-6",
     "-ab", "1",
 ];
 
@@ -295,7 +295,7 @@ fn ward_functions_under_large_lights() {
     compare(WARD_FUNCTIONS, PANELS, BOTH, &LARGE_LIGHTS);
 }
 
-const NO_LIGHTS: Question<'_> = Question { options: AMBIENT, repeats_here: 8192, repeats_there: 16, tolerance: 0.01 };
+const NO_LIGHTS: Question<'_> = Question { options: AMBIENT, repeats_here: 512, repeats_there: 96, tolerance: 0.01 };
 
 #[test]
 fn light_that_is_no_source_s() {
