@@ -242,30 +242,10 @@ impl PluginBrdf {
         let mut status = status::OK;
         let batches = incident.chunks(LARGEST_BATCH).zip(values.chunks_mut(LARGEST_BATCH * self.bands));
         for ((incident, values), pdfs) in batches.zip(pdfs.chunks_mut(LARGEST_BATCH)) {
-            let mut soa = [0.0; 3 * LARGEST_BATCH];
-            let (x, rest) = soa.split_at_mut(LARGEST_BATCH);
-            let (y, z) = rest.split_at_mut(LARGEST_BATCH);
-            for (index, direction) in incident.iter().enumerate() {
-                (x[index], y[index], z[index]) = (direction.x, direction.y, direction.z);
-            }
-            let count = incident.len();
-            let found = if self.bands == 1 {
-                self.call_eval(outgoing, [&x[..count], &y[..count], &z[..count]], values, pdfs)
+            let found = if incident.len() <= SMALL_BATCH {
+                self.eval_batch::<SMALL_BATCH>(outgoing, incident, values, pdfs)
             } else {
-                let mut few = [f64::NAN; LARGEST_BATCH * FEW_BANDS];
-                let mut many = Vec::new();
-                let by_band = match few.get_mut(..count * self.bands) {
-                    Some(by_band) => by_band,
-                    None => {
-                        many.resize(count * self.bands, f64::NAN);
-                        &mut many[..]
-                    }
-                };
-                let found = self.call_eval(outgoing, [&x[..count], &y[..count], &z[..count]], by_band, pdfs);
-                for (index, value) in values.iter_mut().enumerate() {
-                    *value = by_band[(index % self.bands) * count + index / self.bands];
-                }
-                found
+                self.eval_batch::<LARGEST_BATCH>(outgoing, incident, values, pdfs)
             };
             if found != status::OK {
                 status = found;
@@ -273,10 +253,46 @@ impl PluginBrdf {
         }
         status
     }
+
+    /// At most `MOST` directions; clearing the arrays of a large batch would cost as much as evaluating a small one.
+    fn eval_batch<const MOST: usize>(
+        &self,
+        outgoing: DVec3,
+        incident: &[DVec3],
+        values: &mut [f64],
+        pdfs: &mut [f64],
+    ) -> abi::Status {
+        let mut axes = [[0.0; MOST]; 3];
+        let [x, y, z] = &mut axes;
+        for (index, direction) in incident.iter().enumerate() {
+            (x[index], y[index], z[index]) = (direction.x, direction.y, direction.z);
+        }
+        let count = incident.len();
+        let axes = [&x[..count], &y[..count], &z[..count]];
+        if self.bands == 1 {
+            return self.call_eval(outgoing, axes, values, pdfs);
+        }
+        let mut few = [[f64::NAN; MOST]; FEW_BANDS];
+        let mut many = Vec::new();
+        let by_band = match few.as_flattened_mut().get_mut(..count * self.bands) {
+            Some(by_band) => by_band,
+            None => {
+                many.resize(count * self.bands, f64::NAN);
+                &mut many[..]
+            }
+        };
+        let status = self.call_eval(outgoing, axes, by_band, pdfs);
+        for (index, value) in values.iter_mut().enumerate() {
+            *value = by_band[(index % self.bands) * count + index / self.bands];
+        }
+        status
+    }
 }
 
 /// Directions that are handed over at once.
 const LARGEST_BATCH: usize = 64;
+/// As many as the lights of a usual ring.
+const SMALL_BATCH: usize = 16;
 /// Up to this many bands a batch takes no memory from the heap.
 const FEW_BANDS: usize = 4;
 /// No model needs more.

@@ -70,6 +70,14 @@ pub trait Model: Sized + Send + Sync + 'static {
             batch.pdfs[0] = self.eval_pdf(batch.outgoing, batch.incident(0), batch.values);
             return;
         }
+        if batch.scratch.len() == 1 {
+            // In one band the values of a direction stand side by side anyway.
+            for index in 0..count {
+                let (incident, value) = (batch.incident(index), &mut batch.values[index..=index]);
+                batch.pdfs[index] = self.eval_pdf(batch.outgoing, incident, value);
+            }
+            return;
+        }
         for index in 0..count {
             batch.pdfs[index] = self.eval_pdf(batch.outgoing, batch.incident(index), batch.scratch);
             for (band, value) in batch.scratch.iter().enumerate() {
