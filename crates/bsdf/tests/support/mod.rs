@@ -135,7 +135,7 @@ pub(crate) fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> S
                 data += &block(channel, direction, basis, &format!("{{ {} }}", words.join(" ")));
             }
         } else {
-            data += &block("Visible", direction, basis, &tree(dimensions, halvings, &mut random));
+            data += &block("Visible", direction, basis, &branch(dimensions, halvings, &mut random));
         }
     }
     file(&format!("TensorTree{dimensions}"), "", &data)
@@ -150,7 +150,11 @@ fn tree(dimensions: usize, halvings: u32, random: &mut Random) -> String {
         let words: Vec<String> = (0..branches).map(|_| format!("{:.5}", random.value())).collect();
         return format!("{{ {} }}", words.join(" "));
     }
-    let inner: Vec<String> = (0..branches).map(|_| tree(dimensions, halvings - 1, random)).collect();
+    branch(dimensions, halvings, random)
+}
+
+fn branch(dimensions: usize, halvings: u32, random: &mut Random) -> String {
+    let inner: Vec<String> = (0..1 << dimensions).map(|_| tree(dimensions, halvings - 1, random)).collect();
     format!("{{ {} }}", inner.join("\n"))
 }
 
