@@ -180,7 +180,6 @@ fn make_references() {
 }
 
 #[test]
-#[ignore = "some types have not landed yet"]
 fn small_scenes_agree_with_real_radiance() {
     let cases: Vec<Case> = Case::all().into_iter().filter(wanted).collect();
     assert!(!cases.is_empty(), "there are cases");

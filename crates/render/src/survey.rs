@@ -14,8 +14,9 @@ const LARGEST_BATCH: usize = 4096;
 /// Places from which is looked around at once: few, since they do not know of each other.
 const GROUP: usize = 16;
 
-/// With more records than this share of the rays, sharing does not pay.
-const MOST_RECORDS: f64 = 0.25;
+/// Looking around takes at most so many rays for each that is surveyed: beyond that drawing single rays is the better use of time, and
+/// places that no record reaches do that.
+const MOST_RAYS: usize = 32;
 
 impl RenderPlan {
     /// Whether irradiance is shared between points at all.
@@ -50,7 +51,7 @@ pub(crate) fn gather<const BANDS: usize>(
     let before = cache.len();
     let hemisphere = Hemisphere::with_divisions(plan.options.gathering.rays());
     let order = scattered(rays.len());
-    let most = (MOST_RECORDS * rays.len() as f64) as usize;
+    let most = MOST_RAYS * rays.len() / hemisphere.len();
     let (mut first, mut batch) = (0, FIRST_BATCH);
     while first < order.len() && cache.len() - before < most {
         let end = (first + batch).min(order.len());

@@ -15,7 +15,7 @@ use radsight_render::{Gathering, RenderOptions, Unshared};
 const MOST_SAMPLES: u32 = 1024;
 
 /// What is spent on a pixel when nothing is said.
-pub(super) const DEFAULT_EFFORT: Effort = Effort::Error { error: 0.02, most: MOST_SAMPLES };
+pub(super) const DEFAULT_EFFORT: Effort = Effort::Error { error: 0.05, most: 32 };
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
