@@ -99,7 +99,7 @@ fn pfilt_gives_the_bytes_of_the_real_one() {
 /// Whether both sizes are even. Where rows do not fall together, the real `pfilt -m` averages a row that it has not read yet.
 fn even(picture: &[u8]) -> bool {
     let picture = Picture::read(picture).expect("a picture");
-    picture.width() % 2 == 0 && picture.height() % 2 == 0
+    picture.width().is_multiple_of(2) && picture.height().is_multiple_of(2)
 }
 
 #[test]

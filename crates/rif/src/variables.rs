@@ -269,10 +269,8 @@ fn squeezed(value: &str) -> String {
             _ if place == 0 => {}
             Some(open) if open == character => quote = None,
             Some(_) => {}
-            None if character.is_whitespace() => {
-                if text.ends_with(char::is_whitespace) {
-                    continue;
-                }
+            None if character.is_whitespace() && text.ends_with(char::is_whitespace) => {
+                continue;
             }
             None if matches!(character, '"' | '\'') => quote = Some(character),
             None => {}
