@@ -164,7 +164,6 @@ fn variants() -> Vec<(String, String, String, Vec<&'static str>)> {
     add("a thin sheet in a lit place", nine, &[LAMP, FLOOR].concat(), &even);
     let proxy = format!("void BSDF m 6 .2 {half} 0 1 0 . 0 0\n{CARD}");
     add("a proxy met by scattered rays", proxy, &[SIDE_LAMP, FLOOR].concat(), &even);
-    add("an aBSDF without a peak", format!("void aBSDF m 5 {half} 0 1 0 . 0 0\n"), &lamps, &direct);
     all
 }
 
