@@ -37,6 +37,8 @@ mod exr;
 mod file_format;
 mod header;
 mod image;
+#[cfg(feature = "tiff")]
+mod log_luv;
 mod matrix;
 mod npy;
 mod number;
@@ -59,6 +61,8 @@ pub use exr::{read_exr, write_exr};
 pub use file_format::{FileFormat, ReadImage, read_image, write_image};
 pub use header::{Assignment, Header};
 pub use image::Image;
+#[cfg(feature = "tiff")]
+pub use log_luv::write_log_luv;
 pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
 pub use npy::{read_npy, write_npy, write_npy_f64};
 pub use number::{general, leading_number, scientific};

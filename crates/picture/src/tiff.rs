@@ -1,8 +1,8 @@
-//! TIFF pictures: 8 and 16 bits and single precision, grey and RGB.
+//! TIFF pictures: 8 and 16 bits and single precision, grey and RGB; LogLuv is read too.
 //!
 //! The Radiance header travels along as the image description.
 
-use crate::{Header, Image, PictureError};
+use crate::{Header, Image, PictureError, log_luv};
 use std::io::Cursor;
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -64,6 +64,9 @@ pub enum TiffCompression {
 /// # Errors
 /// As [`read_tiff`].
 pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
+    if let Some(picture) = log_luv::read(bytes) {
+        return picture;
+    }
     // Deflate and LZW cannot shrink by more than this factor, so no honest file needs more memory.
     const LARGEST_RATIO: usize = 1400;
     let memory = bytes.len().saturating_mul(LARGEST_RATIO).saturating_add(1 << 16);

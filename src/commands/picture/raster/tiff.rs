@@ -1,4 +1,4 @@
-//! `ra_tiff [-b] [-w|-f] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`), grey (`-b`), packed (`-z`); `-r` the
+//! `ra_tiff [-b] [-w|-f|-L] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`) or LogLuv (`-L`), grey (`-b`), packed (`-z`); `-r` the
 //! other way.
 
 use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
@@ -6,7 +6,7 @@ use crate::commands::picture::files::{failed, open};
 use crate::commands::picture::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{
-    Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels, write_tiff_pixels,
+    Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels, write_log_luv, write_tiff_pixels,
 };
 use radsight_picture_tools::brightness::of_rgb;
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
@@ -17,6 +17,7 @@ enum Depth {
     Bytes,
     Words,
     Floats,
+    LogLuv,
 }
 
 struct Options {
@@ -47,12 +48,13 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             "-g" => options.gamma = words.number(option)?,
             "-e" => options.stops = stops(&mut words, option)?,
             "-r" => options.direction = Direction::ToRadiance,
-            "-L" | "-l" | "-x" => {
+            "-L" => options.depth = Depth::LogLuv,
+            "-l" | "-x" => {
                 return Err(Failure::usage(format!(
-                    "ra_tiff: option \"{option}\" (LogLuv and XYZE) is not supported, expected -f for all of the range"
+                    "ra_tiff: option \"{option}\" (24 bit LogLuv, XYZE) is not supported, expected -L or -f for all of the range"
                 )));
             }
-            _ => return Err(words.unknown(option, "-r -b -w -f -z -g or -e")),
+            _ => return Err(words.unknown(option, "-r -b -w -f -L -z -g or -e")),
         }
     }
     match options.direction {
@@ -68,20 +70,31 @@ fn from_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     header.push_command(words.all());
     let mut pixels = Pixels::new(reader, options.stops);
     let (width, height) = pixels.size();
+    if options.depth == Depth::LogLuv && options.colors == Colors::Grey {
+        return Err(Failure::usage(
+            "ra_tiff: -b with -L (grey LogLuv) is not supported, expected one of them".to_owned(),
+        ));
+    }
     let components = if options.colors == Colors::Grey { 1 } else { 3 };
     let table = GammaTable::new(options.gamma);
     let mut found = match options.depth {
         Depth::Bytes => TiffPixels::Bytes(Vec::new()),
         Depth::Words => TiffPixels::Words(Vec::new()),
-        Depth::Floats => TiffPixels::Floats(Vec::new()),
+        Depth::Floats | Depth::LogLuv => TiffPixels::Floats(Vec::new()),
     };
     for _ in 0..height {
         for pixel in pixels.next().map_err(|error| failed(path, error.into()))? {
             options.put(*pixel, &table, &mut found);
         }
     }
-    let picture = Tiff { width, height, components, pixels: found, header: Some(header) };
-    let bytes = write_tiff_pixels(&picture, options.compression).map_err(|error| failed(path, error.into()))?;
+    let bytes = match (&found, options.depth) {
+        (TiffPixels::Floats(values), Depth::LogLuv) => write_log_luv((width, height), values, Some(&header)),
+        _ => {
+            let picture = Tiff { width, height, components, pixels: found, header: Some(header) };
+            write_tiff_pixels(&picture, options.compression)
+        }
+    };
+    let bytes = bytes.map_err(|error| failed(path, error.into()))?;
     put_file(target, |out| out.write_all(&bytes).map_err(|error| Failure::write(target, &error)))
 }
 
