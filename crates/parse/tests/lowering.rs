@@ -254,3 +254,11 @@ fn a_bsdf_that_is_wrong_is_shown_in_its_own_file() {
     assert!(said.contains(mistake), "{said}");
     assert!(said.contains("warning: \"gain.xml\" reflects 120.0 % of the light on its front\n"), "{said}");
 }
+
+/// The floats of a frozen octree make 360.00000005 of a dome of 360 degrees.
+#[test]
+fn a_dome_a_little_beyond_360_degrees_is_the_whole_sphere() {
+    let scene = scene("void glow g 0 0 4 1 1 1 0 g source dome 0 0 4 0 0 1 360.0000000484288");
+    let (_, dome) = scene.sources.iter().next().expect("a source");
+    assert_eq!(dome.extent.full_angle, 2.0 * std::f64::consts::PI);
+}

@@ -194,14 +194,18 @@ impl Reader<'_> {
 
     fn source(&mut self, direction: DVec3, degrees: f64) -> Result<Shape, Refusal> {
         let direction = direction.try_normalize().ok_or(Refusal::Wrong("has no direction".to_owned()))?;
-        let full_angle = degrees.to_radians();
-        if 0.5 * full_angle <= TINY || degrees > 360.0 {
+        // The floats of a compiled octree can be a little above what was written.
+        let full_angle = degrees.min(360.0).to_radians();
+        if 0.5 * full_angle <= TINY || degrees > 360.0 + ROUNDING {
             return Err(Refusal::Wrong(format!("has the angle {degrees}, expected degrees above 0, at most 360")));
         }
         let source = Source { direction, extent: SolidAngle { full_angle } };
         Ok(Shape::Source(self.scene.sources.add(source)))
     }
 }
+
+/// Degrees that an octree's own floats may add.
+const ROUNDING: f64 = 1e-5;
 
 fn facing(kind: Kind) -> Facing {
     match kind {
