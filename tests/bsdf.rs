@@ -14,8 +14,8 @@ use std::fmt::Write;
 type Ray = [f64; 6];
 
 /// Real `rtrace` told to integrate: lights in small pieces, all of them tested, everything sampled.
-const INTEGRATE: [&str; 14] =
-    ["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-lr", "6", "-lw", "1e-4"];
+const INTEGRATE: [&str; 15] =
+    ["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-lr", "6", "-lw", "1e-4", "-u-"];
 
 const LAMP: &str = "void light lamp 0 0 3 100 90 80\nlamp polygon l 0 0 12 -.3 -.3 3 -.3 .3 3 .3 .3 3 .3 -.3 3\n";
 const BACK_LAMP: &str =

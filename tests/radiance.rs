@@ -12,7 +12,7 @@ use real_radiance::Radiance;
 type Ray = [f64; 6];
 
 /// Real `rtrace` told to integrate: lights in small pieces with a random place in each, all of them tested, highlights sampled.
-const INTEGRATE: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-ab", "0"];
+const INTEGRATE: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-st", "0", "-ab", "0", "-u-"];
 
 fn text(rays: &[Ray], repeats: usize) -> String {
     let line = |ray: &Ray| ray.map(|number| number.to_string()).join(" ") + "\n";
