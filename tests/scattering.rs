@@ -21,7 +21,7 @@ const SHEETS: &[Material] = &[
     material("trans, smooth", "trans m 0 0 7 .8 .6 .4 .05 0 .5 .6"),
     material("trans, smooth, without highlight", "trans m 0 0 7 .8 .6 .4 0 0 .5 .6"),
     material("trans, diffuse alone", "trans m 0 0 7 .8 .6 .4 0 .1 .6 0"),
-    material("trans, almost smooth", "trans m 0 0 7 .8 .6 .4 .1 .04 .5 .6"),
+    material("trans, rather smooth", "trans m 0 0 7 .8 .6 .4 .1 .1 .5 .6"),
     material("trans, rough", "trans m 0 0 7 .8 .6 .4 .1 .15 .7 .6"),
     material("trans, very rough", "trans m 0 0 7 .8 .6 .4 .2 .4 .6 .5"),
     material("plastic2, brushed", "plastic2 m 4 1 .3 0 . 0 6 .5 .4 .3 .1 .05 .3"),
@@ -176,14 +176,14 @@ struct Question<'a> {
 }
 
 /// Lights in small pieces with a random place in each, all of them tested.
-const DIRECT: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0"];
+const DIRECT: &[&str] = &["-ds", ".01", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0", "-u-"];
 
-const LARGE: &[&str] = &["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0"];
+const LARGE: &[&str] = &["-ds", ".05", "-dj", ".9", "-dt", "0", "-dc", "1", "-ab", "0", "-u-"];
 
 /// One bounce without interpolation.
 const AMBIENT: &[&str] = &[
     "-dj", ".9", "-dt", "0", "-dc", "1", "-ss", "64", "-st", "0", "-aa", "0", "-ad", "128", "-lr", "-8", "-lw", "1e-6",
-    "-ab", "1",
+    "-u-", "-ab", "1",
 ];
 
 /// Mean and standard error of each ray, by band.
