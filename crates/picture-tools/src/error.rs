@@ -18,6 +18,29 @@ pub enum ToolError {
         /// The brightness above which pixels are left out.
         hot: f64,
     },
+    /// A picture has no light that could be shown.
+    #[error("the picture is black, or brighter than {most} cd/m² everywhere")]
+    NothingVisible {
+        /// The largest luminance that is looked at.
+        most: f64,
+    },
+    /// The view of a picture is too wide for what is asked of it.
+    #[error("the picture's view is {degrees} degrees of the fovea wide in all, expected at most {most}")]
+    TooManyGlances {
+        /// Square degrees of the view.
+        degrees: usize,
+        /// The most that are looked at.
+        most: usize,
+    },
+    /// The view of a picture is no view.
+    #[error("the view in the picture's header: {0}")]
+    View(radsight_picture::ViewError),
+    /// Primaries from which no colour can be made.
+    #[error("the primaries lie on a line, or white is impossible")]
+    Primaries,
+    /// A calibration of red, green and blue cannot take X, Y and Z.
+    #[error("a calibration by macbethcal takes pictures in RGBE, not in XYZE")]
+    CalibratedXyz,
     /// Not even one row of the output can be made of what there is of the picture.
     #[error("the picture ends after {rows} of {expected} scanlines, expected enough for a row of the output")]
     EmptyFrame {

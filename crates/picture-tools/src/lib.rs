@@ -3,6 +3,7 @@
 //! - [`filter`] is `pfilt`: exposure, size, star patterns.
 //! - [`combine`] is `pcomb`: pictures combined by functions of their pixels.
 //! - [`compose`] is `pcompos`: pictures side by side and over one another; [`sign`] is `psign`, text as a picture.
+//! - [`condition`](mod@condition) is `pcond`: pictures as the eye would see the scene, within what a display can show.
 //! - [`falsecolor`](mod@falsecolor) is `falsecolor`: brightness as colour, contours and bands.
 //! - [`extrema`](mod@extrema) is `pextrem`; [`turn`] is `pflip` and `protate`.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
@@ -29,6 +30,8 @@
 pub mod brightness;
 pub mod combine;
 pub mod compose;
+pub mod condition;
+mod drand48;
 mod error;
 pub mod extrema;
 pub mod falsecolor;

@@ -67,6 +67,13 @@ impl RgbPrimaries {
         Some(invertible(self.unadapted()?)?.inverse() * adaptation(RgbPrimaries::XYZ.white, self.white)?)
     }
 
+    /// The matrix from RGB of these primaries to RGB of others, with white moved to theirs.
+    #[must_use]
+    pub fn rgb_to_rgb(&self, other: &RgbPrimaries) -> Option<DMat3> {
+        let to_other = invertible(other.unadapted()?)?.inverse();
+        Some(to_other * adaptation(self.white, other.white)? * self.unadapted()?)
+    }
+
     /// The part that each component has in the luminance; the sum is 1.
     #[must_use]
     pub fn luminance_weights(&self) -> Option<[f64; 3]> {

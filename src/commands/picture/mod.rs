@@ -5,6 +5,7 @@ mod files;
 mod getinfo;
 mod pcomb;
 mod pcompos;
+mod pcond;
 mod pextrem;
 mod pfilt;
 mod psign;
@@ -21,11 +22,12 @@ use words::Words;
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, Program); 15] = [
+const PROGRAMS: [(&str, Program); 16] = [
     ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),
     ("pcompos", pcompos::run),
+    ("pcond", pcond::run),
     ("pextrem", pextrem::run),
     ("pfilt", pfilt::run),
     ("pflip", pturn::flip),

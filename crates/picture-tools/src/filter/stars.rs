@@ -3,6 +3,7 @@
 use super::measure::HotPixel;
 use super::{FilterOptions, Frame, Measured};
 use crate::brightness::{of_rgb, spread};
+use crate::drand48::Drand48;
 use radsight_picture::Encoding;
 use std::f64::consts::PI;
 
@@ -13,18 +14,16 @@ const TINY: f64 = 1e-6;
 #[derive(Debug)]
 pub(super) struct Slopes {
     lines: usize,
-    state: u64,
+    random: Drand48,
 }
 
 impl Slopes {
     pub(super) fn new(lines: usize) -> Slopes {
-        Slopes { lines, state: 0 }
+        Slopes { lines, random: Drand48::default() }
     }
 
     pub(super) fn next(&mut self) -> f64 {
-        // The 48-bit congruential generator of C's lrand48, from its initial state.
-        self.state = (self.state.wrapping_mul(0x5_deec_e66d) + 0xb) & ((1 << 48) - 1);
-        let line = ((self.state >> 17) * self.lines as u64) >> 31;
+        let line = (self.random.next_integer() * self.lines as u64) >> 31;
         let angle = PI * (0.5 - (line as f64 + 0.5) / self.lines as f64);
         angle.tan()
     }

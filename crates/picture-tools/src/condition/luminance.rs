@@ -1,0 +1,59 @@
+//! Luminance of pixels as the eye adapts to it.
+
+use crate::ToolError;
+use radsight_picture::{Encoding, Header, RgbPrimaries, WHITE_EFFICACY};
+
+/// Scotopic over photopic luminance of white, as Radiance takes it.
+pub(super) const SCOTOPIC_WHITE: f64 = 2.26;
+
+/// How the luminance of a picture's pixels is found.
+#[derive(Clone, Debug)]
+pub(super) struct Luminance {
+    /// The parts of red, green and blue in the luminance; `None` for pixels that are X, Y and Z.
+    weights: Option<[f32; 3]>,
+    /// What all values were multiplied by.
+    pub(super) exposure: f64,
+    /// The input's primaries.
+    pub(super) primaries: RgbPrimaries,
+}
+
+impl Luminance {
+    pub(super) fn new(header: &Header, encoding: Encoding) -> Result<Luminance, ToolError> {
+        let primaries = header.primaries()?.unwrap_or(RgbPrimaries::STANDARD);
+        let mut weights = None;
+        if encoding != Encoding::Xyze {
+            let to_xyz = primaries.rgb_to_xyz().ok_or(ToolError::Primaries)?;
+            weights = Some(to_xyz.row(1).to_array().map(|weight| weight as f32));
+        }
+        Ok(Luminance { weights, exposure: header.exposure()?, primaries })
+    }
+
+    pub(super) fn is_xyz(&self) -> bool {
+        self.weights.is_none()
+    }
+
+    /// Candela per square metre of a value of 1, before the exposure is undone.
+    pub(super) fn efficacy(&self) -> f64 {
+        if self.is_xyz() { 1.0 } else { WHITE_EFFICACY }
+    }
+
+    /// The luminance in the scene, in cd/m².
+    pub(super) fn of(&self, color: [f32; 3]) -> f64 {
+        let stored = match self.weights {
+            Some([red, green, blue]) => WHITE_EFFICACY * f64::from(color[0] * red + color[1] * green + color[2] * blue),
+            None => f64::from(color[1]),
+        };
+        stored / self.exposure
+    }
+
+    /// The luminance that rods see, approximately, in scotopic cd/m².
+    pub(super) fn scotopic(&self, color: [f32; 3]) -> f64 {
+        let [a, b, c] = color.map(f64::from);
+        let stored = match self.weights {
+            Some(_) => SCOTOPIC_WHITE * WHITE_EFFICACY * (a * 0.062 + b * 0.608 + c * 0.330),
+            None if color[0] == 0.0 => 0.0,
+            None => b * (1.33 * (1.0 + f64::from((color[1] + color[2]) / color[0])) - 1.68),
+        };
+        stored / self.exposure
+    }
+}

@@ -1,0 +1,184 @@
+//! From luminance of the scene to light of the display.
+
+use super::histogram::{BINS, Histogram};
+use super::luminance::Luminance;
+use super::{ConditionOptions, Exposure, MappedLuminance, TINY, VISIBLE};
+use radsight_picture::WHITE_EFFICACY;
+
+/// How pixels are mapped.
+#[derive(Clone, Debug)]
+pub(super) enum Mapping {
+    /// Every value is multiplied by a factor.
+    Linear { factor: f64 },
+    /// By a map of luminance.
+    Tones(Box<ToneMap>),
+}
+
+impl Mapping {
+    /// The factor that is asked for, or the one that shows the scene's mean brightness in the middle of the display's range.
+    pub(super) fn linear(options: &ConditionOptions, histogram: &Histogram, luminance: &Luminance) -> Mapping {
+        if let Exposure::Factor(factor) = options.exposure
+            && factor > TINY
+        {
+            return Mapping::Linear { factor };
+        }
+        let middle = (options.display_top.ln() - 0.5 * options.display_range.ln()).exp();
+        let mean = histogram.mean.exp();
+        let ratio = match options.eye.sensitivity {
+            true => threshold(middle) / threshold(mean),
+            false => middle / mean,
+        };
+        Mapping::Linear { factor: ratio * WHITE_EFFICACY / (luminance.exposure * options.display_top) }
+    }
+
+    /// What values of the output are, times those of the scene; `None` where there is no one factor.
+    pub(super) fn recorded_exposure(&self, luminance: &Luminance) -> Option<f64> {
+        match self {
+            Mapping::Linear { factor } => Some(luminance.exposure * factor),
+            Mapping::Tones(_) => None,
+        }
+    }
+
+    pub(super) fn map(&self, pixel: &mut [f32; 3], luminance: &Luminance) {
+        let factor = match self {
+            Mapping::Linear { factor } => {
+                if luminance.is_xyz() {
+                    factor / WHITE_EFFICACY
+                } else {
+                    *factor
+                }
+            }
+            Mapping::Tones(map) => {
+                let world = luminance.of(*pixel);
+                if world < VISIBLE[0] {
+                    *pixel = [0.0; 3];
+                    return;
+                }
+                let shown = map.brightness(world).exp();
+                let part = (shown - map.display_low.exp()) / (map.display_high.exp() - map.display_low.exp());
+                part / (world * luminance.exposure) * luminance.efficacy()
+            }
+        };
+        *pixel = pixel.map(|value| (f64::from(value) * factor) as f32);
+    }
+
+    /// What luminance the middle of each bin is shown with.
+    pub(super) fn pairs(
+        &self,
+        histogram: &Histogram,
+        options: &ConditionOptions,
+        luminance: &Luminance,
+    ) -> Vec<MappedLuminance> {
+        let shown = |world: f64| match self {
+            Mapping::Tones(map) => map.brightness(world).exp(),
+            Mapping::Linear { factor } => {
+                let shown = factor * luminance.exposure * world;
+                shown.clamp(options.display_top / options.display_range, options.display_top)
+            }
+        };
+        (0..BINS).map(|bin| histogram.middle(bin).exp()).map(|world| [world, shown(world)]).collect()
+    }
+}
+
+/// A map made by adjusting the histogram until no bin has more contrast than the eye.
+#[derive(Clone, Debug)]
+pub(super) struct ToneMap {
+    /// The share of the histogram below each bin, and 1.
+    cumulative: [f64; BINS + 1],
+    low: f64,
+    high: f64,
+    display_low: f64,
+    display_high: f64,
+}
+
+/// The share of a histogram that may lie above the ceiling, and the share that must be left of it.
+const TOLERANCE: f64 = 0.025;
+
+impl ToneMap {
+    /// `None` where the display has room for the scene as it is.
+    pub(super) fn new(histogram: &Histogram, options: &ConditionOptions) -> Option<ToneMap> {
+        let display_high = options.display_top.ln();
+        let display_low = (options.display_top / options.display_range).ln();
+        let mut counts = histogram.counts;
+        let step = histogram.range() / BINS as f64;
+        loop {
+            let total: f64 = counts.iter().sum();
+            let map = ToneMap {
+                cumulative: cumulative(&counts, total),
+                low: histogram.low,
+                high: histogram.high,
+                display_low,
+                display_high,
+            };
+            if total <= histogram.total * TOLERANCE {
+                return None;
+            }
+            let mut trimmings = 0.0;
+            for (bin, count) in counts.iter_mut().enumerate() {
+                let ceiling = total * step * map.ceiling(histogram.middle(bin).exp(), options);
+                if *count > ceiling {
+                    trimmings += *count - ceiling;
+                    *count = ceiling;
+                }
+            }
+            if trimmings <= total * TOLERANCE {
+                return Some(map);
+            }
+        }
+    }
+
+    /// The brightness on the display of a luminance in the scene, in cd/m².
+    pub(super) fn brightness(&self, world: f64) -> f64 {
+        let brightness = world.ln();
+        if world <= VISIBLE[0] || brightness <= self.low + TINY {
+            return self.display_low;
+        }
+        if brightness >= self.high - TINY {
+            return self.display_high;
+        }
+        let place = BINS as f64 * (brightness - self.low) / (self.high - self.low);
+        let bin = (place as usize).min(BINS - 1);
+        let part = place - bin as f64;
+        let share = self.cumulative[bin] * (1.0 - part) + self.cumulative[bin + 1] * part;
+        self.display_low + share * (self.display_high - self.display_low)
+    }
+
+    /// The largest share of the histogram that a unit of brightness may have (Eqs. 6 and 10 of the paper).
+    fn ceiling(&self, world: f64, options: &ConditionOptions) -> f64 {
+        let shown = self.brightness(world).exp();
+        let ratio = match options.eye.sensitivity {
+            true => threshold(shown) / threshold(world),
+            false => shown / world,
+        };
+        ratio * world / (shown * (self.display_high - self.display_low))
+    }
+}
+
+fn cumulative(counts: &[f64; BINS], total: f64) -> [f64; BINS + 1] {
+    let mut shares = [1.0; BINS + 1];
+    let mut sum = 0.0;
+    for (share, count) in shares.iter_mut().zip(counts) {
+        *share = sum / total;
+        sum += count;
+    }
+    shares
+}
+
+/// The smallest difference of luminance that the eye sees when adapted to a luminance, both in cd/m²: J. Ferwerda, S. Pattanaik,
+/// P. Shirley, D. Greenberg, "A Model of Visual Adaptation for Realistic Image Synthesis", SIGGRAPH 1996, for rods and for cones.
+fn threshold(luminance: f64) -> f64 {
+    if luminance < 1.148e-4 {
+        return 1.38e-3;
+    }
+    let log = luminance.log10();
+    let log_threshold = if log < -1.44 {
+        (0.405 * log + 1.6).powf(2.18) - 2.86
+    } else if log < -0.0184 {
+        log - 0.395
+    } else if log < 1.9 {
+        (0.249 * log + 0.65).powf(2.7) - 0.72
+    } else {
+        log - 1.255
+    };
+    10f64.powf(log_threshold)
+}
