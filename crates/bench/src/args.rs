@@ -17,17 +17,57 @@ pub(crate) struct Program {
 pub(crate) enum Command {
     /// Captures of the paper's figures: time, error against the truth, and Radiance's time for the same error
     Capture(Capture),
+    /// Pictures of many scenes: time to an error beside real Radiance and Mitsuba 3, as a table, a CSV file and a page
+    Race(Race),
     /// Scenes of a million triangles and of nested arrays: time and memory from text to a hierarchy, beside oconv
     Load(Load),
     /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
     #[command(hide = true)]
     Cost {
+        /// What the program reads
+        #[arg(long, value_name = "FILE")]
+        input: Option<PathBuf>,
+        /// Where what it writes goes
+        #[arg(long, value_name = "FILE")]
+        output: Option<PathBuf>,
         /// The program and its arguments
         #[arg(required = true, trailing_var_arg = true)]
         words: Vec<String>,
     },
     /// What a reflectance model costs in a plugin, beside the same model in the program
     Plugin(Plugin),
+}
+
+/// `radsight-bench race`.
+#[derive(Debug, Args)]
+pub(crate) struct Race {
+    /// Scenes, by name; all of them unless told otherwise
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    pub(crate) scenes: Vec<String>,
+    /// Lists the scenes and ends
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Seconds that a run may take: a program's series of ever dearer settings ends with the first run that takes longer
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
+    pub(crate) budget: f64,
+    /// Seconds that may be spent on a scene's reference; what is there already is kept and made better
+    #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
+    pub(crate) reference_budget: f64,
+    /// Noise at which a reference is good enough, as a share
+    #[arg(long, value_name = "SHARE", default_value_t = 0.003)]
+    pub(crate) reference_noise: f64,
+    /// Leaves the other programs out
+    #[arg(long)]
+    pub(crate) alone: bool,
+    /// Compares wall time instead of processor time
+    #[arg(long)]
+    pub(crate) wall: bool,
+    /// Where the page, the CSV file and the references go [default: bench in the folder above this program's]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
+    /// The repository with the scenes [default: the one that this program was built from]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) repo: Option<PathBuf>,
 }
 
 /// `radsight-bench plugin`.

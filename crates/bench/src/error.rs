@@ -23,6 +23,8 @@ pub(crate) enum BenchError {
     Size { what: String, found: usize, expected: usize },
     #[error("asked error {value} is not a share above 0, such as 0.005")]
     AskedError { value: f64 },
+    #[error("no scene is called \"{name}\"; --list names them")]
+    UnknownScene { name: String },
     #[error("camera file \"{}\" has no [sensor], expected one for grey values", path.display())]
     NoSensor { path: PathBuf },
     #[error("no temporary folder: {reason}")]
@@ -34,7 +36,7 @@ impl BenchError {
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             BenchError::Read { .. } | BenchError::Size { .. } | BenchError::NoSensor { .. } => 1,
-            BenchError::AskedError { .. } => 2,
+            BenchError::AskedError { .. } | BenchError::UnknownScene { .. } => 2,
             _ => 3,
         }
     }

@@ -27,6 +27,12 @@ pub(crate) fn write(folder: &Path) -> Result<[Generated; 2], BenchError> {
     Ok([TRIANGLES, ARRAYS])
 }
 
+/// Writes the scene of a million triangles alone; gives its file.
+pub(crate) fn triangles_in(folder: &Path) -> Result<&'static str, BenchError> {
+    file(folder, TRIANGLES.file, triangles)?;
+    Ok(TRIANGLES.file)
+}
+
 const STREET: &str = "!xform -n row -a 10 -t 1.5 0 0 -a 10 -t 0 1.5 .01 house.rad\n";
 
 const CITY: &str = "void plastic wall 0 0 5 .6 .6 .5 0 0

@@ -4,6 +4,8 @@
 //! camera rays through real `rtrace`, compares all exposures with the project's truth, and says how much longer Radiance
 //! takes to the same error. It runs the programs as a user would, each in a process of its own, one after the other.
 //!
+//! `radsight-bench race` renders many scenes with radsight, real Radiance and Mitsuba 3, and says how long each takes to an error.
+//!
 //! `radsight-bench load` writes large scenes as text and compares the way from text to a hierarchy with `oconv`'s.
 //!
 //! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
@@ -24,10 +26,12 @@ mod generated;
 mod load;
 mod machine;
 mod plugin;
+mod race;
 mod radiance;
 mod radsight;
 mod run;
 mod table;
+mod taken;
 
 use clap::Parser;
 use std::process::ExitCode;
@@ -37,7 +41,8 @@ fn main() -> ExitCode {
         args::Command::Capture(arguments) => capture::run(&arguments),
         args::Command::Plugin(arguments) => plugin::run(&arguments),
         args::Command::Load(arguments) => load::run(&arguments),
-        args::Command::Cost { words } => load::cost(&words),
+        args::Command::Race(arguments) => race::run(&arguments),
+        args::Command::Cost { input, output, words } => taken::cost(&words, input.as_deref(), output.as_deref()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

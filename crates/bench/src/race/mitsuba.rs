@@ -1,0 +1,132 @@
+//! Mitsuba 3, through a Python script of our own that translates what both can express.
+
+use super::program::{Program, Series, Setting, Team, read_picture};
+use super::reference::put;
+use super::scene::{Scene, words};
+use crate::cost::measure;
+use crate::error::BenchError;
+use crate::radsight::Radsight;
+use crate::taken::{Taken, taken};
+use radsight_picture::Image;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const SCRIPT: &str = include_str!("with_mitsuba.py");
+
+/// One variant of Mitsuba.
+#[derive(Debug)]
+pub(crate) struct Mitsuba {
+    python: PathBuf,
+    script: PathBuf,
+    variant: &'static str,
+    version: String,
+    /// Asked for the picture of a sky.
+    radsight: PathBuf,
+    /// The scene that was prepared last, as text without commands.
+    flat: PathBuf,
+}
+
+/// The variants that take part: plain C++, and vectors compiled when they are needed.
+pub(crate) const VARIANTS: [&str; 2] = ["scalar_rgb", "llvm_ad_rgb"];
+
+impl Mitsuba {
+    /// With the Python that `RADSIGHT_MITSUBA` names, else one that is made in `folder` with the package index's newest Mitsuba.
+    ///
+    /// # Errors
+    /// Why it is not to be had, in words.
+    pub(crate) fn find(variant: &'static str, radsight: &Radsight, folder: &Path) -> Result<Mitsuba, String> {
+        let python = match std::env::var_os("RADSIGHT_MITSUBA") {
+            Some(python) => PathBuf::from(python),
+            None => own_python(&folder.join("mitsuba"))?,
+        };
+        let script = folder.join("with_mitsuba.py");
+        put(&script, SCRIPT.as_bytes()).map_err(|error| error.to_string())?;
+        let told = Command::new(&python).arg(&script).args(["probe", variant]).output();
+        let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
+        if !told.status.success() {
+            let messages = String::from_utf8_lossy(&told.stderr);
+            let message = messages.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+            return Err(format!("mitsuba {variant} ends with {}: {message}", told.status));
+        }
+        let version = String::from_utf8_lossy(&told.stdout).trim().to_owned();
+        let radsight = PathBuf::from(radsight.command(&[]).get_program());
+        Ok(Mitsuba { python, script, variant, version, radsight, flat: PathBuf::new() })
+    }
+
+    pub(crate) fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// Bounces as Mitsuba counts them, with the light and the surface that is seen. Where a mirror or glass is on the way it counts
+    /// those too: such scenes are dark enough for none to matter.
+    fn depth(scene: &Scene) -> i64 {
+        let bounces =
+            scene.task.iter().position(|word| word == "-ab").and_then(|at| scene.task.get(at + 1)?.parse().ok());
+        if scene.has_long_paths() { -1 } else { bounces.unwrap_or(0) + 2 }
+    }
+}
+
+/// A Python with Mitsuba in a folder of its own.
+fn own_python(folder: &Path) -> Result<PathBuf, String> {
+    let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if python.is_file() {
+        return Ok(python);
+    }
+    let run = |command: &mut Command| match command.output() {
+        Ok(output) if output.status.success() => Ok(()),
+        Ok(output) => Err(String::from_utf8_lossy(&output.stderr).lines().last().unwrap_or_default().to_owned()),
+        Err(error) => Err(error.to_string()),
+    };
+    let made = run(Command::new("python3").args(["-m", "venv"]).arg(folder))
+        .and_then(|()| run(Command::new(&python).args(["-m", "pip", "install", "mitsuba", "numpy"])));
+    made.map(|()| python).map_err(|reason| format!("no Python with Mitsuba could be made: {reason}"))
+}
+
+impl Program for Mitsuba {
+    fn team(&self) -> Team {
+        Team::Mitsuba
+    }
+
+    fn name(&self) -> String {
+        format!("mitsuba {}", self.variant)
+    }
+
+    fn series(&self, scene: &Scene) -> Vec<Series> {
+        if !scene.translated {
+            return Vec::new();
+        }
+        let settings = |sampler: &str| {
+            let setting = |rays: u32| Setting::of(format!("{rays} rays"), sampler, rays);
+            [4, 16, 64, 256, 1024, 4096].map(setting).to_vec()
+        };
+        let series = |sampler: &str| Series { name: sampler.to_owned(), unbiased: true, settings: settings(sampler) };
+        vec![series("independent"), series("ldsampler")]
+    }
+
+    fn prepare(&mut self, scene: &Scene, folder: &Path) -> Result<(), BenchError> {
+        self.flat = folder.join("flat.rad");
+        if !scene.translated {
+            return Ok(());
+        }
+        let mut command = Command::new(&self.radsight);
+        scene.place(command.args(["xform", "-e"]).args(&scene.files));
+        measure(&mut command, None, Some(&self.flat), "").map(|_| ())
+    }
+
+    fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
+        let [output, told] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
+        let mut command = Command::new(&self.python);
+        command.arg(&self.script).args(["render", self.variant]).arg(&self.flat).arg(&output).arg(&self.radsight);
+        command.args(scene.size.map(|side| side.to_string())).arg(setting.rays.to_string());
+        command.arg(Mitsuba::depth(scene).to_string()).args(&setting.options).args(&scene.view);
+        let whole = taken(&mut command, folder, None, Some(&told))?;
+        let text = String::from_utf8_lossy(&crate::figure::read(&told)?).into_owned();
+        // Only the rendering counts: not the start of Python, nor the translation.
+        let numbers: Vec<f64> = words(&text).iter().filter_map(|word| word.parse().ok()).collect();
+        let rendering = match numbers[..] {
+            [processor, wall] => Taken { processor, wall, ..whole },
+            _ => whole,
+        };
+        Ok((rendering, read_picture(&output)?))
+    }
+}

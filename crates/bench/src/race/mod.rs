@@ -1,0 +1,165 @@
+//! `radsight-bench race`: pictures of many scenes by radsight, real Radiance and Mitsuba 3, and how long each takes to an error.
+
+mod accuracy;
+mod catalog;
+mod mitsuba;
+mod own;
+mod page;
+mod program;
+mod real;
+mod reference;
+mod result;
+mod scene;
+
+use crate::args::Race;
+use crate::capture::print;
+use crate::error::BenchError;
+use crate::machine;
+use crate::radiance::Radiance;
+use crate::radsight::Radsight;
+use accuracy::Accuracy;
+use catalog::{Places, SCENES, chosen};
+use mitsuba::{Mitsuba, VARIANTS};
+use own::Own;
+use program::Program;
+use real::{Real, RealKind};
+use reference::{Reference, Wanted, put};
+use result::{CSV_HEADING, Clock, Entrant, Run, SceneResult, Summary};
+use scene::Scene;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Races through all scenes and writes table, CSV file and page after each.
+pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
+    if arguments.list {
+        SCENES.iter().for_each(|(name, _)| print(&format!("{name}\n")));
+        return Ok(());
+    }
+    let prepare = chosen(&arguments.scenes)?;
+    let temporary = tempfile::tempdir().map_err(|reason| BenchError::Temporary { reason })?;
+    let folder = arguments.folder.clone().unwrap_or_else(beside_this_program);
+    let references = folder.join("references");
+    fs::create_dir_all(&references).map_err(|reason| BenchError::Write { path: references.clone(), reason })?;
+    let repository =
+        arguments.repo.clone().unwrap_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")));
+    let shared = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from);
+    let places = Places { repository: &repository, folder: temporary.path(), shared: shared.as_deref() };
+    let radiance = if arguments.alone { Err("left out by --alone".to_owned()) } else { Radiance::find() };
+    let mut bench = Bench::new(arguments, radiance.as_ref(), temporary.path(), &folder);
+    let version = radiance.as_ref().map(|radiance| radiance.version().to_owned()).map_err(Clone::clone);
+    let machine = format!("{}{}", machine::describe(&Radsight::find(), &version), bench.versions);
+    print(&machine);
+    let clock = if arguments.wall { Clock::Wall } else { Clock::Processor };
+    let mut results = Vec::new();
+    for prepare in prepare {
+        let Some(scene) = prepare(&places)? else {
+            bench.missing.push("a scene of others: RADSIGHT_SHARED names no folder that has it".to_owned());
+            continue;
+        };
+        let result = bench.scene(scene, &references)?;
+        print(&format!("\n{}: {}\n{}", result.scene.name, result.reference.check, page::runs(&result)));
+        results.push(result);
+        // After every scene: a long run that is ended keeps what it has.
+        let csv: String = results.iter().map(SceneResult::to_csv).collect();
+        put(&folder.join("race.csv"), format!("{CSV_HEADING}{csv}").as_bytes())?;
+        let page = page::page(&machine, &bench.missing, &results, &Summary::new(&results, clock), clock);
+        put(&folder.join("race.html"), page.as_bytes())?;
+    }
+    bench.missing.iter().for_each(|reason| print(&format!("missing: {reason}\n")));
+    print(&format!("\nTime to an error ({})\n{}", clock.words(), Summary::new(&results, clock).to_text()));
+    print(&format!("wrote race.csv and race.html to {}\n", folder.display()));
+    Ok(())
+}
+
+/// `target/bench` where this program is `target/release/radsight-bench`.
+fn beside_this_program() -> PathBuf {
+    let own = std::env::current_exe().unwrap_or_default();
+    own.parent().and_then(Path::parent).unwrap_or(Path::new(".")).join("bench")
+}
+
+struct Bench<'a> {
+    arguments: &'a Race,
+    own: Own,
+    real: Vec<Real<'a>>,
+    mitsuba: Vec<Mitsuba>,
+    /// Programs and scenes that cannot take part, and why.
+    missing: Vec<String>,
+    /// Lines for the description of the machine.
+    versions: String,
+    folder: &'a Path,
+}
+
+impl<'a> Bench<'a> {
+    fn new(arguments: &'a Race, radiance: Result<&'a Radiance, &String>, temporary: &'a Path, folder: &Path) -> Self {
+        let (mut missing, mut mitsuba, mut versions) = (Vec::new(), Vec::new(), String::new());
+        let real = match radiance {
+            Ok(radiance) => [RealKind::Rtrace, RealKind::Rpict].map(|kind| Real::new(radiance, kind)).into(),
+            Err(reason) => {
+                missing.push(format!("real Radiance: {reason}"));
+                Vec::new()
+            }
+        };
+        for variant in VARIANTS {
+            match if arguments.alone {
+                Err("left out by --alone".to_owned())
+            } else {
+                Mitsuba::find(variant, &Radsight::find(), folder)
+            } {
+                Ok(found) => {
+                    versions.push_str(&format!("Mitsuba   {} {variant}\n", found.version()));
+                    mitsuba.push(found);
+                }
+                Err(reason) => missing.push(format!("Mitsuba {variant}: {reason}")),
+            }
+        }
+        Bench {
+            arguments,
+            own: Own { radsight: Radsight::find() },
+            real,
+            mitsuba,
+            missing,
+            versions,
+            folder: temporary,
+        }
+    }
+
+    /// Makes the reference, then runs every program's series until the budget ends it.
+    fn scene(&mut self, scene: Scene, references: &Path) -> Result<SceneResult, BenchError> {
+        eprintln!("{}: reference", scene.name);
+        for real in &mut self.real {
+            real.prepare(&scene, self.folder)?;
+        }
+        for mitsuba in &mut self.mitsuba {
+            mitsuba.prepare(&scene, self.folder)?;
+        }
+        let wanted = Wanted { noise: self.arguments.reference_noise, seconds: self.arguments.reference_budget };
+        let reference = Reference::make(&scene, &self.own, self.real.first(), wanted, (self.folder, references))?;
+        let mut entrants = Vec::new();
+        let programs = std::iter::once(&self.own as &dyn Program)
+            .chain(self.real.iter().map(|real| real as &dyn Program))
+            .chain(self.mitsuba.iter().map(|mitsuba| mitsuba as &dyn Program));
+        for program in programs {
+            for series in program.series(&scene) {
+                let mut entrant = Entrant {
+                    team: program.team(),
+                    program: program.name(),
+                    series: series.name,
+                    unbiased: series.unbiased,
+                    runs: Vec::new(),
+                };
+                for setting in series.settings {
+                    eprintln!("{}: {} {}", scene.name, entrant.program, setting.label);
+                    let (taken, picture) = program.render(&scene, &setting, self.folder)?;
+                    let accuracy = Accuracy::new(&picture, &reference.image).less(reference.noise);
+                    let is_last = taken.wall > self.arguments.budget;
+                    entrant.runs.push(Run { label: setting.label, taken, accuracy, picture });
+                    if is_last {
+                        break;
+                    }
+                }
+                entrants.push(entrant);
+            }
+        }
+        Ok(SceneResult { scene, reference, entrants })
+    }
+}

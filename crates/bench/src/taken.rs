@@ -1,0 +1,78 @@
+//! What a program took, memory too: each is run by a copy of this program, which tells what its only child took.
+
+use crate::capture::print;
+use crate::cost::measure;
+use crate::error::BenchError;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// What a program took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Taken {
+    /// Processor time, s.
+    pub(crate) processor: f64,
+    /// From start to end, s.
+    pub(crate) wall: f64,
+    /// The most memory that was resident, MiB. NaN where the system does not tell.
+    pub(crate) peak: f64,
+}
+
+/// Runs a program in `folder` by way of `radsight-bench cost`, which this reads; `input` and `output` are its streams, else nothing is.
+pub(crate) fn taken(
+    program: &mut Command,
+    folder: &Path,
+    input: Option<&Path>,
+    output: Option<&Path>,
+) -> Result<Taken, BenchError> {
+    let own = std::env::current_exe().map_err(|reason| start_error("radsight-bench", reason))?;
+    let mut wrapper = Command::new(own);
+    wrapper.arg("cost");
+    for (option, path) in [("--input", input), ("--output", output)] {
+        if let Some(path) = path {
+            wrapper.arg(option).arg(path);
+        }
+    }
+    wrapper.arg("--").arg(program.get_program()).args(program.get_args()).current_dir(folder);
+    for (name, value) in program.get_envs() {
+        if let Some(value) = value {
+            wrapper.env(name, value);
+        }
+    }
+    let told =
+        wrapper.stderr(Stdio::inherit()).output().map_err(|reason| start_error("radsight-bench cost", reason))?;
+    let text = String::from_utf8_lossy(&told.stdout);
+    let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    match numbers[..] {
+        [processor, wall, peak] if told.status.success() => Ok(Taken { processor, wall, peak }),
+        _ => Err(BenchError::Failed {
+            command: program.get_program().to_string_lossy().into_owned(),
+            status: told.status,
+            message: text.into_owned(),
+        }),
+    }
+}
+
+fn start_error(program: &str, reason: std::io::Error) -> BenchError {
+    BenchError::Start { program: program.to_owned(), reason, hint: "" }
+}
+
+/// `radsight-bench cost`: runs a program and prints its processor time and wall time in s and its peak memory in MiB.
+pub(crate) fn cost(words: &[String], input: Option<&Path>, output: Option<&Path>) -> Result<(), BenchError> {
+    let Some((program, arguments)) = words.split_first() else { return Ok(()) };
+    let cost = measure(Command::new(program).args(arguments), input, output, "")?;
+    print(&format!("{} {} {}\n", cost.processor, cost.wall, peak_of_children()));
+    Ok(())
+}
+
+/// The most memory that any child had resident, MiB.
+#[cfg(unix)]
+fn peak_of_children() -> f64 {
+    use nix::sys::resource::{UsageWho, getrusage};
+    // Linux counts in KiB.
+    getrusage(UsageWho::RUSAGE_CHILDREN).map_or(f64::NAN, |usage| usage.max_rss() as f64 / 1024.0)
+}
+
+#[cfg(not(unix))]
+fn peak_of_children() -> f64 {
+    f64::NAN
+}
