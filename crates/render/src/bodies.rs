@@ -3,13 +3,13 @@
 use crate::direct::DirectSampler;
 use crate::geometry::is_flat;
 use crate::light::{Light, LightForm};
+use crate::light_tree::Reception;
 use crate::medium::{Medium, MistKind};
 use crate::options::BackFaces;
 use crate::prism::PrismKind;
 use crate::ray::Hit;
 use crate::refraction::Boundary;
 use crate::shader::{Emitter, Kind, Shader, Substitution, bands};
-use crate::tilt::Peak;
 use crate::trace::{Passage, Segment, Tracer, product};
 use crate::view::Encounter;
 use glam::DVec3;
@@ -88,7 +88,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                     primitive: None,
                     highlight_draws: 0,
                     shares_diffuse: false,
-                    peak: Peak::NONE,
+                    reception: Reception::NONE,
                     travelled: segment.travelled + along,
                     medium: medium_id,
                     cuts: [segment.cut; 2],

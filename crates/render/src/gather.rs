@@ -1,12 +1,12 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
 use crate::antimatter::Cut;
+use crate::light_tree::Reception;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
 use crate::options::Unshared;
 use crate::ray::{PrimitiveId, Ray};
 use crate::surface_light::LitPoint;
-use crate::tilt::Peak;
 use crate::trace::{Segment, Tracer};
 use glam::DVec3;
 use radsight_irradiance::{Gathered, Hemisphere, Limits, Record};
@@ -121,7 +121,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
         let medium = self.begin(sampler, place.medium);
         let cut = self.add_cut(place.cut.clone());
-        let link = Link::new(0.0, (place.point, direction), Peak::NONE, place.primitive, Lobe::Diffuse);
+        let link = Link::new(0.0, (place.point, direction), Reception::NONE, place.primitive, Lobe::Diffuse);
         self.finish(Segment {
             ray: Ray { origin: place.point, direction },
             from: place.primitive,

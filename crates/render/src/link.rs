@@ -3,9 +3,9 @@
 use crate::direct::selection_density;
 use crate::geometry::RayFrame;
 use crate::light::{Light, LightForm, LightId};
+use crate::light_tree::Reception;
 use crate::plan::RenderPlan;
 use crate::ray::{PrimitiveId, Ray};
-use crate::tilt::Peak;
 use glam::DVec3;
 use radsight_ir::SurfaceHandle;
 
@@ -17,10 +17,10 @@ const MAX_CHAIN: usize = 4;
 pub(crate) struct Link {
     /// Density with which the direction was drawn, 1/sr.
     pub(crate) density: f64,
-    /// Where it was drawn, the direction, and the highlight there.
+    /// Where it was drawn, the direction, and what is made of light there.
     pub(crate) receiver: DVec3,
     pub(crate) direction: DVec3,
-    pub(crate) peak: Peak,
+    pub(crate) reception: Reception,
     /// The primitive there.
     pub(crate) primitive: Option<PrimitiveId>,
     /// From what it was drawn.
@@ -59,7 +59,7 @@ impl Link {
     pub(crate) fn new(
         density: f64,
         (receiver, direction): (DVec3, DVec3),
-        peak: Peak,
+        reception: Reception,
         primitive: Option<PrimitiveId>,
         lobe: Lobe,
     ) -> Link {
@@ -67,7 +67,7 @@ impl Link {
             density,
             receiver,
             direction,
-            peak,
+            reception,
             primitive,
             lobe,
             length: 0.0,
@@ -143,10 +143,16 @@ impl Link {
         if light.misses(self.receiver) {
             return focal;
         }
-        let selection = selection_density(plan, self.receiver, self.primitive, id);
-        let other = light.density(self.receiver, self.direction, length, cosine, &self.peak) * selection;
+        let other = light.density(self.receiver, self.direction, length, cosine, &self.reception.peak);
         // A ray without a density leaves the light to its sampling, if that can find it there.
-        if other > 0.0 { focal * self.density / (self.density + other) } else { focal }
+        if other <= 0.0 {
+            return focal;
+        }
+        if self.density == 0.0 {
+            return 0.0;
+        }
+        let other = other * selection_density(plan, self.receiver, &self.reception, id);
+        focal * self.density / (self.density + other)
     }
 
     /// Distance and cosine at which the drawn direction would meet the light if nothing bent it.

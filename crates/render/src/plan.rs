@@ -4,9 +4,11 @@ use crate::antimatter::all_cut;
 use crate::bands::BandLayout;
 use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
+use crate::direct::{ALWAYS_ALL, light_draws};
 use crate::geometry::Geometry;
 use crate::indirect::excluded;
 use crate::light::{Light, LightId};
+use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::options::{GlobalMedium, RenderOptions, Skipping};
@@ -31,6 +33,8 @@ pub struct RenderPlan {
     pub(crate) lights: Vec<Light>,
     /// The lights, real and mirrored, of each surface that has any, sorted by surface.
     pub(crate) lights_of: Vec<(SurfaceHandle, LightId)>,
+    /// From which some of them are drawn where they are many.
+    pub(crate) light_tree: Option<LightTree>,
     /// Distant sources in the order in which a ray that leaves the scene tries them.
     pub(crate) sky: Vec<Sky>,
     /// Which lights reach which primitive, and what stands between.
@@ -128,6 +132,7 @@ impl RenderPlan {
             shader_table,
             lights,
             lights_of,
+            light_tree: None,
             sky,
             reach,
             see_through,
@@ -143,6 +148,9 @@ impl RenderPlan {
             unusable_met: OnceLock::new(),
             decisions: Vec::new(),
         };
+        if plan.lights.len() > ALWAYS_ALL {
+            plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
+        }
         plan.decisions = plan.decide();
         Ok(plan)
     }
@@ -304,6 +312,11 @@ impl RenderPlan {
         say(format!("{} lights are sampled", self.lights.len() - images), "they are lights, spotlights or near glows");
         if images > 0 {
             say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
+        }
+        let [drawn, again] = [false, true].map(|scattered| light_draws(self, scattered));
+        if drawn > 0 {
+            let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
+            say(what, "they are many; a hierarchy of lights tells what they promise");
         }
         for (count, what, why) in self.reach.summary() {
             if count > 0 {

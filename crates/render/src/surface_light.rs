@@ -4,6 +4,7 @@ use crate::bands::spread;
 use crate::beyond::{Beyond, chance_of_second, strongest};
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
+use crate::light_tree::Reception;
 use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
@@ -257,6 +258,29 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         }
     }
 
+    /// The same for drawing lights, of which so many are drawn.
+    pub(crate) fn reception(&self, draws: u32) -> Reception {
+        let peak = self.peak();
+        if draws == 0 {
+            return Reception { peak, ..Reception::NONE };
+        }
+        let from_anywhere = match &self.highlight {
+            Highlight::Function(_) | Highlight::Measured(_) | Highlight::Model(_) => 0.5,
+            highlight => BESIDE_PEAK * highlight.strength(),
+        };
+        let beyond = self.beyond.map_or(0.0, |beyond| {
+            strongest(&beyond.diffuse)
+                + BESIDE_PEAK * beyond.lobe.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance))
+        });
+        Reception {
+            normal: self.diffuse_normal,
+            diffuse: strongest(&self.diffuse) * FRAC_1_PI,
+            peak,
+            floor: (from_anywhere + beyond) * FRAC_1_PI,
+            draws,
+        }
+    }
+
     /// Whether there is a highlight, on either side, that can only be found by drawing from it.
     pub(crate) fn has_highlight(&self) -> bool {
         !matches!(self.highlight, Highlight::None | Highlight::Function(_))
@@ -477,6 +501,9 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         if direction.dot(self.normal) > 0.0 { direction } else { reflect(self.normal) }
     }
 }
+
+/// Share of a highlight that drawing lights expects anywhere.
+const BESIDE_PEAK: f64 = 0.05;
 
 /// Rays that look for light by way of mirrors are drawn from the lobe and, as often, from one this many times as wide: a
 /// camera's lights stand beside it, in the lobe's tail, where the lobe itself would send one ray in fifty.

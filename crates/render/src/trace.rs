@@ -8,7 +8,7 @@
 
 use crate::antimatter::{Cut, CutId, Meeting};
 use crate::bands::BandValues;
-use crate::direct::DirectSampler;
+use crate::direct::{DirectSampler, light_draws};
 use crate::gather::Place;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
@@ -33,8 +33,6 @@ use std::f64::consts::PI;
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     pub(crate) scratch: Scratch,
-    /// Promise of each light, where only some are sampled.
-    pub(crate) promises: Vec<f64>,
     /// Places on lights, for a model that is asked about all of them at once.
     pub(crate) batch: ModelBatch,
 }
@@ -647,7 +645,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         };
         let set = self.next_set;
         self.next_set += highlight_draws.max(1);
-        let peak = point.peak();
+        let reception = point.reception(light_draws(self.plan, segment.is_scattered()));
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
         let direct = DirectSampler {
@@ -655,7 +653,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             primitive,
             highlight_draws: if shared { highlight_draws } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
-            peak,
+            reception,
             travelled,
             medium: segment.medium,
             cuts: [segment.cut, segment.cut_beyond],
@@ -701,7 +699,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let mut link = match drawn.density {
             Density::Continuous(density) => {
                 let at = (from.point, drawn.direction);
-                Some(Link::new(density, at, from.peak, from.primitive, lobe))
+                Some(Link::new(density, at, from.reception, from.primitive, lobe))
             }
             Density::Delta => segment.link,
         };

@@ -1,0 +1,74 @@
+//! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
+
+use crate::light::{Light, LightForm};
+use crate::plan::RenderPlan;
+use crate::ray::Ray;
+use crate::shader::{Emitter, Shader};
+use crate::trace::emission;
+use crate::view::Encounter;
+use glam::DVec3;
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Directions in which the pattern of a light is looked at.
+const LOOKS: u32 = 16;
+
+impl RenderPlan {
+    /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
+    pub(crate) fn typical_radiance(&self, light: &Light) -> f64 {
+        let shader = self.shader(light.surface);
+        let Some(emitter) = shader.kind.emitter() else { return 0.0 };
+        if shader.steps.is_empty() {
+            let Rgb(radiance) = emitter.radiance;
+            return radiance.into_iter().fold(0.0, f64::max);
+        }
+        // What a mirror shows shines as it does itself.
+        let first = self.lights_of.partition_point(|(surface, _)| *surface < light.surface);
+        let light = self.lights_of.get(first).map_or(light, |(_, id)| &self.lights[id.0 as usize]);
+        let look = |index: u32| {
+            let encounter =
+                self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
+            match self.bands {
+                1 => self.strongest_emission::<1>(shader, emitter, &encounter),
+                3 => self.strongest_emission::<3>(shader, emitter, &encounter),
+                27 => self.strongest_emission::<27>(shader, emitter, &encounter),
+                36 => self.strongest_emission::<36>(shader, emitter, &encounter),
+                _ => self.strongest_emission::<72>(shader, emitter, &encounter),
+            }
+        };
+        (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
+    }
+
+    fn strongest_emission<const BANDS: usize>(&self, shader: &Shader, emitter: &Emitter, encounter: &Encounter) -> f64 {
+        let radiance: [f64; BANDS] = emission(self, shader, emitter, encounter, &mut Scratch::default());
+        radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.
+    fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> Encounter {
+        let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
+            (LightForm::Distant { direction, half_angle_sin_squared_half, .. }, ..) => {
+                (*direction, 2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin())
+            }
+            (_, Some(cone), _) => (cone.axis, cone.half_angle),
+            (_, None, Some((normal, _))) => (normal, FRAC_PI_2),
+            (_, None, None) => (DVec3::Z, PI),
+        };
+        let cos = 1.0 - height * (1.0 - widest.cos());
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (x, y) = axis.any_orthonormal_pair();
+        let (sin_turn, cos_turn) = (TAU * turn).sin_cos();
+        let out = (axis * cos + (x * cos_turn + y * sin_turn) * sin).normalize();
+        if light.radius.is_infinite() {
+            return Encounter::distant(out);
+        }
+        let normal = light.form.plane().map_or(out, |(normal, _)| normal);
+        let distance = self.bounding_sphere().1;
+        let ray = Ray { origin: light.center + out * distance, direction: -out };
+        Encounter::new(&ray, light.center, normal, distance, distance)
+    }
+}
+
+/// Turns by this share of a circle never repeat (the golden section).
+const GOLDEN: f64 = 0.618_033_988_749_895;
