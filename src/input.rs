@@ -7,7 +7,7 @@ use crate::plugins::{Models, PluginOptions, report_faults};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_ir::{Material, ModifierKind, ValidScene};
+use radsight_ir::{Material, ModifierKind, Scene, ValidScene};
 use radsight_loader::Loader;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
@@ -110,8 +110,19 @@ pub(crate) fn plan(
     reading: &Reading,
     render_options: RenderOptions,
 ) -> Result<Planned, Failure> {
+    plan_changed(paths, camera, reading, render_options, |_| Ok(()))
+}
+
+/// The same for a scene that is changed after it was read.
+pub(crate) fn plan_changed(
+    paths: &[String],
+    camera: Option<&CameraFile>,
+    reading: &Reading,
+    render_options: RenderOptions,
+    change: impl FnOnce(&mut Scene) -> Outcome,
+) -> Result<Planned, Failure> {
     let inputs = scene_inputs(paths, camera)?;
-    let (scene, sources) = valid_scene(inputs, reading)?;
+    let (scene, sources) = valid_scene(inputs, reading, change)?;
     let has_plugins = scene
         .modifiers
         .items()
@@ -128,12 +139,17 @@ pub(crate) fn plan(
     Ok(Planned { plan, registry, sources })
 }
 
-fn valid_scene(inputs: Vec<Input>, reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {
+fn valid_scene(
+    inputs: Vec<Input>,
+    reading: &Reading,
+    change: impl FnOnce(&mut Scene) -> Outcome,
+) -> Result<(ValidScene, SourceMap), Failure> {
     let read = read(inputs, reading.commands(), &reading.read_options()?);
     if read.has_errors() || (reading.strict && !read.diagnostics.is_empty()) {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }
-    let Read { scene, sources, diagnostics, .. } = read;
+    let Read { mut scene, sources, diagnostics, .. } = read;
+    change(&mut scene)?;
     match scene.validate() {
         Ok(valid) => {
             let warnings: Vec<Diagnostic> = diagnostics.into_iter().chain(valid.warnings).collect();

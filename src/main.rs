@@ -12,6 +12,7 @@ mod input;
 mod output;
 mod plugins;
 mod progress;
+mod ray_input;
 mod render_args;
 mod switch;
 mod view_args;

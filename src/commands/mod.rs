@@ -11,6 +11,7 @@ mod picture;
 mod pinhole;
 mod plugin;
 mod rad;
+mod rcontrib;
 mod rig;
 mod rpict;
 mod rtrace;
@@ -24,7 +25,7 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = ["mksource", "oconv", "rad", "rpict", "rtrace", "vwrays"];
+    let own = ["mksource", "oconv", "rad", "rcontrib", "rpict", "rtrace", "vwrays"];
     own.into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
@@ -35,6 +36,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         "mksource" => return Some(mksource::run(words)),
         "oconv" => return Some(oconv::run(words)),
         "rad" => return Some(rad::run(&words[1..])),
+        "rcontrib" => return Some(rcontrib::run(words)),
         "rpict" => return Some(rpict::run(words)),
         "rtrace" => return Some(rtrace::run(words)),
         "vwrays" => return Some(vwrays::run(&words[1..])),

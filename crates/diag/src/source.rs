@@ -37,7 +37,7 @@ pub struct Position {
     pub column: u32,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Source {
     name: String,
     text: Arc<[u8]>,
@@ -47,7 +47,7 @@ struct Source {
 }
 
 /// All the texts that were read.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     sources: Vec<Source>,
 }

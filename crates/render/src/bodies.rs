@@ -99,9 +99,14 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                     medium.phase(segment.ray.direction, towards) / (density * samples)
                 });
                 let left = medium.transmission(along);
+                let share: [f64; BANDS] = std::array::from_fn(|band| {
+                    segment.throughput[band] * (medium.extinction[band] * medium.albedo[band] * left[band])
+                });
                 for band in 0..BANDS {
-                    let scattering = medium.extinction[band] * medium.albedo[band] * left[band];
-                    self.radiance[band] += segment.throughput[band] * scattering * arriving[band];
+                    self.radiance[band] += share[band] * arriving[band];
+                }
+                if let Some(contributions) = &mut self.contributions {
+                    contributions.settle(share);
                 }
             }
         }

@@ -161,7 +161,7 @@ impl Compiler<'_> {
             (Vec::new(), Kind::Transparent)
         });
         chains.nesting = nesting;
-        self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier }));
+        self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier, tracked: None }));
         ShaderId((self.shaders.len() - 1) as u32)
     }
 
@@ -315,7 +315,7 @@ impl Compiler<'_> {
     fn compile_look(&mut self, chains: &mut Chains<'_>, first: ModifierHandle) -> Result<Look, Diagnostic> {
         let steps = self.steps_alone(chains, Some(first))?;
         let home = chains.home.clone();
-        Ok(Look::Own(Box::new(Shader { steps, kind: Kind::Transparent, home, modifier: Some(first) })))
+        Ok(Look::Own(Box::new(Shader { steps, kind: Kind::Transparent, home, modifier: Some(first), tracked: None })))
     }
 
     fn mixed_materials(

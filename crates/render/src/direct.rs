@@ -26,10 +26,12 @@ const THRIFT: [Thrift; 2] = [Thrift { all: 24, draws: 8 }, Thrift { all: 12, dra
 /// With no more lights than this there is never a choice.
 pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 
-/// How many lights are drawn at a point, on a path that was `scattered` before or not; 0 where each is sampled.
+/// How many lights are drawn at a point, on a path that was `scattered` before or not; 0 where each is sampled: where few are, and where
+/// it is asked what each of them gives.
 pub(crate) fn light_draws(plan: &RenderPlan, scattered: bool) -> u32 {
     let Thrift { all, draws } = THRIFT[usize::from(scattered)];
-    if plan.light_tree.is_none() || plan.lights.len() <= all { 0 } else { draws }
+    let few = plan.light_tree.is_none() || plan.lights.len() <= all;
+    if few || !plan.options.tracked_modifiers.is_empty() { 0 } else { draws }
 }
 
 /// The direct light at one point.
@@ -226,7 +228,21 @@ impl DirectSampler {
             return dark;
         }
         let arriving = self.arriving(tracer, light, sample, between, radiance);
-        product(weight, arriving)
+        let given = product(weight, arriving);
+        self.note_light(tracer, light, sample, given);
+        given
+    }
+
+    /// Notes what a light gives, where that is wanted.
+    fn note_light<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        sample: &LightSample,
+        given: [f64; BANDS],
+    ) {
+        let Some(contributions) = &mut tracer.contributions else { return };
+        contributions.owe(tracer.plan.shader(light.surface), &self.encounter(light, sample), given);
     }
 
     /// Radiance that comes from a light to a point in space, from one place on the light, scaled by `weight` of the direction to it and divided
@@ -249,7 +265,9 @@ impl DirectSampler {
             return dark;
         }
         let scale = focal * weight(sample.direction) / sample.density;
-        self.arriving(tracer, light, &sample, &Between::Anything, radiance).map(|band| band * scale)
+        let given = self.arriving(tracer, light, &sample, &Between::Anything, radiance).map(|band| band * scale);
+        self.note_light(tracer, light, &sample, given);
+        given
     }
 
     /// Radiance of the place in the direction of the point.
@@ -266,16 +284,19 @@ impl DirectSampler {
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let ray = light.real_ray(self.point, sample.direction);
-        let distant = matches!(light.form, LightForm::Distant { .. });
-        let encounter = if distant {
-            Encounter::distant(ray.direction)
-        } else {
-            let normal = light.relays.iter().fold(sample.normal, |normal, relay| relay.image_of_direction(normal));
-            let total = self.travelled + sample.distance;
-            Encounter::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
-        };
+        let encounter = self.encounter(light, sample);
         emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch)
+    }
+
+    /// How the place is met by a ray from the point.
+    fn encounter(&self, light: &Light, sample: &LightSample) -> Encounter {
+        let ray = light.real_ray(self.point, sample.direction);
+        if matches!(light.form, LightForm::Distant { .. }) {
+            return Encounter::distant(ray.direction);
+        }
+        let normal = light.relays.iter().fold(sample.normal, |normal, relay| relay.image_of_direction(normal));
+        let total = self.travelled + sample.distance;
+        Encounter::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
     }
 }
 

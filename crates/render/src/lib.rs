@@ -15,6 +15,7 @@ mod cast;
 mod compile;
 mod compile_scatter;
 mod compile_steps;
+mod contribution;
 mod direct;
 mod frame;
 mod function_lobe;
@@ -53,6 +54,7 @@ mod trace;
 mod view;
 
 pub use bands::BandValues;
+pub use contribution::Contribution;
 pub use options::{
     AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping, Unshared,
 };

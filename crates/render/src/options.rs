@@ -34,6 +34,8 @@ pub struct RenderOptions {
     pub back_faces: BackFaces,
     /// What is wanted of a ray (`-i`, `-I`).
     pub quantity: Quantity,
+    /// Modifiers whose contributions are wanted, by name (`rcontrib -m`). Default none.
+    pub tracked_modifiers: Vec<String>,
     /// Whether the plan may leave work out that cannot change the picture. Off only to test that it does not.
     pub skipping: Skipping,
 }
@@ -55,6 +57,7 @@ impl Default for RenderOptions {
             sampling: Sampling::RGB,
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
+            tracked_modifiers: Vec::new(),
             skipping: Skipping::Allowed,
         }
     }

@@ -4,6 +4,7 @@ use crate::antimatter::all_cut;
 use crate::bands::BandLayout;
 use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
+use crate::contribution::mark_tracked;
 use crate::direct::{ALWAYS_ALL, light_draws};
 use crate::geometry::Geometry;
 use crate::indirect::excluded;
@@ -94,6 +95,7 @@ impl RenderPlan {
         let layout = Arc::new(BandLayout::new(options.sampling));
         let colors = [options.ambient_value, options.medium.extinction, options.medium.albedo];
         let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout)?;
+        mark_tracked(&mut shaders, &scene, &options.tracked_modifiers);
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
             .map_err(|error| vec![error])?;

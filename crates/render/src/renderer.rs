@@ -1,5 +1,6 @@
 //! Rays in, radiance out.
 
+use crate::contribution::Contribution;
 use crate::plan::RenderPlan;
 use crate::ray::Ray;
 use crate::survey::gather;
@@ -94,6 +95,18 @@ impl Renderer {
 }
 
 impl RayWorker<'_> {
+    /// Answers ray number `index` of its stream by what it owes to each modifier that is tracked, in the order in which it met them.
+    pub fn contributions(&mut self, index: u64, ray: &Ray) -> Vec<Contribution> {
+        let _ = self.trace(index, ray);
+        match &mut self.0 {
+            Bands::Grey(tracer) => tracer.take_contributions(),
+            Bands::Color(tracer) => tracer.take_contributions(),
+            Bands::NarrowSpectrum(tracer) => tracer.take_contributions(),
+            Bands::Spectrum(tracer) => tracer.take_contributions(),
+            Bands::WideSpectrum(tracer) => tracer.take_contributions(),
+        }
+    }
+
     /// Answers ray number `index` of its stream.
     #[must_use]
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {

@@ -28,6 +28,8 @@ pub(crate) struct Shader {
     pub(crate) home: Home,
     /// The first modifier of its chain; `None` for `void`.
     pub(crate) modifier: Option<ModifierHandle>,
+    /// Which of the modifiers it is whose contributions are wanted.
+    pub(crate) tracked: Option<u32>,
 }
 
 /// The scene that a shader's modifiers come from; `None` for the whole one.

@@ -8,6 +8,7 @@
 
 use crate::antimatter::{Cut, CutId, Meeting};
 use crate::bands::BandValues;
+use crate::contribution::Contributions;
 use crate::direct::{DirectSampler, light_draws};
 use crate::gather::Place;
 use crate::indirect::Indirect;
@@ -144,6 +145,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) cache: Option<&'p Cache<BANDS>>,
     /// While looking for points whose irradiance is wanted: those found.
     pub(crate) survey: Option<Vec<Place<BANDS>>>,
+    /// What the present ray owes to the modifiers that are tracked; `None` where none is.
+    pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
 }
 
 /// A ray that was put aside.
@@ -178,6 +181,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             effective_distance: f64::INFINITY,
             cache,
             survey: None,
+            contributions: Contributions::wanted(&plan.options),
         }
     }
 
@@ -350,6 +354,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             if behind && can_hide {
                 segment = self.unmet(&segment, &hit);
                 continue;
+            }
+            if self.contributions.is_some() {
+                self.note_met(&segment, &hit, shader);
             }
             return self.shade(&segment, &hit, shader);
         }
@@ -661,6 +668,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             drawn: segment.link.is_some(),
         };
         let mut light = direct.sample(self, point);
+        if let Some(contributions) = &mut self.contributions {
+            contributions.settle(segment.throughput);
+        }
         if indirect == Indirect::Constant {
             self.add_constant(&mut light, &point.ambient_reflectance());
         }
@@ -790,6 +800,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let radiance: [f64; BANDS] = emission(self.plan, shader, emitter, encounter, &mut self.workspace.scratch);
         for (sum, (throughput, radiance)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(radiance)) {
             *sum += throughput * radiance * share;
+        }
+        if let Some(contributions) = &mut self.contributions {
+            contributions.add(shader, encounter, product(segment.throughput, radiance).map(|band| band * share));
         }
     }
 

@@ -3,20 +3,19 @@
 mod color;
 mod defaults;
 mod options;
-mod rays;
 mod record;
 
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
+use crate::ray_input::{InputRay, RayReader};
 use options::{Options, OutputFormat};
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Quantity, Ray, Renderer};
 use rayon::prelude::*;
-use rays::{InputRay, RayReader};
 use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
 
@@ -48,7 +47,7 @@ fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
     out.write_all(&start(options)).map_err(failed)?;
     let pace = Pace::new(options);
     let mut left = pace.total;
-    let mut reader = RayReader::new(io::stdin().lock(), options.input_format);
+    let mut reader = RayReader::new("rtrace", io::stdin().lock(), options.input_format);
     let mut rays = Vec::new();
     let mut first_index = 0;
     loop {

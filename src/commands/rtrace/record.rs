@@ -2,7 +2,7 @@
 
 use super::color::OutputColor;
 use super::options::{Field, Options, OutputFormat};
-use super::rays::InputRay;
+use crate::ray_input::InputRay;
 use glam::DVec3;
 use radsight_picture::{encode_rgbe, scientific};
 use radsight_pinhole::stream::NumberFormat;

@@ -8,16 +8,16 @@ use std::io::{ErrorKind, Read};
 
 /// A ray of the stream; `ray` is `None` for a direction of zero, which Radiance takes as "flush".
 #[derive(Clone, Copy, Debug)]
-pub(super) struct InputRay {
-    pub(super) origin: DVec3,
-    pub(super) ray: Option<Ray>,
+pub(crate) struct InputRay {
+    pub(crate) origin: DVec3,
+    pub(crate) ray: Option<Ray>,
     /// Length of the direction.
-    pub(super) length: f64,
+    pub(crate) length: f64,
 }
 
 /// Reads rays, six numbers each.
 #[derive(Debug)]
-pub(super) struct RayReader<R> {
+pub(crate) struct RayReader<R> {
     input: R,
     format: NumberFormat,
     buffer: Vec<u8>,
@@ -25,6 +25,8 @@ pub(super) struct RayReader<R> {
     start: usize,
     ended: bool,
     rays: u64,
+    /// The program that reads, for messages.
+    program: &'static str,
 }
 
 /// Bytes that are asked for at a time.
@@ -34,12 +36,12 @@ const READ_SIZE: usize = 1 << 16;
 const LONGEST_WORD: usize = 4096;
 
 impl<R: Read> RayReader<R> {
-    pub(super) fn new(input: R, format: NumberFormat) -> Self {
-        RayReader { input, format, buffer: Vec::new(), start: 0, ended: false, rays: 0 }
+    pub(crate) fn new(program: &'static str, input: R, format: NumberFormat) -> Self {
+        RayReader { input, format, buffer: Vec::new(), start: 0, ended: false, rays: 0, program }
     }
 
     /// Reads up to `most` rays; fewer only at the end of the stream or before a mistake. Waits for no more than one ray when the writer waits for its answer.
-    pub(super) fn read(&mut self, most: usize, rays: &mut Vec<InputRay>) -> Result<(), Failure> {
+    pub(crate) fn read(&mut self, most: usize, rays: &mut Vec<InputRay>) -> Result<(), Failure> {
         rays.clear();
         while rays.len() < most {
             match self.next_ray()? {
@@ -75,7 +77,7 @@ impl<R: Read> RayReader<R> {
     }
 
     fn wrong(&self, what: &str) -> Failure {
-        Failure::input(format!("rtrace: standard input, ray {}: {what}", self.rays + 1))
+        Failure::input(format!("{}: standard input, ray {}: {what}", self.program, self.rays + 1))
     }
 
     fn next_number(&mut self) -> Result<Option<f64>, Failure> {

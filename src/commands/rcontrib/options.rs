@@ -1,0 +1,305 @@
+//! The options of `rcontrib`, as Radiance writes them.
+
+use super::bins::{BinRequest, Bins, Functions};
+use crate::args::Reading;
+use crate::effort_args;
+use crate::expand::expand_at;
+use crate::failure::{Failure, reason};
+use crate::render_args::{number, take_irradiance, take_one, take_own};
+use crate::switch::switched;
+use radsight_frame::Effort;
+use radsight_pinhole::stream::NumberFormat;
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
+use std::collections::HashSet;
+
+/// How values are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OutputFormat {
+    /// As text or binary numbers.
+    Numbers(NumberFormat),
+    /// As pixels of four bytes.
+    Pixels,
+}
+
+/// Whose radiance counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// Nobody's: what an emitter's radiance is to be multiplied by (`-V-`).
+    Coefficients,
+    /// The emitter's own (`-V+`).
+    Contributions,
+}
+
+/// A modifier whose contributions are wanted.
+#[derive(Clone, Debug)]
+pub(super) struct Tracked {
+    pub(super) name: String,
+    /// Where they go: a file name, which may hold `%s` and `%d`, or a command after `!`; `None` for standard output.
+    pub(super) output: Option<String>,
+    pub(super) bin: BinRequest,
+}
+
+/// What is asked.
+#[derive(Debug)]
+pub(super) struct Options {
+    pub(super) render: RenderOptions,
+    pub(super) wanted: Wanted,
+    pub(super) tracked: Vec<Tracked>,
+    /// Rays in a record; 0 for all.
+    pub(super) accumulate: u64,
+    pub(super) header: bool,
+    pub(super) overwrites: bool,
+    pub(super) input_format: NumberFormat,
+    pub(super) output_format: OutputFormat,
+    pub(super) size: [u64; 2],
+    pub(super) threads: Option<usize>,
+    pub(super) reading: Reading,
+    pub(super) scenes: Vec<String>,
+    /// The words up to the scenes, as the header has them.
+    pub(super) command: Vec<String>,
+    pub(super) print_defaults: bool,
+    effort: Option<Effort>,
+    functions: Functions,
+    /// What holds for the modifiers that are named next.
+    next_output: Option<String>,
+    next_bin: BinRequest,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
+        let gathering =
+            Gathering { accuracy: 0.0, resolution: 256, divisions: 350, super_samples: 0, unshared: Unshared::DrawOne };
+        let render = RenderOptions {
+            gathering,
+            ambient_bounces: 1,
+            mirror_relays: 3,
+            least_weight: 2e-3,
+            path_limit: PathLimit::RouletteUpTo(10),
+            ..RenderOptions::default()
+        };
+        Options {
+            render,
+            wanted: Wanted::Coefficients,
+            tracked: Vec::new(),
+            accumulate: 1,
+            header: true,
+            overwrites: false,
+            input_format: NumberFormat::Ascii,
+            output_format: OutputFormat::Numbers(NumberFormat::Ascii),
+            size: [0, 0],
+            threads: None,
+            reading: Reading::default(),
+            scenes: Vec::new(),
+            command: Vec::new(),
+            print_defaults: false,
+            effort: None,
+            functions: Functions::new(),
+            next_output: None,
+            next_bin: BinRequest::default(),
+        }
+    }
+}
+
+impl Options {
+    /// Reads the words, of which the first is the program's name.
+    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options::default();
+        let mut words = words.to_vec();
+        let mut at = 1;
+        loop {
+            expand_at(&mut words, at)?;
+            match words.get(at) {
+                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
+                _ => break,
+            }
+        }
+        options.scenes = words.split_off(at);
+        options.command = words;
+        if options.print_defaults {
+            return Ok(options);
+        }
+        options.check()?;
+        Ok(options)
+    }
+
+    fn check(&mut self) -> Result<(), Failure> {
+        if self.tracked.is_empty() {
+            return Err(Failure::usage("rcontrib: no modifier is named, expected -m or -M"));
+        }
+        if self.scenes.is_empty() {
+            return Err(Failure::usage(
+                "rcontrib: no scene is named, expected an octree or scene files after the options",
+            ));
+        }
+        if !self.render.sampling.is_rgb() {
+            return Err(Failure::usage("rcontrib: option \"-cs\" with more than 3 bands is not supported"));
+        }
+        if self.accumulate == 0 {
+            self.size = [0, 0];
+        }
+        self.render.gathering.accuracy = 0.0;
+        Ok(())
+    }
+
+    /// Takes one option; gives how many words it used.
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        // Some options of rendering begin with the same letter as these.
+        let mut used = self.take_named(words)?;
+        if used == 0 {
+            used = take_one(words, &mut self.render)?;
+        }
+        if used == 0 {
+            used = take_own(words, &mut self.reading, &mut self.render)?;
+        }
+        if used == 0 {
+            used = take_irradiance(words, &mut self.render);
+        }
+        if used == 0 {
+            used = effort_args::take_one(words, 0, &mut self.effort)?;
+        }
+        if used == 0 {
+            used = self.take_switch(&words[0])?;
+        }
+        if let Some(Effort::Error { .. }) = self.effort {
+            return Err(Failure::usage("rcontrib: option \"--error\" is not supported, expected --samples or -ad"));
+        }
+        if used == 0 {
+            return Err(Failure::usage(format!("rcontrib: option \"{}\" is not supported", words[0])));
+        }
+        Ok(used)
+    }
+
+    fn take_named(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let word = words[0].as_str();
+        match word {
+            "-n" => self.threads = Some(number(words, word, "a number of threads")?),
+            "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
+            "-y" => self.size[1] = number(words, word, "a number of rows")?,
+            "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
+            "-t" => drop(number::<u64>(words, word, "a number of seconds")?),
+            "-o" => self.next_output = Some(number(words, word, "a file for what follows")?),
+            "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
+            "-b" => self.next_bin.expression = Some(number(words, word, "an expression for the bin")?),
+            "-bn" => {
+                let text: String = number(words, word, "a number of bins")?;
+                self.next_bin.count = self.functions.count(&text, self.next_bin.parameters.as_deref())?;
+            }
+            "-f" => self.functions.load_file(&number::<String>(words, word, "a file of functions")?)?,
+            "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,
+            "-m" => self.track(number(words, word, "the name of a modifier")?)?,
+            "-M" => self.track_all(&number::<String>(words, word, "a file of modifiers' names")?)?,
+            "-defaults" | "-help" => {
+                self.print_defaults = true;
+                return Ok(1);
+            }
+            _ => return Ok(0),
+        }
+        Ok(2)
+    }
+
+    fn take_switch(&mut self, word: &str) -> Result<usize, Failure> {
+        let quantity = self.render.quantity;
+        if let Some(on) = switched(word, "-V", self.wanted == Wanted::Contributions) {
+            self.wanted = if on { Wanted::Contributions } else { Wanted::Coefficients };
+        } else if let Some(on) = switched(word, "-I", quantity == Quantity::Irradiance) {
+            self.render.quantity = if on { Quantity::Irradiance } else { Quantity::Radiance };
+        } else if let Some(on) = switched(word, "-fo", self.overwrites) {
+            self.overwrites = on;
+        } else if let Some(on) = switched(word, "-h", self.header) {
+            self.header = on;
+        } else if let Some(on) = switched(word, "-w", !self.reading.no_warnings) {
+            self.reading.no_warnings = !on;
+        } else if let Some(on) = switched(word, "-r", false) {
+            return refused(on, "-r", "recovery of an earlier output");
+        } else if let Some(on) = switched(word, "-ld", false) {
+            return refused(on, "-ld", "a limit of distance");
+        } else if let Some(letters) = word.strip_prefix("-f") {
+            self.formats(letters)?;
+        } else {
+            return Ok(0);
+        }
+        Ok(1)
+    }
+
+    fn formats(&mut self, letters: &str) -> Result<(), Failure> {
+        let unknown = || {
+            Failure::usage(format!(
+                "rcontrib: format \"-f{letters}\" is unknown, expected -f then a, f or d, and a, f, d or c"
+            ))
+        };
+        let mut letters = letters.chars();
+        let input = letters.next().ok_or_else(unknown)?;
+        let output = letters.next().unwrap_or(input);
+        if letters.next().is_some() {
+            return Err(unknown());
+        }
+        self.input_format = NumberFormat::from_letter(input).ok_or_else(unknown)?;
+        self.output_format = match output {
+            'c' => OutputFormat::Pixels,
+            letter => OutputFormat::Numbers(NumberFormat::from_letter(letter).ok_or_else(unknown)?),
+        };
+        Ok(())
+    }
+
+    fn track(&mut self, name: String) -> Result<(), Failure> {
+        if name == "void" {
+            return Err(Failure::usage("rcontrib: \"void\" cannot be tracked"));
+        }
+        if self.tracked.iter().any(|tracked| tracked.name == name) {
+            return Err(Failure::usage(format!("rcontrib: modifier \"{name}\" is named twice")));
+        }
+        self.tracked.push(Tracked { name, output: self.next_output.clone(), bin: self.next_bin.clone() });
+        Ok(())
+    }
+
+    fn track_all(&mut self, file: &str) -> Result<(), Failure> {
+        let bytes = std::fs::read(file)
+            .map_err(|error| Failure::input(format!("cannot read modifiers \"{file}\": {}", reason(&error))))?;
+        let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
+        for name in String::from_utf8_lossy(&bytes).split_whitespace() {
+            let name = name.trim_matches(['"', '\'']);
+            if name == "void" || !known.insert(name.to_owned()) {
+                return self.track(name.to_owned());
+            }
+            let (output, bin) = (self.next_output.clone(), self.next_bin.clone());
+            self.tracked.push(Tracked { name: name.to_owned(), output, bin });
+        }
+        Ok(())
+    }
+
+    /// The bins of all modifiers.
+    pub(super) fn bins(&self) -> Result<Bins, Failure> {
+        let requests = self.tracked.iter().map(|tracked| (tracked.name.as_str(), &tracked.bin));
+        self.functions.compile(requests)
+    }
+
+    /// Paths that are followed for each ray.
+    pub(super) fn samples(&self) -> u64 {
+        match self.effort {
+            Some(Effort::Samples(samples)) => u64::from(samples),
+            _ if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
+            _ => 1,
+        }
+    }
+
+    /// How many rays standard input has; `None` for all there are.
+    pub(super) fn expected_rays(&self) -> Option<u64> {
+        let [columns, rows] = self.size;
+        let records = if columns > 0 { columns.saturating_mul(rows) } else { rows };
+        (records > 0).then(|| records.saturating_mul(self.accumulate.max(1)))
+    }
+
+    /// After how many records the output is sent on, if that is asked for.
+    pub(super) fn flush_interval(&self) -> Option<u64> {
+        let [columns, rows] = self.size;
+        (columns > 0 && (rows == 0 || columns == 1)).then_some(columns)
+    }
+}
+
+fn refused(on: bool, option: &str, what: &str) -> Result<usize, Failure> {
+    if on {
+        return Err(Failure::usage(format!("rcontrib: option \"{option}\" ({what}) is not supported")));
+    }
+    Ok(1)
+}

@@ -1,0 +1,154 @@
+//! Sums over the rays of a record.
+
+use super::bins::Bins;
+use super::options::Options;
+use crate::failure::Outcome;
+use crate::ray_input::InputRay;
+use radsight_cal::Scratch;
+use radsight_render::{Ray, RayWorker, Renderer};
+use rayon::prelude::*;
+
+/// Paths that one thread follows at a time.
+const PATHS_AT_A_TIME: u64 = 1024;
+/// Paths that are followed before their sums are written.
+const PATHS_IN_A_BATCH: u64 = 1 << 17;
+/// Bytes that the sums of a batch may take.
+const MOST_BYTES: usize = 1 << 28;
+
+/// Rays that are answered together.
+pub(super) struct Batch<'b> {
+    pub(super) renderer: &'b Renderer,
+    pub(super) bins: &'b Bins,
+    pub(super) rays: &'b [InputRay],
+}
+
+/// The record in hand.
+pub(super) struct Records {
+    /// Rays in a record; 0 for all.
+    accumulate: u64,
+    samples: u64,
+    rays_at_a_time: usize,
+    /// Rays of the record in hand, and of all.
+    rays: u64,
+    rays_in_all: u64,
+    /// Red, green, blue of each bin.
+    sums: Vec<[f64; 3]>,
+}
+
+/// Some paths of rays of one record. Records are the same whatever the number of threads, since these are.
+struct Work {
+    /// Of the batch.
+    rays: std::ops::Range<usize>,
+    samples: std::ops::Range<u64>,
+    /// How many rays of its record are finished with it.
+    finished: u64,
+}
+
+impl Records {
+    pub(super) fn new(options: &Options, bins: usize) -> Records {
+        let samples = options.samples();
+        let most = (PATHS_IN_A_BATCH / samples).clamp(1, 1 << 15) as usize;
+        let fitting = (MOST_BYTES / (24 * bins.max(1))).max(1);
+        let until_flush = options.flush_interval().map(|records| records.saturating_mul(options.accumulate.max(1)));
+        let rays_at_a_time = until_flush.map_or(most, |rays| most.min(rays.min(1 << 15) as usize)).min(fitting);
+        Records {
+            accumulate: options.accumulate,
+            samples,
+            rays_at_a_time,
+            rays: 0,
+            rays_in_all: 0,
+            sums: vec![[0.0; 3]; bins],
+        }
+    }
+
+    pub(super) fn rays_at_a_time(&self) -> usize {
+        self.rays_at_a_time
+    }
+
+    /// Adds rays, and gives the means of each record that they finish.
+    pub(super) fn add(&mut self, batch: &Batch<'_>, mut put: impl FnMut(&[[f64; 3]]) -> Outcome) -> Outcome {
+        let work = self.work(batch.rays.len());
+        let (first, samples) = (self.rays_in_all, self.samples);
+        // Numbers of paths are aligned, so that each ray's points are evenly spread.
+        let stride = samples.next_power_of_two();
+        let bins = self.sums.len();
+        let sums: Vec<Vec<[f64; 3]>> = work
+            .par_iter()
+            .map_init(
+                || (batch.renderer.worker(), Scratch::new()),
+                |(worker, scratch), work| {
+                    let mut sums = vec![[0.0; 3]; bins];
+                    for place in work.rays.clone() {
+                        let Some(ray) = batch.rays[place].ray else { continue };
+                        let number = (first + place as u64) * stride;
+                        for sample in work.samples.clone() {
+                            add_path(batch.bins, worker, scratch, (number + sample, &ray), &mut sums);
+                        }
+                    }
+                    sums
+                },
+            )
+            .collect();
+        for (work, part) in work.iter().zip(sums) {
+            for (sum, part) in self.sums.iter_mut().zip(part) {
+                (0..3).for_each(|band| sum[band] += part[band]);
+            }
+            self.rays += work.finished;
+            if self.accumulate > 0 && self.rays == self.accumulate {
+                put(&self.take())?;
+            }
+        }
+        self.rays_in_all += batch.rays.len() as u64;
+        Ok(())
+    }
+
+    /// Splits rays into pieces that do not cross the border of a record.
+    fn work(&self, rays: usize) -> Vec<Work> {
+        let rays_a_piece = (PATHS_AT_A_TIME / self.samples).max(1);
+        let mut pieces = Vec::new();
+        let (mut at, mut in_record) = (0, self.rays);
+        while at < rays {
+            let left = if self.accumulate > 0 { self.accumulate - in_record } else { u64::MAX };
+            let count = rays_a_piece.min(left).min((rays - at) as u64);
+            let mut sample = 0;
+            while sample < self.samples {
+                let end = (sample + PATHS_AT_A_TIME).min(self.samples);
+                let finished = if end == self.samples { count } else { 0 };
+                pieces.push(Work { rays: at..at + count as usize, samples: sample..end, finished });
+                sample = end;
+            }
+            at += count as usize;
+            in_record = if count == left { 0 } else { in_record + count };
+        }
+        pieces
+    }
+
+    /// The means of the record in hand, which begins anew; sums where one record takes all rays.
+    fn take(&mut self) -> Vec<[f64; 3]> {
+        let rays = if self.accumulate > 0 { self.rays } else { 1 };
+        let scale = 1.0 / (rays as f64 * self.samples as f64);
+        let values = self.sums.iter().map(|sum| sum.map(|band| band * scale)).collect();
+        self.sums.fill([0.0; 3]);
+        self.rays = 0;
+        values
+    }
+
+    /// The means of a record that has not got all its rays.
+    pub(super) fn rest(&mut self) -> Option<Vec<[f64; 3]>> {
+        (self.rays > 0 || self.accumulate == 0).then(|| self.take())
+    }
+}
+
+fn add_path(
+    bins: &Bins,
+    worker: &mut RayWorker<'_>,
+    scratch: &mut Scratch,
+    (number, ray): (u64, &Ray),
+    sums: &mut [[f64; 3]],
+) {
+    for contribution in worker.contributions(number, ray) {
+        if let Some(bin) = bins.of(&contribution, scratch) {
+            (0..3).for_each(|band| sums[bin][band] += contribution.value[band]);
+        }
+    }
+}

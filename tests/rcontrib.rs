@@ -1,0 +1,246 @@
+//! `rcontrib`: coefficients and contributions, beside what can be computed by hand and beside the real one.
+
+mod program;
+mod real_radiance;
+
+use program::{Folder, command, run_with};
+use radsight_picture::Header;
+use real_radiance::Radiance;
+use std::f64::consts::PI;
+
+const SKY: &str = "\
+void glow skyglow 0 0 4 3 2 1 0
+skyglow source sky 0 0 4 0 0 1 180
+void glow groundglow 0 0 4 .5 .5 .5 0
+groundglow source ground 0 0 4 0 0 -1 180
+void light sun 0 0 3 1e6 9e5 8e5
+sun source disk 0 0 4 .6 0 .8 .533
+";
+
+const ROOM: &str = "\
+void plastic grey 0 0 5 .5 .4 .3 0 0
+void plastic white 0 0 5 .7 .7 .7 .05 .1
+void glass pane 0 0 3 .9 .9 .9
+grey polygon floor 0 0 12 0 0 0  4 0 0  4 5 0  0 5 0
+white polygon ceiling 0 0 12 0 0 3  0 5 3  4 5 3  4 0 3
+white polygon back 0 0 12 0 5 0  4 5 0  4 5 3  0 5 3
+white polygon left 0 0 12 0 0 0  0 5 0  0 5 3  0 0 3
+white polygon right 0 0 12 4 0 0  4 0 3  4 5 3  4 5 0
+white polygon sill 0 0 12 0 0 0  0 0 1  4 0 1  4 0 0
+pane polygon window 0 0 12 0 0 1  0 0 3  4 0 3  4 0 1
+";
+
+/// A scene with one polygon far below, so that nothing hides the sky.
+const FAR: &str = "void plastic grey 0 0 5 .5 .5 .5 0 0\ngrey ring far 0 0 8 0 0 -1e4 0 0 1 0 1\n";
+
+/// Runs our program in a folder; the words are split at spaces.
+fn run(folder: &Folder, words: &str, input: &str) -> program::Run {
+    let words: Vec<&str> = std::iter::once("rcontrib").chain(words.split_whitespace()).collect();
+    run_with(command(&words).current_dir(folder.path("")), input.as_bytes())
+}
+
+/// Records of numbers.
+fn numbers(text: &[u8]) -> Vec<Vec<f64>> {
+    let text = std::str::from_utf8(text).expect("text");
+    text.lines().map(|line| line.split_whitespace().map(|word| word.parse().expect("a number")).collect()).collect()
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64, share: f64) {
+    assert!((found - expected).abs() <= share * expected.abs(), "{found}, expected {expected}");
+}
+
+#[test]
+fn sky_coefficients_are_projected_solid_angles() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{FAR}"));
+    let words = "-h -I+ -ab 1 -ad 16384 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
+    let record = &numbers(&run(&folder, words, "0 0 0 0 0 1\n").done())[0];
+    assert_eq!(record.len(), 3 * 146);
+    let total: f64 = record.iter().step_by(3).sum();
+    near(total, PI, 2e-3);
+    // The last patch is the cap of 6 degrees around the zenith.
+    near(record[3 * 145], PI * 6f64.to_radians().sin().powi(2), 0.03);
+    // A patch of the lowest row spans 12 degrees of azimuth and of altitude.
+    let lowest: f64 = (1..=30).map(|bin| record[3 * bin]).sum();
+    near(lowest, PI * 12f64.to_radians().sin().powi(2), 0.02);
+}
+
+#[test]
+fn contributions_have_the_radiance_and_coefficients_have_not() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{FAR}"));
+    // The solid angle of the sun, seen at cos 0.8 from a level plane.
+    let projected = PI * 0.2665f64.to_radians().sin().powi(2) * 0.8;
+    let coefficients = run(&folder, "-h -I+ -ab 0 -m sun scene.rad", "0 0 0 0 0 1\n").done();
+    near(numbers(&coefficients)[0][1], projected, 1e-3);
+    let contributions = run(&folder, "-h -V+ -I+ -ab 0 -m sun scene.rad", "0 0 0 0 0 1\n").done();
+    for (found, radiance) in numbers(&contributions)[0].iter().zip([1e6, 9e5, 8e5]) {
+        near(*found, projected * radiance, 1e-3);
+    }
+}
+
+#[test]
+fn patterns_of_an_emitter_are_no_part_of_its_coefficient() {
+    let folder = Folder::new();
+    let scene = "void brightfunc half 2 .5 . 0 0\nhalf light lamp 0 0 3 7 7 7\nlamp sphere bulb 0 0 4 0 0 5 1\n";
+    folder.file("scene.rad", format!("{scene}{FAR}"));
+    let record = numbers(&run(&folder, "-h -ab 0 -m lamp -m grey scene.rad", "0 0 0 0 0 1\n").done());
+    assert_eq!(record[0], [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    let contribution = numbers(&run(&folder, "-h -V+ -ab 0 -m lamp scene.rad", "0 0 0 0 0 1\n").done());
+    near(contribution[0][0], 3.5, 1e-6);
+}
+
+#[test]
+fn surfaces_that_emit_nothing_have_coefficients_too() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let record = &numbers(&run(&folder, "-h -ab 1 -ad 4096 -m grey -m white scene.rad", "2 4 1 0 0 -1\n").done())[0];
+    // The ray meets the floor itself, and what gleams on the walls shows it again; all but the window of what the floor sees is white.
+    near(record[0], 1.0, 0.01);
+    assert!(record[3] > 0.3 && record[3] < 0.5 && record[4] < record[3] && record[5] < record[4], "{record:?}");
+}
+
+#[test]
+fn records_do_not_depend_on_threads_and_add_up() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let rays = "1 1 .8 0 0 1\n2 2 1 0 0 1\n3 4 .8 0 0 1\n";
+    let words = "-h -I+ -ab 2 -ad 3000 -m skyglow -m sun scene.rad";
+    let records = run(&folder, words, rays).done();
+    assert_eq!(records, run(&folder, &format!("-n 1 {words}"), rays).done());
+    let records = numbers(&records);
+    let sum = &numbers(&run(&folder, &format!("-c 0 {words}"), rays).done())[0];
+    let mean = &numbers(&run(&folder, &format!("-c 3 {words}"), rays).done())[0];
+    for (column, sum) in sum.iter().enumerate() {
+        let expected: f64 = records.iter().map(|record| record[column]).sum();
+        near(*sum, expected, 1e-5);
+        near(mean[column], expected / 3.0, 1e-5);
+    }
+}
+
+#[test]
+fn coefficients_agree_with_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let scene = folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let octree = radiance.octree(&folder, &[&scene]);
+    let rays = "1 1 .8 0 0 1\n2 2 1 0 0 1\n3 4 .8 0 0 1\n2 1 2 0 -1 0\n1.5 3 .3 .2 0 1\n2.5 .7 1.2 0 -.3 1\n";
+    for (quantity, bins) in [
+        ("-I+", "-e MF:1 -f reinhartb.cal -b rbin -bn Nrbins"),
+        ("-i+", "-f tregenza.cal -b tbin -bn 146"),
+        ("-V+ -I+", ""),
+    ] {
+        let words = format!("-h -u- {quantity} -ab 3 -ad 4000 -lw 1e-5 {bins} -m skyglow -b 0 -m groundglow -m sun");
+        let words: Vec<&str> = words.split(' ').filter(|word| !word.is_empty()).chain([octree.as_str()]).collect();
+        let real = numbers(&run_with(&mut radiance.command("rcontrib", &words), rays.as_bytes()).done());
+        let ours: Vec<&str> = std::iter::once("rcontrib").chain(words).collect();
+        let ours = numbers(&run_with(&mut command(&ours), rays.as_bytes()).done());
+        assert_eq!((real.len(), real[0].len()), (ours.len(), ours[0].len()));
+        let sky = real[0].len() - 6;
+        for columns in [0..sky, sky..sky + 3] {
+            // Over all points and bins: what is random averages out.
+            let total = |records: &[Vec<f64>]| records.iter().flat_map(|record| &record[columns.clone()]).sum::<f64>();
+            near(total(&ours), total(&real), 0.04);
+        }
+        let sun = |records: &[Vec<f64>]| records.iter().map(|record| record[sky + 3]).fold(0.0, f64::max);
+        near(sun(&ours), sun(&real), 0.03);
+        // Where the light comes from: bins of groups of rows, by their sums over all points.
+        let row = |records: &[Vec<f64>], from: usize, to: usize| -> f64 {
+            records.iter().flat_map(|record| &record[(3 * from).min(sky)..(3 * to).min(sky)]).sum()
+        };
+        for (from, to) in [(0, 31), (31, 61), (61, 85)] {
+            if row(&real, from, to) > 0.05 * row(&real, 0, 146) {
+                near(row(&ours, from, to), row(&real, from, to), 0.15);
+            }
+        }
+    }
+}
+
+#[test]
+fn files_have_the_names_and_headers_of_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let scene = folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    radiance.octree(&folder, &[&scene]);
+    let rays = "2 4 1 0 -1 0\n".repeat(6);
+    for words in [
+        "-faf -x 3 -y 2 -ad 2 -f tregenza.cal -b tbin -bn 146 -o %s_%03d.dat -m skyglow scene.oct",
+        "-fac -x 3 -y 2 -ad 2 -o %s.hdr -m skyglow -m sun scene.oct",
+        "-fad -y 6 -ad 2 -o both.dat -m skyglow -m sun scene.oct",
+        "-fa -c 2 -ad 2 -f tregenza.cal -b tbin -bn 146 -o bins%d.txt -m skyglow scene.oct",
+        "-faf -c 0 -ad 2 -o sum.dat -m skyglow -m sun scene.oct",
+    ] {
+        let mut found = Vec::new();
+        for is_real in [true, false] {
+            let words: Vec<&str> = std::iter::once("rcontrib").chain(words.split(' ')).collect();
+            let mut program = if is_real { radiance.command(words[0], &words[1..]) } else { command(&words) };
+            run_with(program.current_dir(folder.path("")), rays.as_bytes()).done();
+            let names = folder.names().into_iter().filter(|name| !name.starts_with("scene"));
+            let mut files = Vec::new();
+            for name in names {
+                let bytes = folder.read(&name);
+                let (header, length) = Header::read(&bytes).expect("a header");
+                let lines: Vec<String> = header
+                    .lines()
+                    .map(|line| String::from_utf8_lossy(line).into_owned())
+                    .filter(|line| !["SOFTWARE", "CAPDATE", "GMT"].iter().any(|name| line.starts_with(name)))
+                    .collect();
+                let is_text = name.ends_with(".txt");
+                files.push((name.clone(), lines, if is_text { 0 } else { bytes.len() - length }));
+                std::fs::remove_file(folder.path(&name)).expect("the file is removed");
+            }
+            found.push(files);
+        }
+        assert!(!found[0].is_empty() && found[0] == found[1], "{words}: {found:#?}");
+    }
+}
+
+#[test]
+fn a_command_gets_the_records_that_are_sent_to_it() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{FAR}"));
+    let words = ["rcontrib", "-h", "-ab", "0", "-o", "!cat > got.txt", "-m", "skyglow", "scene.rad"];
+    run_with(command(&words).current_dir(folder.path("")), b"0 0 0 0 0 1\n").done();
+    assert_eq!(numbers(&folder.read("got.txt"))[0], [1.0; 3]);
+}
+
+#[test]
+fn wrong_command_lines_and_input_are_told() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    folder.file("taken.dat", "");
+    folder.file("broken.cal", "bin = (1;\n");
+    let check = |words: &str, input: &str, code: i32, message: &str| {
+        let run = run(&folder, words, input);
+        assert_eq!(run.code, code, "{words}: {}", run.messages);
+        assert!(run.messages.contains(message), "{words}: {}", run.messages);
+    };
+    check("scene.rad", "", 2, "no modifier is named");
+    check("-m sun", "", 2, "no scene is named");
+    check("-m sun -m sun scene.rad", "", 2, "modifier \"sun\" is named twice");
+    check("-m void scene.rad", "", 2, "\"void\" cannot be tracked");
+    check("-V+ -m grey scene.rad", "", 2, "modifier \"grey\" emits no light");
+    check("-b Dx -m sun scene.rad", "", 2, "number of bins of \"sun\" is missing");
+    check("-b 1 -bn 2 -m sun scene.rad", "", 2, "always 1, expected 0");
+    check("-bn 0 -m sun scene.rad", "", 2, "expected 1 to");
+    check("-bn 1e30 -m sun scene.rad", "", 2, "expected 1 to");
+    check("-bn Nrbins -m sun scene.rad", "", 1, "Nrbins");
+    check("-f missing.cal -m sun scene.rad", "", 1, "missing.cal");
+    check("-f broken.cal -m sun scene.rad", "", 1, "broken.cal:1:");
+    check("-b nobin -bn 2 -m sun scene.rad", "", 1, "nobin");
+    check("-M missing.txt scene.rad", "", 1, "cannot read modifiers \"missing.txt\"");
+    check("-o taken.dat -m sun scene.rad", "", 3, "it exists, expected -fo+");
+    check("-o nowhere/x.dat -m sun scene.rad", "", 3, "cannot write \"nowhere/x.dat\"");
+    check("-o %s%s -m sun scene.rad", "", 2, "holds an unknown %");
+    check("-fxa -m sun scene.rad", "", 2, "format \"-fxa\" is unknown");
+    check("-r+ -m sun scene.rad", "", 2, "option \"-r\" (recovery of an earlier output) is not supported");
+    check("-ld+ -m sun scene.rad", "", 2, "is not supported");
+    check("-cs 9 -m sun scene.rad", "", 2, "is not supported");
+    check("-zz -m sun scene.rad", "", 2, "option \"-zz\" is not supported");
+    check("-m sun scene.rad", "1 2 3", 1, "standard input, ray 1: the stream ends after 3 of 6 numbers");
+    check("-x 2 -y 2 -m sun scene.rad", "1 1 1 0 0 1\n", 1, "standard input ends 3 rays early");
+    let warned = run(&folder, "-h -m moon scene.rad", "1 1 1 0 0 1\n");
+    assert!(warned.code == 0 && warned.messages.contains("the scene has no modifier \"moon\""), "{}", warned.messages);
+    assert_eq!(folder.names().iter().filter(|name| name.ends_with(".part")).count(), 0);
+}
