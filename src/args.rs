@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Takes Radiance scenes through a real camera: rays, pinhole, sensor, grey values.
 #[derive(Debug, Parser)]
@@ -58,6 +59,9 @@ pub(crate) struct Reading {
     /// Do not print warnings
     #[arg(skip)]
     pub(crate) no_warnings: bool,
+    /// Definitions for all functions of the scene: names for messages, and texts
+    #[arg(skip)]
+    pub(crate) definitions: Vec<(String, Arc<[u8]>)>,
 }
 
 #[derive(Args, Debug)]

@@ -77,7 +77,8 @@ impl Reading {
         let brdf: Result<Vec<_>, _> = self.brdf.iter().map(|text| BrdfReplacement::parse(text)).collect();
         let brdf = brdf.map_err(|reason| Failure::usage(format!("option \"--brdf\": {reason}")))?;
         let tolerance = if self.strict { Tolerance::Strict } else { Tolerance::AsRadiance };
-        Ok(ReadOptions { brdf, tolerance, ..ReadOptions::default() })
+        let definitions = self.definitions.clone();
+        Ok(ReadOptions { brdf, tolerance, definitions, ..ReadOptions::default() })
     }
 
     fn plugin_options(&self) -> PluginOptions {

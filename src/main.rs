@@ -10,6 +10,7 @@ mod expand;
 mod failure;
 mod input;
 mod output;
+mod output_color;
 mod plugins;
 mod progress;
 mod ray_input;

@@ -4,9 +4,13 @@
 //! radsight computes those integrals.
 
 use crate::args::Reading;
+use crate::disk::{Commands, DiskLoader};
 use crate::failure::Failure;
 use crate::switch::switched;
+use radsight_cal::{Definitions, Scope};
+use radsight_diag::SourceMap;
 use radsight_ir::Rgb;
+use radsight_loader::{FileKind, Loader};
 use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions, Sampling};
 use std::cmp::Ordering;
 
@@ -192,6 +196,37 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
         _ => return Ok(0),
     }
     Ok(if matches!(word, "--allow-commands" | "--strict") { 1 } else { 2 })
+}
+
+/// Takes one option that defines something for all functions of the scene: `-f FILE`, and `-e TEXT` if the text is a definition.
+pub(crate) fn take_definition(words: &[String], reading: &mut Reading) -> Result<usize, Failure> {
+    let word = words[0].as_str();
+    let (name, text) = match (word, words.get(1)) {
+        ("-f", _) => {
+            let file: String = number(words, word, "a file of functions")?;
+            let loaded = DiskLoader::new(Commands::Refused).load(&file, FileKind::Function);
+            let loaded = loaded.map_err(|error| Failure::input(format!("option \"-f\": {error}")))?;
+            (loaded.path, loaded.bytes)
+        }
+        ("-e", Some(text)) if text.contains(['=', ':']) => ("option -e".to_owned(), text.clone().into_bytes()),
+        _ => return Ok(0),
+    };
+    let mut sources = SourceMap::default();
+    let source = sources.add(name.as_str(), &text[..], None);
+    let read = Definitions::with_initial_library().load(source, &text, &Scope::global());
+    read.map_err(|mistakes| Failure::diagnostics(&mistakes, &sources))?;
+    reading.definitions.push((name, text.into()));
+    Ok(2)
+}
+
+/// The error of an option by which Radiance's programs stay alive and share their work.
+pub(crate) fn no_persist_file(word: &str) -> Option<Failure> {
+    let asks = matches!(word, "-P" | "-PP");
+    asks.then(|| {
+        Failure::usage(format!(
+            "option \"{word}\": a program that stays alive is not supported, expected it to start for each picture"
+        ))
+    })
 }
 
 /// The number after an option.

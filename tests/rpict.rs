@@ -192,3 +192,43 @@ fn an_aperture_blurs_what_is_not_in_focus() {
     assert!(edge("4") <= 1, "{} pixels on the edge in focus", edge("4"));
     assert!(edge("2") > 8, "{} pixels on the edge out of focus", edge("2"));
 }
+
+#[test]
+fn pixels_in_xyz_and_other_primaries_are_those_of_real_rpict() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("room.rad", "void light lamp 0 0 3 3 2 1\nlamp bubble all 0 0 4 0 0 0 5\nvoid light dim 0 0 3 .1 .2 .4\ndim sphere ball 0 0 4 0 3 0 1\n");
+    radiance.octree(&folder, &["room.rad"]);
+    for color in ["-pXYZ", "-pc .7 .3 .2 .7 .15 .05 .3127 .329"] {
+        let words = format!("-x 24 -y 24 -ps 1 {color} scene.oct");
+        let words: Vec<&str> = words.split(' ').collect();
+        let real = run_with(radiance.command("rpict", &words).current_dir(folder.path("")), b"").done();
+        let ours = rpict(&folder, &words).done();
+        let lines = |bytes: &[u8]| -> Vec<String> {
+            let (header, _) = Header::read(bytes).expect("a header");
+            let dated = ["SOFTWARE", "CAPDATE", "GMT"];
+            let lines = header.lines().map(|line| String::from_utf8_lossy(line).into_owned());
+            lines.filter(|line| !dated.iter().any(|name| line.starts_with(name))).collect()
+        };
+        assert_eq!(lines(&real), lines(&ours), "{color}");
+        // The middle of the picture, and its corner: one light fills each.
+        let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
+        for (x, y) in [(12, 12), (0, 0)] {
+            for (real, ours) in real.values().pixel(x, y).iter().zip(ours.values().pixel(x, y)) {
+                assert!((real - ours).abs() <= 0.01 * real, "{color}: {real} {ours}");
+            }
+        }
+    }
+}
+
+#[test]
+fn definitions_of_the_command_line_are_for_all_functions() {
+    let folder = Folder::new();
+    folder.file(
+        "room.rad",
+        "void brightfunc dim 2 depth*half . 0 0\ndim glow all 0 0 4 1 1 1 0\nall bubble here 0 0 4 0 0 0 5\n",
+    );
+    folder.file("half.cal", "half = .5;\n");
+    let words = ["-x", "4", "-y", "4", "-f", "half.cal", "-e", "depth : 3", "room.rad"];
+    assert!((mean(&rpict(&folder, &words).done()) - 1.5).abs() < 0.02);
+}

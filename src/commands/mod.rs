@@ -5,6 +5,7 @@ mod capture;
 mod check;
 mod explain;
 mod install_links;
+mod missing;
 pub(crate) mod mksource;
 mod oconv;
 mod picture;
@@ -29,7 +30,7 @@ pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
     own.into_iter().chain(scene_program::names()).chain(picture::names())
 }
 
-/// Runs a program of Radiance's, if it is one that radsight can stand in for; `words[0]` is its name.
+/// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     let name = words.first()?.as_str();
     match name {
@@ -45,7 +46,10 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     if let Some(outcome) = picture::run(words) {
         return Some(outcome);
     }
-    scene_program::names().any(|known| known == name).then(|| scene_program::run(words))
+    if scene_program::names().any(|known| known == name) {
+        return Some(scene_program::run(words));
+    }
+    missing::refused(name).map(Err)
 }
 
 /// Runs a subcommand.

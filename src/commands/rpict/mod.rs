@@ -9,11 +9,12 @@ use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
+use crate::output_color::OutputColor;
 use crate::view_args;
 use options::{DEFAULT_EFFORT, Options};
 use output::{PictureWriter, Recovered, Start};
 use radsight_frame::{Frame, Lens};
-use radsight_picture::{Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
+use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use sequence::Sequence;
 use std::time::{Duration, Instant};
@@ -120,7 +121,12 @@ impl Picture {
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
-            let pixels = frame.finish_block(block.clone());
+            let mut pixels = frame.finish_block(block.clone());
+            if let OutputColor::Xyz(_) = options.color {
+                pixels
+                    .iter_mut()
+                    .for_each(|pixel| *pixel = options.color.of(pixel.map(f64::from)).map(|part| part as f32));
+            }
             if renderer.plan().unusable_met().is_some() {
                 return Ok(());
             }
@@ -152,8 +158,13 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
-    header.push_variable("PRIMARIES", &RgbPrimaries::STANDARD.to_header_value());
-    header.push_variable("FORMAT", "32-bit_rle_rgbe");
+    if let OutputColor::Xyz(_) = options.color {
+        header.push_variable("FORMAT", Encoding::Xyze.name());
+        return header;
+    }
+    let primaries = options.color.primaries().unwrap_or(RgbPrimaries::STANDARD);
+    header.push_variable("PRIMARIES", &primaries.to_header_value());
+    header.push_variable("FORMAT", Encoding::Rgbe.name());
     header
 }
 

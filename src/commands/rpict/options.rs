@@ -4,7 +4,8 @@ use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::expand_at;
 use crate::failure::Failure;
-use crate::render_args::{number, take_irradiance, take_one, take_own};
+use crate::output_color::OutputColor;
+use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use crate::view_args;
 use radsight_frame::Effort;
@@ -28,6 +29,8 @@ pub(super) struct Options {
     pub(super) view: ViewOptions,
     /// Most columns and rows.
     pub(super) size: [usize; 2],
+    /// The components of pixels. Other primaries than Radiance's are those in which the scene's colours are meant.
+    pub(super) color: OutputColor,
     /// Height over width of a pixel; 0 for whatever fills the size.
     pub(super) pixel_aspect: f64,
     pub(super) pixel_jitter: f64,
@@ -66,6 +69,7 @@ impl Default for Options {
             reading: Reading::default(),
             view: ViewOptions::default(),
             size: [512, 512],
+            color: OutputColor::Rgb,
             pixel_aspect: 1.0,
             pixel_jitter: 0.67,
             motion: 0.0,
@@ -108,12 +112,13 @@ impl Options {
 
     /// Takes one option; gives how many words it used.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        const TAKERS: [Taker; 7] = [
+        const TAKERS: [Taker; 8] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
             |options, words| effort_args::take_one(words, MOST_SAMPLES, &mut options.effort),
             |options, words| Ok(take_irradiance(words, &mut options.render)),
+            |options, words| take_definition(words, &mut options.reading),
             Options::take_sampling,
             Options::take_file,
         ];
@@ -134,13 +139,18 @@ impl Options {
                 self.print_defaults = true;
                 return Ok(1);
             }
-            "-pRGB" => return Ok(1),
+            "-pRGB" | "-pXYZ" | "-pc" => {
+                let (color, used) = OutputColor::from_option(words)?.unwrap_or((OutputColor::Rgb, 1));
+                self.color = color;
+                return Ok(used);
+            }
             _ => {
                 if let Some(shown) = switched(word, "-w", !self.reading.no_warnings) {
                     self.reading.no_warnings = !shown;
                     return Ok(1);
                 }
-                return Err(Failure::usage(format!("rpict: option \"{word}\" is not supported")));
+                let unknown = || Failure::usage(format!("rpict: option \"{word}\" is not supported"));
+                return Err(no_persist_file(word).unwrap_or_else(unknown));
             }
         }
         Ok(2)

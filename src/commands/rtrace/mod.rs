@@ -1,6 +1,5 @@
 //! `rtrace`: rays on standard input, what they meet on standard output.
 
-mod color;
 mod defaults;
 mod options;
 mod record;
@@ -9,6 +8,7 @@ use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
+use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
 use options::{Options, OutputFormat};
 use radsight_frame::{Effort, average};
@@ -150,7 +150,7 @@ fn header(options: &Options) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
     header.push_variable("NCOMP", &options.numbers().to_string());
-    if options.color == color::OutputColor::Bands {
+    if options.color == OutputColor::Bands {
         let splits = options.render.sampling.splits_nm().map(|split| split.to_string());
         header.push_variable("WAVELENGTH_SPLITS", &format!(" {}", splits.join(" ")));
     }
@@ -161,7 +161,7 @@ fn header(options: &Options) -> Vec<u8> {
         OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
         OutputFormat::Numbers(NumberFormat::Float) => "float",
         OutputFormat::Numbers(NumberFormat::Double) => "double",
-        OutputFormat::Pixels if matches!(options.color, color::OutputColor::Xyz(_)) => "32-bit_rle_xyze",
+        OutputFormat::Pixels if matches!(options.color, OutputColor::Xyz(_)) => "32-bit_rle_xyze",
         OutputFormat::Pixels => "32-bit_rle_rgbe",
     };
     if matches!(format, "float" | "double") {

@@ -1,11 +1,11 @@
 //! The options of `rtrace`, as Radiance writes them.
 
-use super::color::OutputColor;
 use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::expand_at;
 use crate::failure::Failure;
-use crate::render_args::{number, take_irradiance, take_one, take_own};
+use crate::output_color::OutputColor;
+use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
@@ -184,6 +184,9 @@ impl Options {
             used = take_own(words, &mut self.reading, &mut self.render)?;
         }
         if used == 0 {
+            used = take_definition(words, &mut self.reading)?;
+        }
+        if used == 0 {
             used = take_irradiance(words, &mut self.render);
         }
         if used == 0 {
@@ -212,7 +215,17 @@ impl Options {
                     self.color = color;
                     return Ok(used);
                 }
-                return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported")));
+                if word.starts_with("-te")
+                    || word.starts_with("-ti")
+                    || word.starts_with("-tE")
+                    || word.starts_with("-tI")
+                {
+                    return Err(Failure::usage(format!(
+                        "rtrace: option \"{word}\" is for outputs of all rays (-ot), which are not supported"
+                    )));
+                }
+                let unknown = || Failure::usage(format!("rtrace: option \"{word}\" is not supported"));
+                return Err(no_persist_file(word).unwrap_or_else(unknown));
             }
         }
         Ok(2)

@@ -1,7 +1,7 @@
 //! What is written for a ray.
 
-use super::color::OutputColor;
 use super::options::{Field, Options, OutputFormat};
+use crate::output_color::OutputColor;
 use crate::ray_input::InputRay;
 use glam::DVec3;
 use radsight_picture::{encode_rgbe, scientific};

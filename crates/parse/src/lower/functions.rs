@@ -117,11 +117,28 @@ impl Reader<'_> {
         Some((kept, read.transform.then(&raw.transform)))
     }
 
+    /// Loads the definitions that the options give.
+    fn define_given(&mut self) {
+        let options = self.options;
+        let mut definitions = Definitions::with_initial_library();
+        for (name, text) in &options.definitions {
+            let source = self.sources.add(name, Arc::clone(text), None);
+            if let Err(mistakes) = definitions.load(source, text, &Scope::global()) {
+                self.log.extend(mistakes);
+            }
+            self.log.extend(definitions.take_warnings());
+        }
+        self.functions.definitions = Some(definitions);
+    }
+
     /// The scope of a function file, which is loaded at its first use.
     fn function_file(&mut self, file: &RawWord) -> Option<Scope> {
         let scope = Scope::of_file(&file.text);
         if self.functions.failed.contains(&scope) {
             return None;
+        }
+        if self.functions.definitions.is_none() {
+            self.define_given();
         }
         let definitions = self.functions.definitions.get_or_insert_with(Definitions::with_initial_library);
         if definitions.is_loaded(&scope) {

@@ -29,6 +29,8 @@ pub struct ReadOptions {
     pub tolerance: Tolerance,
     /// Materials to be replaced by models from shared libraries, as `--brdf` gives them. Default: none.
     pub brdf: Vec<BrdfReplacement>,
+    /// Texts of definitions that all functions of the scene may use, by their names for messages (Radiance's `-f` and `-e`). Default: none.
+    pub definitions: Vec<(String, Arc<[u8]>)>,
     /// Texts with more bytes are forgotten once they were read, unless a message is about them; later messages about them
     /// then have line and column, but do not show the line. Default: 16 MiB.
     pub longest_kept_text: usize,
@@ -44,6 +46,7 @@ impl Default for ReadOptions {
             unused: UnusedModifiers::Skip,
             tolerance: Tolerance::AsRadiance,
             brdf: Vec::new(),
+            definitions: Vec::new(),
             longest_kept_text: 16 << 20,
             primitives: KeepPrimitives::No,
             most_surfaces: 50_000_000,

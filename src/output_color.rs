@@ -7,7 +7,7 @@ use radsight_picture::{RgbPrimaries, WHITE_EFFICACY, xyz_to_rgb};
 
 /// The components of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum OutputColor {
+pub(crate) enum OutputColor {
     /// Red, green and blue as the scene has them.
     Rgb,
     /// CIE X, Y, Z, Y in cd/m² (or lux).
@@ -29,9 +29,9 @@ const MELANOPIC: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
 
 impl OutputColor {
     /// The components that an option asks for and how many words it uses; `None` for another option.
-    pub(super) fn from_option(words: &[String]) -> Result<Option<(OutputColor, usize)>, Failure> {
+    pub(crate) fn from_option(words: &[String]) -> Result<Option<(OutputColor, usize)>, Failure> {
         let standard = RgbPrimaries::STANDARD;
-        let impossible = || Failure::usage(format!("rtrace: option \"{}\": impossible primaries", words[0]));
+        let impossible = || Failure::usage(format!("option \"{}\": impossible primaries", words[0]));
         let to_xyz = standard.rgb_to_xyz().ok_or_else(impossible)?;
         let color = match words[0].as_str() {
             "-pRGB" => OutputColor::Rgb,
@@ -57,7 +57,7 @@ impl OutputColor {
     }
 
     /// How many numbers a value has, of so many bands that are traced.
-    pub(super) fn components(&self, bands: usize) -> usize {
+    pub(crate) fn components(&self, bands: usize) -> usize {
         match self {
             OutputColor::Weighted(_) => 1,
             OutputColor::Bands => bands,
@@ -66,7 +66,7 @@ impl OutputColor {
     }
 
     /// The primaries that a header names: none for the usual ones.
-    pub(super) fn primaries(&self) -> Option<RgbPrimaries> {
+    pub(crate) fn primaries(&self) -> Option<RgbPrimaries> {
         match self {
             OutputColor::Xyz(_) => Some(RgbPrimaries::XYZ),
             OutputColor::Primaries(primaries, _) => Some(*primaries),
@@ -75,7 +75,7 @@ impl OutputColor {
     }
 
     /// A value in these components, of which only as many count as there are.
-    pub(super) fn of(&self, value: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn of(&self, value: [f64; 3]) -> [f64; 3] {
         match self {
             OutputColor::Rgb | OutputColor::Bands => value,
             OutputColor::Xyz(matrix) => (*matrix * DVec3::from(value)).to_array(),

@@ -1,0 +1,78 @@
+//! Radiance's programs that radsight does not stand in for, and what to do instead.
+
+use crate::failure::Failure;
+
+/// The programs, and what is said of them.
+const MISSING: [(&[&str], &str); 11] = [
+    (&["rvu", "rview", "rholo"], "expected rpict, which renders the same view: add -x, -y and -o"),
+    (&["mkillum"], "light is followed through windows as they are: leave its step out, as rad does here"),
+    (
+        &["mkpmap", "pmapdump"],
+        "there are no photon maps: highlights find light by way of mirrors and bodies in rpict itself",
+    ),
+    (&["lookamb", "ambpos"], "there are no files of ambient values"),
+    (&["obj2mesh", "tmesh2rad", "robjutil"], "expected obj2rad, or Radiance's own: its meshes (.rtm) are read"),
+    (
+        &["dctimestep", "rmtxop", "rcomb", "rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
+        "expected Radiance's own: it takes the matrices that rcontrib writes here, and pcomb adds pictures",
+    ),
+    (
+        &["pinterp", "pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],
+        "expected Radiance's own, which reads the pictures and distances (-z) of rpict here",
+    ),
+    (
+        &["evalglare", "findglare", "glarendx", "xglaresrc"],
+        "expected Radiance's own, which reads the pictures of rpict here",
+    ),
+    (
+        &[
+            "bsdf2klems",
+            "bsdf2ttree",
+            "bsdf2rad",
+            "pabopto2bsdf",
+            "wrapBSDF",
+            "checkBSDF",
+            "genBSDF",
+            "rttree_reduce",
+            "genglaze",
+        ],
+        "expected Radiance's own: its BSDF files are read",
+    ),
+    (
+        &["ra_gif", "ra_pict", "ra_ps", "ra_t8", "ra_t16", "ra_hexbit", "ra_pixar", "ra_pr"],
+        "expected ra_tiff, ra_bmp or ra_ppm",
+    ),
+    (
+        &[
+            "rpiece",
+            "ranimate",
+            "rtpict",
+            "rsensor",
+            "ximage",
+            "xshowtrace",
+            "raddepend",
+            "objview",
+            "glrad",
+            "trad",
+            "histo",
+            "tabfunc",
+            "mgf2inv",
+            "mgfilt",
+            "3ds2mgf",
+            "nff2rad",
+            "rad2mgf",
+            "epw2wea",
+            "neaten",
+            "debugcal",
+            "icalc",
+            "lampcolor",
+        ],
+        "expected Radiance's own",
+    ),
+];
+
+/// The error of a program that is asked for by name and is none of ours.
+pub(super) fn refused(name: &str) -> Option<Failure> {
+    let (_, instead) = MISSING.iter().find(|(names, _)| names.contains(&name))?;
+    Some(Failure::usage(format!("{name} is not part of radsight: {instead}")))
+}
