@@ -1,6 +1,6 @@
 //! Radiance's options of rendering, which begin with one dash and two letters.
 //!
-//! The options with which Radiance steers its approximations of direct light and highlights are accepted and change nothing:
+//! Most of the options with which Radiance steers its approximations of direct light and highlights are accepted and change nothing:
 //! radsight computes those integrals.
 
 use crate::args::Reading;
@@ -15,7 +15,7 @@ use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, R
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
-const WITHOUT_EFFECT: [&str; 7] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss", "-st"];
+const WITHOUT_EFFECT: [&str; 6] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss"];
 
 /// The weight of Radiance's ambient value among gathered ones: ours stands only where nothing is gathered.
 const AMBIENT_WEIGHT: &str = "-aw";
@@ -67,6 +67,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         }
         "-as" => {
             options.gathering.super_samples = number(words, word, "a number of rays, 0 or more")?;
+            Ok(2)
+        }
+        "-st" => {
+            options.highlight_threshold = number(words, word, "a share from 0 to 1")?;
             Ok(2)
         }
         "-dr" => {
@@ -179,6 +183,7 @@ pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
     vec![
         format!("-bv{sign}\t\t\t\t# back face visibility"),
         format!("-dr {:<9}\t\t\t# direct relays", options.mirror_relays),
+        format!("-st {:<9}\t\t\t# specular threshold", options.highlight_threshold),
         format!("-ab {:<9}\t\t\t# ambient bounces", options.ambient_bounces),
         format!("--seed {}\t\t\t# sample sequence", options.seed),
     ]

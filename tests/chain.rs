@@ -36,7 +36,8 @@ impl Job {
             scenes.push(folder.file("rig.rad", rig.output));
         }
         let rays = ["--samples", self.samples, "--seed", self.seed];
-        let mut trace = vec!["rtrace", "-h", "-fdd", "-n", threads, "--seed", self.seed];
+        // Of Radiance's defaults `capture` does not take the threshold of highlights.
+        let mut trace = vec!["rtrace", "-h", "-fdd", "-st", "0", "-n", threads, "--seed", self.seed];
         trace.extend(scenes.iter().map(String::as_str));
         let average = pipeline(vec![
             command(&[&["pinhole", "rays", &self.camera], &rays[..]].concat()),

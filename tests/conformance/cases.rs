@@ -91,6 +91,7 @@ impl Case {
     fn ours(&self) -> Result<Image<f32>, String> {
         let side = SIDE.to_string();
         let mut words = vec!["rpict", "-x", &side, "-y", &side, "-pa", "0", "-pj", "1", "--samples", &self.samples];
+        words.extend(["-st", "0"]);
         words.extend(self.view.split_whitespace().chain(self.options.split_whitespace()));
         let scene = self.scene();
         words.push(&scene);

@@ -7,7 +7,7 @@ use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
 use crate::reach::Between;
 use crate::surface_light::{Densities, Highlight, LitPoint, Response};
-use crate::trace::{MediumId, Tracer, emission, product};
+use crate::trace::{MediumId, Tracer, emission, given, product};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_sampling::DimensionSet;
@@ -285,7 +285,7 @@ impl DirectSampler {
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let encounter = self.encounter(light, sample);
-        emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch)
+        given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch))
     }
 
     /// How the place is met by a ray from the point.

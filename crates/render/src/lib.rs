@@ -52,6 +52,7 @@ mod survey;
 mod tilt;
 mod trace;
 mod view;
+mod weak_highlight;
 
 pub use bands::BandValues;
 pub use contribution::Contribution;

@@ -4,6 +4,7 @@ use crate::beyond::{chance_of_second, luminance};
 use crate::frame::Frame;
 use crate::shader::bands;
 use crate::surface_light::Drawn;
+use crate::weak_highlight::{LobeStrength, Undrawn};
 use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, Scattering, Side};
@@ -23,26 +24,48 @@ pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
     pub(crate) pattern: [f64; BANDS],
     /// What goes straight through apart from this lobe.
     pub(crate) peak: PeakCells,
+    /// What is for light of sources only.
+    pub(crate) undrawn: Undrawn<BANDS>,
     /// How often a draw is of transmitted light.
     transmitted_chance: f64,
 }
 
 impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
-    /// `straight` is the luminance that goes straight through, by way of the cells of `peak`. None where nothing is scattered.
+    /// `straight` is the luminance that goes straight through, by way of the cells of `peak`; what scatters no more than `threshold` to
+    /// a side is not drawn from. None where nothing is scattered.
     pub(crate) fn new(
         [reflection, transmission]: [Option<&'a Scattering>; 2],
         (frame, view): (Frame, BlurredView),
         pattern: [f64; BANDS],
         (peak, straight): (PeakCells, f64),
+        threshold: f64,
     ) -> Option<Self> {
         /// Draws of transmitted light that fall into the peak are lost, but some must fall beside it.
         const LEAST_BESIDE: f64 = 0.1;
         reflection.or(transmission)?;
         let total = |scattering: Option<&Scattering>| scattering.map_or(0.0, |scattering| scattering.total(view.drawn));
-        let through = total(transmission);
-        let beside = (through - straight).max(if straight > 0.0 { LEAST_BESIDE * through } else { 0.0 });
-        let transmitted_chance = chance_of_second(total(reflection), beside * luminance(&pattern));
-        Some(MeasuredLobe { reflection, transmission, frame, view, pattern, peak, transmitted_chance })
+        let (reflected, through) = (total(reflection), total(transmission));
+        let scattered = (through - straight).max(0.0);
+        let undrawn = Undrawn::new(
+            threshold,
+            [
+                LobeStrength { share: reflected, color: [reflected; BANDS], diffuse: 1.0 },
+                LobeStrength { share: scattered, color: pattern.map(|band| band * scattered), diffuse: 1.0 },
+            ],
+        );
+        let beside = scattered.max(if straight > 0.0 { LEAST_BESIDE * through } else { 0.0 });
+        let [no_reflection, no_transmission] = undrawn.is_left_out();
+        let transmitted_chance = chance_of_second(
+            if no_reflection { 0.0 } else { reflected },
+            if no_transmission { 0.0 } else { beside * luminance(&pattern) },
+        );
+        Some(MeasuredLobe { reflection, transmission, frame, view, pattern, peak, undrawn, transmitted_chance })
+    }
+
+    /// Whether anything is drawn from it.
+    pub(crate) fn is_drawn(&self) -> bool {
+        let [no_reflection, no_transmission] = self.undrawn.is_left_out();
+        self.reflection.is_some() && !no_reflection || self.transmission.is_some() && !no_transmission
     }
 
     /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is

@@ -14,6 +14,9 @@ pub struct RenderOptions {
     pub ambient_value: Rgb,
     /// How interreflection is found at the first diffuse surface on a ray's way (`-aa`, `-ar`, `-ad`). Default one ray each time.
     pub gathering: Gathering,
+    /// Rough highlights of no more than this share are not looked into for anything but sources: their share joins the diffuse
+    /// component (`-st`). Default 0, which draws from all.
+    pub highlight_threshold: f64,
     /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
     pub ambient_surfaces: AmbientSurfaces,
     /// Where paths end (`-lr`). Default roulette, and no more than ten reflections.
@@ -47,6 +50,7 @@ impl Default for RenderOptions {
             ambient_bounces: 0,
             ambient_value: Rgb::BLACK,
             gathering: Gathering::default(),
+            highlight_threshold: 0.0,
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
             least_weight: 1e-4,

@@ -15,7 +15,7 @@ use crate::ray::{self, Hit, MemberId, PrimitiveId, Ray};
 use crate::reach::Between;
 use crate::shader::{Kind, Shader, Substitution, bands};
 use crate::surface_light::pane;
-use crate::trace::{Tracer, emission, product, reflect};
+use crate::trace::{Tracer, emission, given, product, reflect};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;
@@ -445,7 +445,7 @@ fn arrive<const BANDS: usize>(
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
-        found = emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch);
+        found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
     }
     product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
 }
@@ -472,7 +472,7 @@ fn leave<const BANDS: usize>(
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let encounter = Encounter::distant(walk.ray.direction);
-        found = emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch);
+        found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
     }
     product(product(found, walk.through), walk.medium.shadow_transmission(f64::INFINITY))
 }

@@ -8,6 +8,7 @@ use crate::light_tree::Reception;
 use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
+use crate::weak_highlight::{LobeStrength, Undrawn};
 use glam::DVec3;
 use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
@@ -68,6 +69,8 @@ pub(crate) struct LitPoint<'a, const BANDS: usize> {
     pub(crate) diffuse: [f64; BANDS],
     pub(crate) coupling: Coupling,
     pub(crate) highlight: Highlight<'a, BANDS>,
+    /// What of the highlights, on both sides, is only for light of sources.
+    pub(crate) undrawn: Undrawn<BANDS>,
     /// Reflectance of the mirror image; zero for rough surfaces.
     pub(crate) mirror: [f64; BANDS],
     /// What light from the other side does; none for an opaque surface.
@@ -164,6 +167,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             diffuse: [0.0; BANDS],
             coupling: Coupling::None,
             highlight: Highlight::None,
+            undrawn: Undrawn::NOTHING,
             mirror: [0.0; BANDS],
             beyond: None,
         }
@@ -202,9 +206,18 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             diffuse: color.map(|band| band * (1.0 - specularity)),
             coupling: if coated { Coupling::Coat } else { Coupling::None },
             highlight,
+            undrawn: Undrawn::NOTHING,
             mirror: if smooth && kind.specularity > 0.0 { specular } else { [0.0; BANDS] },
             beyond: None,
         }
+    }
+
+    /// The same plastic or metal; its highlight is not drawn from where it is no stronger than the threshold.
+    pub(crate) fn with_threshold(self, kind: &GlossyKind, threshold: f64) -> Self {
+        let Highlight::Ward(ward) = &self.highlight else { return self };
+        let share = kind.specularity;
+        let highlight = LobeStrength { share, color: ward.specularity, diffuse: 1.0 - share };
+        LitPoint { undrawn: Undrawn::new(threshold, [highlight, LobeStrength::NONE]), ..self }
     }
 
     /// A reflectance model from elsewhere.
@@ -220,7 +233,11 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let transmitted = carried(&beyond.diffuse, &ambient[1]);
         beyond.diffuse_chance = chance_of_second(carried(&self.diffuse, &ambient[0]), transmitted);
         let through = beyond.lobe.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
-        beyond.lobe_chance = if through > 0.0 { chance_of_second(self.highlight.strength(), through) } else { 0.0 };
+        let [own_left_out, through_left_out] = self.undrawn.is_left_out();
+        let drawn = |strength: f64, left_out: bool| if left_out { 0.0 } else { strength };
+        let own = drawn(self.highlight.strength(), own_left_out);
+        let beyond_drawn = drawn(through, through_left_out);
+        beyond.lobe_chance = if beyond_drawn > 0.0 { chance_of_second(own, beyond_drawn) } else { 0.0 };
         let beyond = (transmitted > 0.0 || through > 0.0).then_some(beyond);
         LitPoint { beyond, ..self }
     }
@@ -283,8 +300,13 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
 
     /// Whether there is a highlight, on either side, that can only be found by drawing from it.
     pub(crate) fn has_highlight(&self) -> bool {
-        !matches!(self.highlight, Highlight::None | Highlight::Function(_))
-            || self.beyond.is_some_and(|beyond| beyond.lobe.is_some())
+        let [own_left_out, through_left_out] = self.undrawn.is_left_out();
+        let own = match &self.highlight {
+            Highlight::None | Highlight::Function(_) => false,
+            Highlight::Measured(lobe) => lobe.is_drawn(),
+            _ => !own_left_out,
+        };
+        own || self.beyond.is_some_and(|beyond| beyond.lobe.is_some() && !through_left_out)
     }
 
     /// Whether its highlight sends light back to where it comes from.
@@ -299,9 +321,11 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
     }
 
     /// Whether the diffuse component treats light from sources and other light alike. Radiance takes a coat's reflection from the former
-    /// only, and gives the latter a function's share.
+    /// only, and gives the latter the share of a function, and of highlights that are not drawn from.
     pub(crate) fn diffuse_finds_lights(&self) -> bool {
-        self.coupling == Coupling::None && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
+        self.coupling == Coupling::None
+            && !self.undrawn.has_any()
+            && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
 
     /// The share of even light from all around, but for sources, that is scattered as if diffuse.
@@ -324,7 +348,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
     fn ambient(&self) -> [[f64; BANDS]; 2] {
         match &self.highlight {
             Highlight::Function(lobe) => lobe.ambient,
-            _ => [[0.0; BANDS]; 2],
+            _ => self.undrawn.as_diffuse(),
         }
     }
 

@@ -8,6 +8,7 @@
 
 use crate::antimatter::{Cut, CutId, Meeting};
 use crate::bands::BandValues;
+use crate::beyond::luminance;
 use crate::contribution::Contributions;
 use crate::direct::{DirectSampler, light_draws};
 use crate::gather::Place;
@@ -455,7 +456,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 let (appearance, normal) = self.appearance(segment, shader, &encounter);
                 let retro = matches!(shader.kind, Kind::Retro(_));
                 let color = colored(glossy, appearance.color);
-                let point = LitPoint::glossy(glossy, retro, color, -encounter.direction, encounter.normal, normal);
+                let point = LitPoint::glossy(glossy, retro, color, -encounter.direction, encounter.normal, normal)
+                    .with_threshold(glossy, self.plan.options.highlight_threshold);
                 if point.mirror.iter().any(|band| *band > 0.0) {
                     let direction = point.mirror_direction();
                     self.specular(segment, hit, direction, point.mirror, Passage::Other);
@@ -797,7 +799,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if share <= 0.0 {
             return;
         }
-        let radiance: [f64; BANDS] = emission(self.plan, shader, emitter, encounter, &mut self.workspace.scratch);
+        let mut radiance: [f64; BANDS] = emission(self.plan, shader, emitter, encounter, &mut self.workspace.scratch);
+        if share < 1.0 {
+            radiance = given(radiance);
+        }
         for (sum, (throughput, radiance)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(radiance)) {
             *sum += throughput * radiance * share;
         }
@@ -874,6 +879,12 @@ pub(crate) fn emission<const BANDS: usize>(
         return own;
     }
     product(own, shader.appearance::<BANDS>(&plan.scene, encounter, scratch).color)
+}
+
+/// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its
+/// table. It is still seen as that, as in Radiance.
+pub(crate) fn given<const BANDS: usize>(emission: [f64; BANDS]) -> [f64; BANDS] {
+    if luminance(&emission) > 0.0 { emission } else { [0.0; BANDS] }
 }
 
 #[inline]

@@ -65,7 +65,12 @@ impl Default for Options {
             unshared: Unshared::DrawOne,
         };
         Options {
-            render: RenderOptions { mirror_relays: 1, gathering, ..RenderOptions::default() },
+            render: RenderOptions {
+                mirror_relays: 1,
+                gathering,
+                highlight_threshold: 0.15,
+                ..RenderOptions::default()
+            },
             reading: Reading::default(),
             view: ViewOptions::default(),
             size: [512, 512],

@@ -120,7 +120,7 @@ impl Default for Options {
             unshared: Unshared::LookAround,
         };
         Options {
-            render: RenderOptions { gathering, ..RenderOptions::default() },
+            render: RenderOptions { gathering, highlight_threshold: 0.15, ..RenderOptions::default() },
             header: true,
             input_format: NumberFormat::Ascii,
             output_format: OutputFormat::Numbers(NumberFormat::Ascii),

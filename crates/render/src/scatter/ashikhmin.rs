@@ -2,9 +2,11 @@
 //! Lambert's diffuse component less Schlick's term at the incident angle, and a highlight that grows by it at the outgoing one.
 
 use super::{Meeting, Met};
+use crate::beyond::luminance;
 use crate::frame::Frame;
 use crate::shader::{Function, bands};
 use crate::surface_light::{Coupling, Highlight, LitPoint, schlick};
+use crate::weak_highlight::{LobeStrength, Undrawn};
 use radsight_brdf::AshikhminShirley;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
@@ -44,8 +46,12 @@ impl AshikhminKind {
             true => Highlight::Ashikhmin(AshikhminShirley { specularity, exponents }),
             false => Highlight::None,
         };
+        // What is compared is the highlight at normal incidence.
+        let diffuse = meeting.colored(bands(self.diffuse));
+        let candidate = LobeStrength { share: luminance(&specular), color: specularity, diffuse: luminance(&diffuse) };
         let point = LitPoint {
-            diffuse: meeting.colored(bands(self.diffuse)),
+            diffuse,
+            undrawn: Undrawn::new(meeting.threshold, [candidate, LobeStrength::NONE]),
             coupling: Coupling::Schlick,
             highlight,
             ..LitPoint::new(outgoing, meeting.encounter.normal, frame)

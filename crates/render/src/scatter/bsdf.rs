@@ -13,6 +13,7 @@ use crate::shader::{Function, Shader, bands};
 use crate::surface_light::{Highlight, LitPoint};
 use crate::trace::{Passage, Segment, Tracer};
 use crate::view::Encounter;
+use crate::weak_highlight::Undrawn;
 use glam::DVec3;
 use radsight_bsdf::{Bsdf, Side};
 use radsight_cal::Scratch;
@@ -139,9 +140,11 @@ impl BsdfKind {
             Some(peak) => (peak.cells, luminance(&peak.transmittance)),
             None => (PeakCells::default(), 0.0),
         };
-        let lobe = MeasuredLobe::new(scattering, (pose.frame, view), meeting.appearance.color, peak);
+        let color = meeting.appearance.color;
+        let lobe = MeasuredLobe::new(scattering, (pose.frame, view), color, peak, meeting.threshold);
         let point = LitPoint {
             diffuse: reflected,
+            undrawn: lobe.map_or(Undrawn::NOTHING, |lobe| lobe.undrawn),
             highlight: lobe.map_or(Highlight::None, Highlight::Measured),
             ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
         };
@@ -174,7 +177,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let (appearance, normal) = self.appearance(segment, shader, encounter);
         let turned = encounter.turned();
         let scene = shader.home.scene(&self.plan.scene);
-        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal };
+        let threshold = self.plan.options.highlight_threshold;
+        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold };
         let Some(pose) = kind.pose(&meeting, &mut self.workspace.scratch) else { return };
         if let Some(straight) = kind.straight(&meeting, &pose) {
             self.specular(segment, hit, straight.direction, straight.weight, Passage::Sheet { undisturbed: true });

@@ -58,6 +58,8 @@ pub(crate) struct Meeting<'a, const BANDS: usize> {
     pub(crate) appearance: Appearance<BANDS>,
     /// Unit, with textures, on the viewer's side.
     pub(crate) normal: DVec3,
+    /// Highlights of no more than this share are not drawn from.
+    pub(crate) threshold: f64,
 }
 
 /// What a material makes of a ray.
@@ -121,7 +123,7 @@ impl Scatterer {
         }
         let normal = shading_normal(encounter, appearance.perturbation);
         let turned = encounter.turned();
-        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal };
+        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold: 0.0 };
         self.meet(&meeting, scratch).straight.map(|straight| straight.weight)
     }
 
@@ -205,7 +207,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let (appearance, normal) = self.appearance(segment, shader, encounter);
         let turned = encounter.turned();
         let scene = shader.home.scene(&self.plan.scene);
-        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal };
+        let threshold = self.plan.options.highlight_threshold;
+        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold };
         let met = scatterer.meet(&meeting, &mut self.workspace.scratch);
         if let Some(straight) = &met.straight {
             let undisturbed = straight.direction == encounter.direction;

@@ -9,6 +9,7 @@ use crate::beyond::{Beyond, ThroughLobe};
 use crate::frame::Frame;
 use crate::shader::{Function, SMOOTH_ROUGHNESS, bands};
 use crate::surface_light::{Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
+use crate::weak_highlight::{LobeStrength, Undrawn};
 use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
@@ -39,6 +40,8 @@ struct Division<const BANDS: usize> {
     /// Transmitted about the straight way.
     through: [f64; BANDS],
     coupling: Coupling,
+    /// What is too weak to be drawn from where it is rough.
+    undrawn: Undrawn<BANDS>,
 }
 
 impl Sheet {
@@ -61,7 +64,8 @@ impl Sheet {
         scratch: &mut Scratch,
     ) -> Met<'a, BANDS> {
         let outgoing = meeting.outgoing();
-        let division = self.division(meeting.colored(bands(self.color)), outgoing.dot(meeting.normal));
+        let division =
+            self.division(meeting.colored(bands(self.color)), outgoing.dot(meeting.normal), meeting.threshold);
         let (frame, roughness) = self.frame(meeting, scratch);
         let smooth = self.is_smooth();
         let straight = meeting.straight();
@@ -79,6 +83,7 @@ impl Sheet {
             diffuse: division.diffuse,
             coupling: division.coupling,
             highlight,
+            undrawn: division.undrawn,
             ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
         };
         let (mirror, straight) = match smooth {
@@ -92,7 +97,7 @@ impl Sheet {
         Met { point: point.with_beyond(beyond), mirror, straight }
     }
 
-    fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64) -> Division<BANDS> {
+    fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64, threshold: f64) -> Division<BANDS> {
         let coated = self.is_smooth() && self.specularity >= FRESNEL_THRESHOLD;
         let fresnel = if coated { fresnel_estimate(cosine.max(0.001)) } else { 0.0 };
         let specularity = self.specularity + fresnel * (1.0 - self.specularity);
@@ -103,12 +108,24 @@ impl Sheet {
             false => [specularity; BANDS],
         };
         let share = |share: f64| color.map(|band| band * share.max(0.0));
+        let [diffuse, transmitted_diffuse] = [1.0 - transmitted - specularity, transmitted - through];
+        let undrawn = match self.is_smooth() {
+            true => Undrawn::NOTHING,
+            false => Undrawn::new(
+                threshold,
+                [
+                    LobeStrength { share: specularity, color: specular, diffuse },
+                    LobeStrength { share: through, color: share(through), diffuse: transmitted_diffuse },
+                ],
+            ),
+        };
         Division {
             specular,
-            diffuse: share(1.0 - transmitted - specularity),
-            transmitted_diffuse: share(transmitted - through),
+            diffuse: share(diffuse),
+            transmitted_diffuse: share(transmitted_diffuse),
             through: share(through),
             coupling: if coated { Coupling::Coat } else { Coupling::None },
+            undrawn,
         }
     }
 

@@ -34,7 +34,8 @@ impl Part<'_> {
         let turned = encounter.turned();
         let appearance = Appearance { color: [1.0], perturbation: self.perturbation };
         let normal = shading_normal(&encounter, self.perturbation);
-        let meeting = Meeting { scene: self.scene, encounter: &encounter, turned: &turned, appearance, normal };
+        let meeting =
+            Meeting { scene: self.scene, encounter: &encounter, turned: &turned, appearance, normal, threshold: 0.0 };
         see(&self.sheet.meet(&meeting, &mut Scratch::default()).point)
     }
 }

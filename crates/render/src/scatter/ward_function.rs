@@ -9,6 +9,7 @@ use crate::function_lobe::Surroundings;
 use crate::shader::{Function, Shader, bands};
 use crate::surface_light::{Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
 use crate::trace::shading_normal;
+use crate::weak_highlight::{LobeStrength, Undrawn};
 use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
@@ -109,21 +110,32 @@ impl WardFunctionKind {
             }
             _ => Highlight::None,
         };
+        let through = transmission.share.map(|band| band * left);
+        let diffuse = colored(reflected, &main, left);
+        let transmitted_diffuse = colored(transmitted, &behind_look, left);
+        let candidate = |part: &Specular<BANDS>, color: [f64; BANDS], diffuse: &[f64; BANDS]| match part.roughness {
+            Some(_) => LobeStrength { share: luminance(&color), color, diffuse: luminance(diffuse) },
+            None => LobeStrength::NONE,
+        };
+        let weak = [
+            candidate(&reflection, reflection.share, &diffuse),
+            candidate(&transmission, through, &transmitted_diffuse),
+        ];
         let point = LitPoint {
             diffuse_normal: main.normal,
-            diffuse: colored(reflected, &main, left),
+            diffuse,
             coupling,
             highlight,
+            undrawn: Undrawn::new(meeting.threshold, weak),
             ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
         };
-        let through = transmission.share.map(|band| band * left);
         let straight = self.straight(meeting, &transmission);
         let (through_frame, through_roughness) = oriented(&transmission, orientation);
         let lobe = through_roughness.filter(|_| transmission.is_there()).map(|roughness| {
             let shape = GaussianTransmission { transmittance: through, roughness };
             ThroughLobe::new(shape, through_frame, straight, outgoing)
         });
-        let beyond = Beyond::new(behind_look.normal, colored(transmitted, &behind_look, left), lobe);
+        let beyond = Beyond::new(behind_look.normal, transmitted_diffuse, lobe);
         let mirror = match reflection.roughness {
             None => Onward::new(point.mirror_direction(), reflection.share),
             Some(_) => None,
