@@ -74,6 +74,7 @@ impl Default for Options {
             gathering,
             ambient_bounces: 1,
             mirror_relays: 3,
+            highlight_threshold: 0.02,
             least_weight: 2e-3,
             path_limit: PathLimit::RouletteUpTo(10),
             ..RenderOptions::default()
