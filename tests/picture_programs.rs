@@ -412,3 +412,44 @@ fn a_wrong_option_is_named() {
         assert!(run.messages.starts_with(message), "{}", run.messages);
     }
 }
+
+#[test]
+fn the_light_of_a_lamp_becomes_white_as_in_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let table = folder.file("lamp.tab", "/yellow/ .5 .42 .8\n/blue[- ]lamp/ .25 .25 1\n/gold/ (yellow)\n");
+    for lamp in ["gold", "a Blue lamp"] {
+        let words = ["pfilt", "-1", "-e", "2", "-f", &table, "-t", lamp];
+        let picture = gradient(40, 33);
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
+        let ours = radsight_with(&words, &picture).done();
+        let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
+        // The chromaticity goes through a matrix in single precision there.
+        let scale = |picture: &Picture| picture.header().radiance_scale().expect("a scale");
+        for (a, b) in scale(&real).iter().zip(scale(&ours)) {
+            assert!((a - b).abs() < 1e-4 * b, "{lamp}: {a} {b}");
+        }
+        for (a, b) in real.values().data().iter().zip(ours.values().data()) {
+            assert!((a - b).abs() <= 0.01 * a.max(1e-6) || (a - b).abs() < 1e-3, "{lamp}: {a} {b}");
+        }
+    }
+    let run = radsight_with(&["pfilt", "-f", &table, "-t", "none"], &gradient(5, 1));
+    assert_eq!((run.code, run.messages.trim()), (1, &*format!("radsight: pfilt: no lamp is \"none\" in {table}")));
+}
+
+#[test]
+fn falsecolor_takes_functions_of_the_user() {
+    let folder = Folder::new();
+    let picture = folder.file("a.hdr", gradient(40, 33));
+    let with = |options: &str| {
+        let words = format!("falsecolor -lw 0 -i {picture} {options}");
+        Picture::read(&radsight_with(&words.split(' ').collect::<Vec<_>>(), b"").done()).expect("a picture")
+    };
+    // The palette's own functions by name give the palette.
+    assert_eq!(with("-pal hot").pixels(), with("-r hot_red(v) -g hot_grn(v) -b hot_blu(v)").pixels());
+    let red = with("-r 1 -g 0 -b clip(v-9)").values();
+    assert!(red.pixels().all(|pixel| pixel[0] > 0.99 && pixel[1] < 0.01 && pixel[2] < 0.01));
+    assert_eq!(radsight_with(&["falsecolor", "-r", "u+1", "-i", &picture], b"").code, 2);
+    let palettes = Picture::read(&radsight_with(&["falsecolor", "-palettes"], b"").done()).expect("a picture");
+    assert_eq!((palettes.width(), palettes.height()), (256, 300));
+}

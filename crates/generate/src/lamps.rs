@@ -130,6 +130,16 @@ fn split_at_mark(text: &str, mark: char) -> Option<(&str, &str)> {
     None
 }
 
+/// Red, green and blue of a lamp by its description, dimmed by its depreciation: the first that a table, or where none is given radsight's own,
+/// has for it. `None` if there is none.
+///
+/// # Errors
+/// What is wrong with the table, with its line.
+pub fn lamp_color(table: Option<&str>, description: &str) -> Result<Option<[f64; 3]>, String> {
+    let lamps = Lamps::read(table.unwrap_or(BUILT_IN))?;
+    Ok(lamps.find(description).map(|lamp| lamp.rgb()))
+}
+
 /// One step of a pattern.
 enum Step {
     /// Any of these bytes, or any but these; perhaps repeated, perhaps not at all.

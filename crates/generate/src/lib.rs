@@ -64,6 +64,7 @@ mod total;
 mod zcat;
 
 pub use error::Error;
+pub use lamps::lamp_color;
 pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
 pub use text::{General, MAX_OUTPUT_BYTES, padded};

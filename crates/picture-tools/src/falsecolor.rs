@@ -1,9 +1,11 @@
 //! `falsecolor`: brightness as colour, contours and bands.
 
+mod own;
 mod tables;
 
 use crate::ToolError;
 use crate::brightness::{Brightness, of_rgb};
+pub use own::OwnComponent;
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, encode_rgbe};
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -121,6 +123,8 @@ pub struct Scale {
     pub coverage: Coverage,
     /// The colours.
     pub palette: Palette,
+    /// Red, green and blue of the user's own, instead of the palette's.
+    pub own: [Option<OwnComponent>; 3],
 }
 
 impl Scale {
@@ -159,7 +163,20 @@ impl Scale {
             Coverage::Posterized => shifted(((place * divisions).floor() + 0.5) / divisions),
             _ => shifted(place),
         };
-        is_colored.then(|| self.palette.color(value).map(|part| part.clamp(0.0, 1.0) as f32))
+        is_colored.then(|| self.colored(value))
+    }
+}
+
+impl Scale {
+    /// The colour of a value between 0 and 1.
+    fn colored(&self, value: f64) -> [f32; 3] {
+        let mut color = self.palette.color(value);
+        for (part, own) in color.iter_mut().zip(&self.own) {
+            if let Some(own) = own {
+                *part = own.at(value);
+            }
+        }
+        color.map(|part| part.clamp(0.0, 1.0) as f32)
     }
 }
 
@@ -274,6 +291,7 @@ mod tests {
             divisions: 4.0,
             coverage: Coverage::Lines,
             palette: Palette::Spectrum,
+            own: Default::default(),
         };
         assert!(scale.color(0.5, [0.49, 0.51, 0.5, 0.5]).is_some());
         assert!(scale.color(0.6, [0.55, 0.65, 0.6, 0.6]).is_none());

@@ -2,7 +2,7 @@
 //!
 //! `-i picture` (else standard input), `-p picture` background of contours, `-ip picture` both; `-cl` lines, `-cb` bands, `-cp` steps, `-c0` no colours;
 //! `-s TOP` (or `auto`), `-log DECADES`, `-n DIVISIONS`, `-m MULTIPLIER`, `-l LABEL`, `-d DIGITS`, `-lw W -lh H` size of the legend, `-pal
-//! def|spec|pm3d|hot|eco|tbo`, `-e` marks the darkest and the brightest pixel.
+//! def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` own functions of `v`; `-e` marks the darkest and the brightest pixel.
 
 use super::files::{Source, failed, open, open_twice, output};
 use super::psign::picture_of;
@@ -13,7 +13,7 @@ use radsight_picture_tools::ToolError;
 use radsight_picture_tools::brightness::of_rgb;
 use radsight_picture_tools::compose::{Layer, compose};
 use radsight_picture_tools::extrema::extrema;
-use radsight_picture_tools::falsecolor::{Background, Coverage, Palette, Scale, falsecolor};
+use radsight_picture_tools::falsecolor::{Background, Coverage, OwnComponent, Palette, Scale, falsecolor};
 use radsight_picture_tools::filter::{FilterOptions, Size, filter_one_pass};
 use radsight_picture_tools::sign::SignOptions;
 use std::fs::File;
@@ -26,7 +26,7 @@ const MARK_HEIGHT: usize = 32;
 /// Height over width of a letter, and letters across the legend.
 const LETTER: f64 = 8.0 / 1.67;
 
-const EXPECTED: &str = "-i -p -ip -cl -cb -cp -c0 -s -log -n -m -l -d -lw -lh -pal or -e";
+const EXPECTED: &str = "-i -p -ip -cl -cb -cp -c0 -s -log -n -m -l -d -lw -lh -pal -palettes -r -g -b or -e";
 
 struct Options {
     scale: Scale,
@@ -37,16 +37,47 @@ struct Options {
     picture: String,
     background: Option<String>,
     marks_extrema: bool,
+    shows_palettes: bool,
 }
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut options = read_options(&mut words)?;
+    if options.shows_palettes {
+        return palettes(&words);
+    }
     if options.automatic || options.marks_extrema {
         return with_file(&words, &mut options);
     }
     let reader = reader_of(open(&options.picture)?, &options.picture)?;
     finish(&words, &options, reader, Vec::new())
+}
+
+/// All palettes, each with its name.
+fn palettes(words: &Words<'_>) -> Outcome {
+    const WIDTH: usize = 256;
+    const HEIGHT: usize = 30;
+    const LETTERS: usize = 20;
+    let sign = SignOptions { foreground: [1.0; 3], background: [0.0; 3], height: LETTERS, ..SignOptions::default() };
+    let (mut layers, mut above) = (Vec::new(), 0);
+    for (name, palette) in Palette::ALL {
+        let row = (0..WIDTH).flat_map(|x| {
+            let color = palette.color(x as f64 / WIDTH as f64);
+            encode_rgbe(color.map(|part| part.clamp(0.0, 1.0) as f32))
+        });
+        let row: Vec<u8> = row.collect();
+        for picture in [picture_bytes(WIDTH, HEIGHT, &row.repeat(HEIGHT))?, picture_of(name, &sign)?] {
+            let next = layer(picture, [0, above])?;
+            above += next.size()[1];
+            layers.push(next);
+        }
+    }
+    let far = layers.iter().map(Layer::far_corner).fold([0, 0], |most, far| [most[0].max(far[0]), most[1].max(far[1])]);
+    let mut header = Header::new("RADIANCE");
+    header.push_command(words.all());
+    header.push_variable("FORMAT", "32-bit_rle_rgbe");
+    let composed = compose(&mut layers, far.map(|pixels| pixels as usize), [0; 4], &header, output());
+    composed.map_err(|error| failed("palettes", error))
 }
 
 fn reader_of(source: Source, path: &str) -> Result<PictureReader<Source>, Failure> {
@@ -262,6 +293,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         divisions: 8.0,
         coverage: Coverage::All,
         palette: Palette::Default,
+        own: Default::default(),
     };
     let mut options = Options {
         scale,
@@ -272,6 +304,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         picture: "-".to_owned(),
         background: None,
         marks_extrema: false,
+        shows_palettes: false,
     };
     while let Some(option) = words.option() {
         options.take(option, words)?;
@@ -308,6 +341,7 @@ impl Options {
                 let found = Palette::ALL.iter().find(|(known, _)| *known == name);
                 let unknown = || words.unknown(&format!("-pal {name}"), "def, spec, pm3d, hot, eco or tbo");
                 self.scale.palette = found.ok_or_else(unknown)?.1;
+                self.scale.own = Default::default();
             }
             "-i" => self.picture = words.value(option, "a picture")?.to_owned(),
             "-p" => self.background = Some(words.value(option, "a picture")?.to_owned()),
@@ -321,7 +355,14 @@ impl Options {
             "-cp" => self.scale.coverage = Coverage::Posterized,
             "-c0" => (self.scale.coverage, self.legend) = (Coverage::None, [0, 0]),
             "-e" => self.marks_extrema = true,
-            "-r" | "-g" | "-b" | "-odim" | "-orct" | "-palettes" => {
+            "-r" | "-g" | "-b" => {
+                let text = words.value(option, "an expression of v")?;
+                let wrong = |error| Failure::usage(format!("falsecolor: option \"{option}\" with \"{text}\": {error}"));
+                let component = OwnComponent::read(text).map_err(wrong)?;
+                self.scale.own["-r-g-b".find(option).unwrap_or(0) / 2] = Some(component);
+            }
+            "-palettes" => self.shows_palettes = true,
+            "-odim" | "-orct" => {
                 return Err(Failure::usage(format!(
                     "falsecolor: option \"{option}\" is not supported, expected {EXPECTED}"
                 )));

@@ -3,11 +3,14 @@
 //! `-1` one pass, `-2` two passes (the default: the mean brightness becomes ½); `-x N`, `-x /R`, `-y N`, `-y /R` size; `-p A` pixel shape,
 //! `-c` does not record it; `-e E` exposure (a factor, or with a sign a number of stops), `-er -eg -eb` of one component; `-b` box filter, `-r R`
 //! Gaussian of radius R output pixels, `-m F` the same with at most a fraction F of an output pixel from one input pixel; `-n N -s S` stars with
-//! N points that spread by S, `-h L` the brightness that shines, `-a` averages what shines too.
+//! N points that spread by S, `-h L` the brightness that shines, `-a` averages what shines too; `-t LAMP` makes the light of a lamp white, by the table `-f FILE`.
 
 use super::files::{failed, open, open_twice, output};
 use super::words::Words;
+use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
+use radsight_generate::lamp_color;
+use radsight_loader::{FileKind, Loader};
 use radsight_picture::PictureReader;
 use radsight_picture_tools::filter::{
     AspectRecord, FilterOptions, HotPixels, Kernel, Size, filter, filter_one_pass, measure,
@@ -53,6 +56,7 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
     let mut options = FilterOptions::default();
     let mut passes = Passes::Two;
     let (mut radius, mut fraction) = (0.0, 0.0);
+    let (mut lamp, mut table) = (None, None);
     while let Some(option) = words.option() {
         match option {
             "-x" => options.columns = size(words, option)?,
@@ -84,13 +88,13 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
                 }
             }
             "-b" => (radius, fraction) = (0.0, 0.0),
-            "-t" | "-f" => {
-                return Err(Failure::usage(format!(
-                    "pfilt: option \"{option}\" (lamp tables) is not supported, expected the lamp's factors with -er, -eg and -eb"
-                )));
-            }
-            _ => return Err(words.unknown(option, "-1 -2 -x -y -c -p -e -er -eg -eb -b -r -m -n -s -a or -h")),
+            "-t" => lamp = Some(words.value(option, "the description of a lamp")?),
+            "-f" => table = Some(words.value(option, "a table of lamps")?),
+            _ => return Err(words.unknown(option, "-1 -2 -x -y -c -p -e -er -eg -eb -b -r -m -n -s -a -h -t or -f")),
         }
+    }
+    if let Some(lamp) = lamp {
+        balance(lamp, table, &mut options.exposure)?;
     }
     options.kernel = if radius <= TINY {
         Kernel::Box
@@ -100,6 +104,23 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
         Kernel::Threshold { radius, fraction }
     };
     Ok((options, passes))
+}
+
+/// Makes the light of a lamp white.
+fn balance(lamp: &str, table: Option<&str>, exposure: &mut [f32; 3]) -> Outcome {
+    const DARK: f64 = 1e-4;
+    let name = table.unwrap_or("lamp.tab");
+    let text = match DiskLoader::new(Commands::Refused).load(name, FileKind::Other) {
+        Ok(loaded) => Some(String::from_utf8_lossy(&loaded.bytes).into_owned()),
+        Err(_) if table.is_none() => None,
+        Err(error) => return Err(Failure::input(format!("pfilt: {error}"))),
+    };
+    let color = lamp_color(text.as_deref(), lamp).map_err(|error| Failure::input(format!("{name}: {error}")))?;
+    let color = color.ok_or_else(|| Failure::input(format!("pfilt: no lamp is \"{lamp}\" in {name}")))?;
+    for (part, lamp) in exposure.iter_mut().zip(color).filter(|(_, lamp)| *lamp > DARK) {
+        *part = (f64::from(*part) / f64::from(lamp as f32)) as f32;
+    }
+    Ok(())
 }
 
 /// A number of pixels, or with a slash the number of input pixels in one.
