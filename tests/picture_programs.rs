@@ -447,7 +447,7 @@ fn falsecolor_takes_functions_of_the_user() {
     };
     // The palette's own functions by name give the palette.
     assert_eq!(with("-pal hot").pixels(), with("-r hot_red(v) -g hot_grn(v) -b hot_blu(v)").pixels());
-    let red = with("-r 1 -g 0 -b clip(v-9)").values();
+    let red = with("-r 1 -g 0 -b clip(-v)").values();
     assert!(red.pixels().all(|pixel| pixel[0] > 0.99 && pixel[1] < 0.01 && pixel[2] < 0.01));
     assert_eq!(radsight_with(&["falsecolor", "-r", "u+1", "-i", &picture], b"").code, 2);
     let palettes = Picture::read(&radsight_with(&["falsecolor", "-palettes"], b"").done()).expect("a picture");
