@@ -48,6 +48,15 @@ impl Hemisphere {
         DVec3::new(sine * cos, sine * sin, (1.0 - sine_squared).max(0.0).sqrt())
     }
 
+    /// The cell in which a unit direction lies, +z on the normal.
+    #[must_use]
+    pub fn cell(&self, direction: DVec3) -> usize {
+        let sine_squared = 1.0 - direction.z * direction.z;
+        let turn = direction.y.atan2(direction.x).rem_euclid(2.0 * PI) / (2.0 * PI);
+        let within = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
+        within(sine_squared, self.rings) * self.azimuths + within(turn, self.azimuths)
+    }
+
     /// Sine of the angle from the normal to the inner edge of a ring.
     pub(crate) fn edge_sine(&self, ring: usize) -> f64 {
         (ring as f64 / self.rings as f64).sqrt()
@@ -66,6 +75,16 @@ mod tests {
             assert!((0.9..1.2).contains(&ratio), "{count}: {hemisphere:?}");
             let shape = hemisphere.azimuths as f64 / hemisphere.rings as f64;
             assert!((2.0..4.5).contains(&shape), "{count}: {hemisphere:?}");
+        }
+    }
+
+    #[test]
+    fn a_direction_lies_in_the_cell_that_it_comes_from() {
+        let hemisphere = Hemisphere::with_divisions(200);
+        for cell in 0..hemisphere.len() {
+            for within in [[0.01, 0.01], [0.5, 0.5], [0.99, 0.01], [0.3, 0.99]] {
+                assert_eq!(hemisphere.cell(hemisphere.direction(cell, within)), cell);
+            }
         }
     }
 

@@ -88,6 +88,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                     primitive: None,
                     highlight_draws: 0,
                     shares_diffuse: false,
+                    outlook: None,
                     reception: Reception::NONE,
                     travelled: segment.travelled + along,
                     medium: medium_id,

@@ -3,6 +3,7 @@
 use crate::antimatter::CutId;
 use crate::light::{Light, LightForm, LightId, LightSample};
 use crate::light_tree::{Cut, LightTree, Reception};
+use crate::openings::Outlook;
 use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
 use crate::reach::Between;
@@ -36,13 +37,15 @@ pub(crate) fn light_draws(plan: &RenderPlan, scattered: bool) -> u32 {
 
 /// The direct light at one point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DirectSampler {
+pub(crate) struct DirectSampler<'o> {
     pub(crate) point: DVec3,
     pub(crate) primitive: Option<PrimitiveId>,
     /// How many rays are also drawn from the highlight, so that the two share the work.
     pub(crate) highlight_draws: u32,
     /// Whether one is drawn from the diffuse component that can find lights too.
     pub(crate) shares_diffuse: bool,
+    /// Openings towards which that one may be sent.
+    pub(crate) outlook: Option<&'o Outlook<'o>>,
     /// Which lights are bright here, and where on a light the highlight is.
     pub(crate) reception: Reception,
     pub(crate) travelled: f64,
@@ -63,7 +66,7 @@ pub(crate) struct NumberedLight<'p> {
     pub(crate) light: &'p Light,
 }
 
-impl DirectSampler {
+impl DirectSampler<'_> {
     /// What is cut for a ray that leaves in this direction.
     pub(crate) fn cut_towards(&self, direction: DVec3) -> CutId {
         self.cuts[usize::from(self.normal.dot(direction) < 0.0)]
@@ -183,7 +186,8 @@ impl DirectSampler {
         expected: f64,
     ) -> [f64; BANDS] {
         let Some(sample) = self.place(light, u) else { return [0.0; BANDS] };
-        let densities = if self.highlight_draws > 0 { Densities::Wanted } else { Densities::Unused };
+        let densities =
+            if self.highlight_draws > 0 || self.shares_diffuse { Densities::Wanted } else { Densities::Unused };
         let scratch = &mut tracer.workspace.scratch;
         let response = point.respond(sample.direction, sample.density, densities, scratch);
         self.gather(tracer, light, &sample, between, expected, &response)
@@ -210,7 +214,14 @@ impl DirectSampler {
         let density = sample.density * expected;
         // No drawn ray is followed to a light by way of a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
-        let diffuse_share = if shares_diffuse { density / (density + response.diffuse_density) } else { 1.0 };
+        let diffuse_share = if shares_diffuse {
+            let by_cosine = response.diffuse_density;
+            let outlook = self.outlook.filter(|_| by_cosine > 0.0);
+            let mixed = outlook.map_or(by_cosine, |outlook| outlook.mixed_density(sample.direction, by_cosine));
+            density / (density + mixed)
+        } else {
+            1.0
+        };
         let drawn = if light.is_redirected() { 0 } else { self.highlight_draws };
         let drawn_density = f64::from(drawn) * response.highlight_density;
         let highlight_share = density / (density + drawn_density);

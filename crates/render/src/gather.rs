@@ -16,9 +16,9 @@ use std::f64::consts::FRAC_1_PI;
 /// A point whose irradiance is wanted.
 #[derive(Clone, Debug)]
 pub(crate) struct Place<const BANDS: usize> {
-    point: DVec3,
+    pub(crate) point: DVec3,
     /// Unit geometric normal on the side in question.
-    normal: DVec3,
+    pub(crate) normal: DVec3,
     primitive: Option<PrimitiveId>,
     medium: Medium<BANDS>,
     /// What is cut away for the rays from here.
@@ -104,21 +104,27 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         limits: &Limits,
     ) -> Record<BANDS> {
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        let seed = self.plan.options.seed ^ GATHERING_SEED;
-        let first = number.wrapping_mul(hemisphere.len() as u64);
         let seen: Vec<Gathered<BANDS>> = (0..hemisphere.len())
             .map(|cell| {
-                let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
-                let within = sampler.take(DimensionSet::CAMERA);
-                let local = hemisphere.direction(cell, [within[0], within[1]]);
+                let (local, sampler) = self.cell_direction(hemisphere, number, cell);
                 self.look(place, (x * local.x + y * local.y + z * local.z).normalize(), sampler)
             })
             .collect();
+        let seen = self.look_out(place, hemisphere, number, seen);
         Record::new(place.point, place.normal, hemisphere, &seen, limits)
     }
 
+    /// Where the ray in a cell of the hemisphere goes, in the frame of the place, and its sample point.
+    pub(crate) fn cell_direction(&self, hemisphere: &Hemisphere, number: u64, cell: usize) -> (DVec3, RaySampler) {
+        let first = number.wrapping_mul(hemisphere.len() as u64);
+        let seed = self.plan.options.seed ^ GATHERING_SEED;
+        let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
+        let within = sampler.take(DimensionSet::CAMERA);
+        (hemisphere.direction(cell, [within[0], within[1]]), sampler)
+    }
+
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.
-    fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
+    pub(crate) fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
         let medium = self.begin(sampler, place.medium);
         let cut = self.add_cut(place.cut.clone());
         let link = Link::new(0.0, (place.point, direction), Reception::NONE, place.primitive, Lobe::Diffuse);

@@ -173,6 +173,66 @@ impl LightForm {
         }
     }
 
+    /// A sphere around it: its centre and radius; of a distant light its direction, and no radius that is finite.
+    pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
+        match self {
+            LightForm::Disk { center, outer_squared, .. } => (*center, outer_squared.sqrt()),
+            LightForm::Parallelogram { corner, x, y, .. } => {
+                (*corner + (*x + *y) * 0.5, 0.5 * (*x + *y).length().max((*x - *y).length()))
+            }
+            LightForm::Triangles { triangles, .. } => {
+                let corners = triangles.iter().flatten();
+                let count = 3.0 * triangles.len() as f64;
+                let center = corners.clone().sum::<DVec3>() / count;
+                (center, corners.map(|corner| corner.distance(center)).fold(0.0, f64::max))
+            }
+            LightForm::Sphere { center, radius, .. } => (*center, *radius),
+            LightForm::Cone { base, axis, length, radii, .. } => {
+                (*base + *axis * (0.5 * length), (0.5 * length).hypot(radii[0].max(radii[1])))
+            }
+            LightForm::Distant { direction, .. } => (*direction, f64::INFINITY),
+        }
+    }
+
+    /// A point of a flat form, uniform by area, from a point of the unit square, after its unit normal; `None` for any other form.
+    pub(crate) fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
+        let point = match self {
+            LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } => {
+                point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?
+            }
+            LightForm::Parallelogram { corner, x, y, .. } => *corner + *x * u + *y * v,
+            LightForm::Triangles { triangles, cumulative, .. } => point_on_triangles(triangles, cumulative, u, v),
+            LightForm::Sphere { .. } | LightForm::Cone { .. } | LightForm::Distant { .. } => return None,
+        };
+        self.plane().map(|(normal, _)| (normal, point))
+    }
+
+    /// Distance along a unit direction to a flat form that turns its front to `receiver`, and the cosine under which it is met.
+    pub(crate) fn met(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+        let (normal, place) = self.plane()?;
+        let (cosine, height) = (-normal.dot(direction), normal.dot(receiver - place));
+        if cosine <= 0.0 || height <= 0.0 {
+            return None;
+        }
+        let distance = height / cosine;
+        let point = receiver + direction * distance;
+        let is_inside = match self {
+            LightForm::Disk { center, inner_squared, outer_squared, .. } => {
+                (*inner_squared..=*outer_squared).contains(&point.distance_squared(*center))
+            }
+            LightForm::Parallelogram { corner, x, y, .. } => {
+                let across = x.cross(*y);
+                let from_corner = point - *corner;
+                let share = |part: DVec3| part.dot(across) / across.length_squared();
+                let within = 0.0..=1.0;
+                within.contains(&share(from_corner.cross(*y))) && within.contains(&share(x.cross(from_corner)))
+            }
+            LightForm::Triangles { triangles, .. } => triangles.iter().any(|triangle| is_in(triangle, point)),
+            LightForm::Sphere { .. } | LightForm::Cone { .. } | LightForm::Distant { .. } => false,
+        };
+        is_inside.then_some((distance, cosine))
+    }
+
     /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
     #[inline]
     fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
@@ -265,6 +325,12 @@ fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_density: f64) -> Opti
     let direction = offset / distance;
     let cosine = -direction.dot(normal);
     (cosine > 0.0).then(|| LightSample { direction, distance, density: squared * area_density / cosine, normal })
+}
+
+/// Whether a point of a triangle's plane is in the triangle.
+fn is_in(&[a, b, c]: &[DVec3; 3], point: DVec3) -> bool {
+    let across = (b - a).cross(c - a);
+    [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(point - *from).dot(across) >= 0.0)
 }
 
 /// The tilt of a disk with these radii as its axes.

@@ -3,7 +3,7 @@
 use crate::light::{Light, LightForm};
 use crate::plan::RenderPlan;
 use crate::ray::Ray;
-use crate::shader::{Emitter, Shader};
+use crate::shader::Shader;
 use crate::trace::emission;
 use crate::view::Encounter;
 use glam::DVec3;
@@ -29,18 +29,24 @@ impl RenderPlan {
         let look = |index: u32| {
             let encounter =
                 self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
-            match self.bands {
-                1 => self.strongest_emission::<1>(shader, emitter, &encounter),
-                3 => self.strongest_emission::<3>(shader, emitter, &encounter),
-                27 => self.strongest_emission::<27>(shader, emitter, &encounter),
-                36 => self.strongest_emission::<36>(shader, emitter, &encounter),
-                _ => self.strongest_emission::<72>(shader, emitter, &encounter),
-            }
+            self.strongest_emission(shader, &encounter)
         };
         (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
     }
 
-    fn strongest_emission<const BANDS: usize>(&self, shader: &Shader, emitter: &Emitter, encounter: &Encounter) -> f64 {
+    /// The strongest band of what an emitter shows; nothing of what is none.
+    pub(crate) fn strongest_emission(&self, shader: &Shader, encounter: &Encounter) -> f64 {
+        match self.bands {
+            1 => self.strongest_of::<1>(shader, encounter),
+            3 => self.strongest_of::<3>(shader, encounter),
+            27 => self.strongest_of::<27>(shader, encounter),
+            36 => self.strongest_of::<36>(shader, encounter),
+            _ => self.strongest_of::<72>(shader, encounter),
+        }
+    }
+
+    fn strongest_of<const BANDS: usize>(&self, shader: &Shader, encounter: &Encounter) -> f64 {
+        let Some(emitter) = shader.kind.emitter() else { return 0.0 };
         let radiance: [f64; BANDS] = emission(self, shader, emitter, encounter, &mut Scratch::default());
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }

@@ -67,7 +67,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
     if matches!(surface.shape, Shape::Source(_)) && max_distance.is_finite() {
         return None;
     }
-    let (center, radius) = bounding_sphere(&form);
+    let (center, radius) = form.bounding_sphere();
     let usable = form.area() > 0.0;
     usable.then_some(Light {
         surface: handle,
@@ -80,26 +80,6 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         focal_distance,
         relays: Vec::new(),
     })
-}
-
-fn bounding_sphere(form: &LightForm) -> (DVec3, f64) {
-    match form {
-        LightForm::Disk { center, outer_squared, .. } => (*center, outer_squared.sqrt()),
-        LightForm::Parallelogram { corner, x, y, .. } => {
-            (*corner + (*x + *y) * 0.5, 0.5 * (*x + *y).length().max((*x - *y).length()))
-        }
-        LightForm::Triangles { triangles, .. } => {
-            let corners = triangles.iter().flatten();
-            let count = 3.0 * triangles.len() as f64;
-            let center = corners.clone().sum::<DVec3>() / count;
-            (center, corners.map(|corner| corner.distance(center)).fold(0.0, f64::max))
-        }
-        LightForm::Sphere { center, radius, .. } => (*center, *radius),
-        LightForm::Cone { base, axis, length, radii, .. } => {
-            (*base + *axis * (0.5 * length), (0.5 * length).hypot(radii[0].max(radii[1])))
-        }
-        LightForm::Distant { direction, .. } => (*direction, f64::INFINITY),
-    }
 }
 
 /// No more images of lights are made: in a hall of mirrors each further one is weaker.

@@ -25,6 +25,8 @@ pub(crate) struct Link {
     pub(crate) primitive: Option<PrimitiveId>,
     /// From what it was drawn.
     pub(crate) lobe: Lobe,
+    /// How many times as often it was drawn as by the lobe alone.
+    pub(crate) favour: f64,
     /// Distance since then.
     pub(crate) length: f64,
     /// Mirrors passed since then.
@@ -70,6 +72,7 @@ impl Link {
             reception,
             primitive,
             lobe,
+            favour: 1.0,
             length: 0.0,
             mirrors: [None; MAX_CHAIN],
             passed: 0,

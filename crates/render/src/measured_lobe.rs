@@ -101,6 +101,7 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
             direction: self.frame.to_scene(sample.direction),
             weight: std::array::from_fn(|band| value[band] * pattern[band] / chance),
             density: Density::Continuous(density),
+            favour: 1.0,
         })
     }
 

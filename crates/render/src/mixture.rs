@@ -37,8 +37,11 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             }
         }
         if passing > 0.0
-            && let Some(throughput) =
-                self.go_on(segment.throughput.map(|band| band * passing), segment, segment.reflections)
+            && let Some(throughput) = self.go_on(
+                (segment.throughput.map(|band| band * passing), segment.favour()),
+                segment,
+                segment.reflections,
+            )
         {
             let next = self.passed_through(Segment { throughput, ..*segment }, hit);
             self.push(next);

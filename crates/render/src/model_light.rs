@@ -26,7 +26,7 @@ struct Place {
     sample: LightSample,
 }
 
-impl DirectSampler {
+impl DirectSampler<'_> {
     /// Radiance that the point sends on from all lights, each sampled once.
     pub(crate) fn sample_all_of_model<const BANDS: usize>(
         &self,

@@ -12,6 +12,7 @@ use crate::light::{Light, LightId};
 use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
+use crate::openings::Openings;
 use crate::options::{GlobalMedium, RenderOptions, Skipping};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
@@ -36,6 +37,8 @@ pub struct RenderPlan {
     pub(crate) lights_of: Vec<(SurfaceHandle, LightId)>,
     /// From which some of them are drawn where they are many.
     pub(crate) light_tree: Option<LightTree>,
+    /// Where light that is no light's comes in; none where no interreflection is followed.
+    pub(crate) openings: Openings,
     /// Distant sources in the order in which a ray that leaves the scene tries them.
     pub(crate) sky: Vec<Sky>,
     /// Which lights reach which primitive, and what stands between.
@@ -135,6 +138,7 @@ impl RenderPlan {
             lights,
             lights_of,
             light_tree: None,
+            openings: Openings::default(),
             sky,
             reach,
             see_through,
@@ -152,6 +156,9 @@ impl RenderPlan {
         };
         if plan.lights.len() > ALWAYS_ALL {
             plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
+        }
+        if plan.options.ambient_bounces > 0 {
+            plan.openings = Openings::new(&plan);
         }
         plan.decisions = plan.decide();
         Ok(plan)
@@ -327,6 +334,10 @@ impl RenderPlan {
         }
         if self.options.ambient_bounces == 0 {
             say("diffuse interreflection is not followed".into(), "-ab 0");
+        }
+        if self.openings.len() > 0 {
+            let what = format!("rays are sent towards {} openings", self.openings.len());
+            say(what, "light of glows or of the sky comes in there");
         }
         if !self.see_through {
             say("a shadow ray ends at its first hit".into(), "nothing in the scene lets light through");

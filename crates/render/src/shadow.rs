@@ -57,7 +57,7 @@ impl<const BANDS: usize> Walk<BANDS> {
     }
 }
 
-impl DirectSampler {
+impl DirectSampler<'_> {
     /// Radiance that arrives from a place on a light which sends `radiance` in a straight line.
     pub(crate) fn arriving<const BANDS: usize>(
         &self,

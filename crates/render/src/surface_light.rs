@@ -99,6 +99,8 @@ pub(crate) struct Drawn<const BANDS: usize> {
     pub(crate) direction: DVec3,
     pub(crate) weight: [f64; BANDS],
     pub(crate) density: Density,
+    /// How many times as often it is drawn as by the lobe alone, which makes it weigh less and not matter less.
+    pub(crate) favour: f64,
 }
 
 impl<const BANDS: usize> Drawn<BANDS> {
@@ -464,7 +466,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             return None;
         }
         let weight = lobe.shape.transmittance.map(|band| band * shape / (density * chance));
-        Some(Drawn { direction, weight, density: Density::Continuous(density * chance) })
+        Some(Drawn { direction, weight, density: Density::Continuous(density * chance), favour: 1.0 })
     }
 
     fn draw_reflected(&self, u: [f64; 3]) -> Option<Drawn<BANDS>> {
@@ -488,14 +490,14 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             }
         }?;
         let direction = frame.to_scene(sample.incident);
-        self.sides_agree(direction).then_some(Drawn { direction, weight, density: sample.density })
+        self.sides_agree(direction).then_some(Drawn { direction, weight, density: sample.density, favour: 1.0 })
     }
 
     /// Draws from the diffuse component; without a density where only light from elsewhere than sampled sources counts.
     pub(crate) fn draw_diffuse(&self, u: f64, v: f64) -> Option<Drawn<BANDS>> {
         let [ambient, ambient_beyond] = self.ambient();
         let Some(beyond) = &self.beyond else {
-            return self.draw_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v]);
+            return self.draw_cosine(self.diffuse_normal, &self.reflectance_of_surroundings(), [u, v]);
         };
         let chance = beyond.diffuse_chance;
         if u >= chance {
@@ -507,15 +509,24 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         Some(drawn.split(chance))
     }
 
+    /// Whether a direction is drawn that the diffuse component on this normal would send on.
+    pub(crate) fn is_drawn(&self, direction: DVec3, normal: DVec3) -> bool {
+        (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0) && self.sides_agree(direction)
+    }
+
+    /// What is scattered as if diffuse of light that is no source's and comes from the viewer's side.
+    pub(crate) fn reflectance_of_surroundings(&self) -> [f64; BANDS] {
+        sum(self.diffuse, self.ambient()[0])
+    }
+
     fn draw_cosine(&self, normal: DVec3, reflectance: &[f64; BANDS], [u, v]: [f64; 2]) -> Option<Drawn<BANDS>> {
         let local = DVec3::from_array(cosine_hemisphere(u, v));
         let direction = Frame::new(normal).to_scene(local);
-        let same_side = (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0);
-        if local.z <= 0.0 || !same_side || !self.sides_agree(direction) {
+        if local.z <= 0.0 || !self.is_drawn(direction, normal) {
             return None;
         }
         let density = if self.diffuse_finds_lights() { local.z * FRAC_1_PI } else { 0.0 };
-        Some(Drawn { direction, weight: *reflectance, density: Density::Continuous(density) })
+        Some(Drawn { direction, weight: *reflectance, density: Density::Continuous(density), favour: 1.0 })
     }
 
     /// The mirror direction; a texture that would send it through the surface is not used.

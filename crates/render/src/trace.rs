@@ -120,6 +120,11 @@ impl<const BANDS: usize> Segment<BANDS> {
     pub(crate) fn is_scattered(&self) -> bool {
         self.link.is_some()
     }
+
+    /// How many times as often its last drawn ray was drawn as by the lobe alone.
+    pub(crate) fn favour(&self) -> f64 {
+        self.link.map_or(1.0, |link| link.favour)
+    }
 }
 
 /// Follows rays through a plan, in `BANDS` bands; one a thread.
@@ -597,7 +602,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
         let reflections = segment.reflections + u32::from(reflected);
         let cut = if reflected { segment.cut } else { segment.cut_beyond };
-        let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
+        let Some(throughput) = self.go_on((throughput, segment.favour()), segment, reflections) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Sheet { .. } => true,
             Passage::Refraction { flat } | Passage::Prism { flat } => !flat,
@@ -657,11 +662,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let reception = point.reception(light_draws(self.plan, segment.is_scattered()));
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
+        let outlook = if follow_diffuse { point.outlook(self.plan, at) } else { None };
         let direct = DirectSampler {
             point: at,
             primitive,
             highlight_draws: if shared { highlight_draws } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
+            outlook: outlook.as_ref(),
             reception,
             travelled,
             medium: segment.medium,
@@ -691,7 +698,11 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         }
         if follow_diffuse {
             let u = self.sampler.take(DimensionSet::render(set));
-            if let Some(drawn) = point.draw_diffuse(u[2], u[3]) {
+            let drawn = match &outlook {
+                Some(outlook) => point.draw_outward(outlook, u),
+                None => point.draw_diffuse(u[2], u[3]),
+            };
+            if let Some(drawn) = drawn {
                 self.scatter(segment, &direct, (drawn, Lobe::Diffuse), segment.ambient_bounces - 1);
             }
         }
@@ -701,17 +712,19 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     fn scatter(
         &mut self,
         segment: &Segment<BANDS>,
-        from: &DirectSampler,
+        from: &DirectSampler<'_>,
         (drawn, lobe): (Drawn<BANDS>, Lobe),
         ambient_bounces: u32,
     ) {
         let throughput = product(segment.throughput, drawn.weight);
         let reflections = segment.reflections + 1;
-        let Some(throughput) = self.go_on(throughput, segment, reflections) else { return };
+        let Some(throughput) = self.go_on((throughput, drawn.favour), segment, reflections) else { return };
         let mut link = match drawn.density {
             Density::Continuous(density) => {
                 let at = (from.point, drawn.direction);
-                Some(Link::new(density, at, from.reception, from.primitive, lobe))
+                let mut link = Link::new(density, at, from.reception, from.primitive, lobe);
+                link.favour = drawn.favour;
+                Some(link)
             }
             Density::Delta => segment.link,
         };
@@ -737,14 +750,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         });
     }
 
-    /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait.
+    /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
+    /// path is as weak as it would be if its rays were not favoured.
     pub(crate) fn go_on(
         &mut self,
-        throughput: [f64; BANDS],
+        (throughput, favour): ([f64; BANDS], f64),
         segment: &Segment<BANDS>,
         reflections: u32,
     ) -> Option<[f64; BANDS]> {
-        let strongest = throughput.iter().copied().fold(0.0, f64::max);
+        let strongest = favour * throughput.iter().copied().fold(0.0, f64::max);
         let depth = segment.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {
             return None;
