@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::figure::Figure;
+use crate::generated::SQUARES;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -19,6 +20,8 @@ pub(crate) enum Command {
     Capture(Capture),
     /// Pictures of many scenes: time to an error beside real Radiance and Mitsuba 3, as a table, a CSV file and a page
     Race(Race),
+    /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
+    Rays(Rays),
     /// Scenes of a million triangles and of nested arrays: time and memory from text to a hierarchy, beside oconv
     Load(Load),
     /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
@@ -47,10 +50,10 @@ pub(crate) struct Race {
     /// Lists the scenes and ends
     #[arg(long)]
     pub(crate) list: bool,
-    /// Seconds that a run may take: a program's series of ever dearer settings ends with the first run that takes longer
+    /// Seconds of processor time that a run may take: a program's series of ever dearer settings ends with the first that takes longer
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     pub(crate) budget: f64,
-    /// Seconds that may be spent on a scene's reference; what is there already is kept and made better
+    /// Seconds of processor time that may be spent on a scene's reference; what is there already is kept and made better
     #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
     pub(crate) reference_budget: f64,
     /// Noise at which a reference is good enough, as a share
@@ -116,6 +119,20 @@ pub(crate) struct Capture {
     /// The repository with the scenes and the truth [default: the one that this program was built from]
     #[arg(long, value_name = "DIR")]
     pub(crate) repo: Option<PathBuf>,
+}
+
+/// `radsight-bench rays`.
+#[derive(Debug, Args)]
+pub(crate) struct Rays {
+    /// How many rays
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rays: u32,
+    /// Squares along each side of the land; each is two triangles
+    #[arg(long, value_name = "N", default_value_t = SQUARES, value_parser = clap::value_parser!(u32).range(1..=4000))]
+    pub(crate) squares: u32,
+    /// Times that each program is run; the least time counts
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
 }
 
 /// `radsight-bench load`.

@@ -13,23 +13,23 @@ pub(crate) struct Generated {
 }
 
 /// Squares along each side of the land; each is two triangles.
-const SQUARES: u32 = 707;
+pub(crate) const SQUARES: u32 = 707;
 
 const TRIANGLES: Generated = Generated { what: "999,698 triangles", file: "triangles.rad" };
 const ARRAYS: Generated = Generated { what: "200,000 primitives in nested arrays", file: "city.rad" };
 
 /// Writes all scenes.
 pub(crate) fn write(folder: &Path) -> Result<[Generated; 2], BenchError> {
-    file(folder, TRIANGLES.file, triangles)?;
+    triangles_in(folder, SQUARES)?;
     file(folder, "house.rad", house)?;
     file(folder, "street.rad", |out| out.write_all(STREET.as_bytes()))?;
     file(folder, ARRAYS.file, |out| out.write_all(CITY.as_bytes()))?;
     Ok([TRIANGLES, ARRAYS])
 }
 
-/// Writes the scene of a million triangles alone; gives its file.
-pub(crate) fn triangles_in(folder: &Path) -> Result<&'static str, BenchError> {
-    file(folder, TRIANGLES.file, triangles)?;
+/// Writes the land of triangles alone, with so many squares along each side; gives its file.
+pub(crate) fn triangles_in(folder: &Path, squares: u32) -> Result<&'static str, BenchError> {
+    file(folder, TRIANGLES.file, |out| triangles(out, squares))?;
     Ok(TRIANGLES.file)
 }
 
@@ -51,17 +51,17 @@ fn file(folder: &Path, name: &str, text: impl Fn(&mut BufWriter<File>) -> io::Re
 }
 
 /// A hilly square of land.
-fn triangles(out: &mut BufWriter<File>) -> io::Result<()> {
+fn triangles(out: &mut BufWriter<File>, squares: u32) -> io::Result<()> {
     out.write_all(b"void plastic ground\n0\n0\n5 .5 .5 .5 0 0\n")?;
     let corner = |i: u32, j: u32| {
-        let (x, y) = (f64::from(i) / f64::from(SQUARES), f64::from(j) / f64::from(SQUARES));
+        let (x, y) = (f64::from(i) / f64::from(squares), f64::from(j) / f64::from(squares));
         let height = 0.05 * (13.0 * x).sin() * (17.0 * y).cos() + 0.01 * (97.0 * x + 31.0 * y).sin();
         format!("{x:.6} {y:.6} {height:.6}")
     };
-    let mut row: Vec<String> = (0..=SQUARES).map(|j| corner(0, j)).collect();
-    for i in 0..SQUARES {
-        let next: Vec<String> = (0..=SQUARES).map(|j| corner(i + 1, j)).collect();
-        for j in 0..SQUARES as usize {
+    let mut row: Vec<String> = (0..=squares).map(|j| corner(0, j)).collect();
+    for i in 0..squares {
+        let next: Vec<String> = (0..=squares).map(|j| corner(i + 1, j)).collect();
+        for j in 0..squares as usize {
             let [a, b, c, d] = [&row[j], &next[j], &next[j + 1], &row[j + 1]];
             write!(out, "\nground polygon t{i}.{j}a\n0\n0\n9\n{a}\n{b}\n{c}\n")?;
             write!(out, "\nground polygon t{i}.{j}b\n0\n0\n9\n{a}\n{c}\n{d}\n")?;

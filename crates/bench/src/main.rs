@@ -6,6 +6,8 @@
 //!
 //! `radsight-bench race` renders many scenes with radsight, real Radiance and Mitsuba 3, and says how long each takes to an error.
 //!
+//! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
+//!
 //! `radsight-bench load` writes large scenes as text and compares the way from text to a hierarchy with `oconv`'s.
 //!
 //! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
@@ -29,6 +31,7 @@ mod plugin;
 mod race;
 mod radiance;
 mod radsight;
+mod rays;
 mod run;
 mod table;
 mod taken;
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         args::Command::Capture(arguments) => capture::run(&arguments),
         args::Command::Plugin(arguments) => plugin::run(&arguments),
         args::Command::Load(arguments) => load::run(&arguments),
+        args::Command::Rays(arguments) => rays::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),
         args::Command::Cost { input, output, words } => taken::cost(&words, input.as_deref(), output.as_deref()),
     };

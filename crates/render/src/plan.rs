@@ -261,6 +261,18 @@ impl RenderPlan {
         self.geometry.first_hit(&self.scene, &self.shader_table, ray, from)
     }
 
+    /// How far away the first surface along a ray is, scene units; `None` where there is none with a place.
+    #[must_use]
+    pub fn distance(&self, ray: &Ray) -> Option<f64> {
+        self.geometry.distance(&self.scene, ray)
+    }
+
+    /// Whether any surface that has a place crosses a ray before a distance in scene units, whatever it lets through.
+    #[must_use]
+    pub fn is_blocked(&self, ray: &Ray, distance: f64) -> bool {
+        self.geometry.any_between(&self.scene, ray, None, distance, |_| true)
+    }
+
     pub(crate) fn shader_at(&self, id: ShaderId) -> &Shader {
         &self.shaders[id.0 as usize]
     }

@@ -151,7 +151,7 @@ impl<'a> Bench<'a> {
                     eprintln!("{}: {} {}", scene.name, entrant.program, setting.label);
                     let (taken, picture) = program.render(&scene, &setting, self.folder)?;
                     let accuracy = Accuracy::new(&picture, &reference.image).less(reference.noise);
-                    let is_last = taken.wall > self.arguments.budget;
+                    let is_last = taken.processor > self.arguments.budget;
                     entrant.runs.push(Run { label: setting.label, taken, accuracy, picture });
                     if is_last {
                         break;

@@ -9,7 +9,6 @@ use crate::error::BenchError;
 use radsight_picture::{Image, write_pfm};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// A converged picture.
 #[derive(Debug)]
@@ -28,7 +27,7 @@ pub(crate) struct Reference {
 pub(crate) struct Wanted {
     /// Noise, as a share.
     pub(crate) noise: f64,
-    /// Seconds that may be spent on each of reference and check.
+    /// Seconds of processor time that may be spent on each of reference and check.
     pub(crate) seconds: f64,
 }
 
@@ -47,13 +46,13 @@ impl Reference {
         (folder, cache): (&Path, &Path),
     ) -> Result<Reference, BenchError> {
         let mut halves = Halves::read(cache.join(format!("{}-{:016x}", scene.name, scene.fingerprint()?)));
-        let start = Instant::now();
+        let mut spent = 0.0;
         let mut rays = FIRST_RAYS;
-        while halves.noise().is_none_or(|noise| noise > wanted.noise) && start.elapsed().as_secs_f64() < wanted.seconds
-        {
+        while halves.noise().is_none_or(|noise| noise > wanted.noise) && spent < wanted.seconds {
             let (taken, picture) = own.unbiased(scene, rays, 1_000_000 + halves.pictures, folder)?;
             halves.add(&picture, rays);
-            if taken.wall < SHORT && rays < MOST_RAYS && halves.pictures.is_multiple_of(2) {
+            spent += taken.processor;
+            if taken.processor < SHORT && rays < MOST_RAYS && halves.pictures.is_multiple_of(2) {
                 rays *= 2;
             }
         }
@@ -166,7 +165,7 @@ fn compare(
 ) -> Result<String, BenchError> {
     let options = words(UNBIASED);
     let trial = real.trace(scene, &options, TRIAL, folder)?;
-    let affordable = (seconds / trial.taken.wall.max(1e-3)) as u32;
+    let affordable = (seconds / trial.taken.processor.max(1e-3)) as u32;
     let rays = TRIAL * affordable.clamp(1, MOST_TRACED / TRIAL);
     let traced = if rays > TRIAL { real.trace(scene, &options, rays, folder)? } else { trial };
     Ok(agreement(reference, &traced, rays))

@@ -121,7 +121,7 @@ impl SceneResult {
             TimeTo::NotReached => {}
         }
         let unbiased = self.entrants.iter().filter(|entrant| entrant.unbiased && entrant.team == team);
-        let last = unbiased.filter_map(|entrant| entrant.runs.last().map(point)).filter(|(found, _)| found.is_finite());
+        let last = unbiased.filter_map(|entrant| entrant.runs.last().map(point)).filter(|(found, _)| *found > 0.0);
         let guesses = last.map(|(found, seconds)| seconds * (found / error).powi(2).max(1.0));
         guesses.min_by(f64::total_cmp).map(|seconds| Known { seconds, mark: "~" })
     }

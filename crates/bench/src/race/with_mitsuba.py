@@ -150,7 +150,8 @@ def load(path, radsight, columns, rows, sampler, view):
         direction = np.array(numbers[:3]) / np.linalg.norm(numbers[:3])
         size = max((np.abs(np.array(t)).max() for t in scene.triangles.values()), default=1.0)
         center, radius = eye + direction * FAR * size, FAR * size * math.tan(math.radians(numbers[3] / 2))
-        placed = to_world().look_at(origin=list(center), target=list(eye), up=[0.3, 0.5, 0.8]) @ to_world().scale(radius)
+        placed = to_world().look_at(origin=center.tolist(), target=eye.tolist(), up=[0.3, 0.5, 0.8])
+        placed = placed @ to_world().scale([float(radius)] * 3)
         made[f"sun_{len(made)}"] = with_material({"type": "disk", "to_world": placed}, scene.materials[name])
     if any(scene.materials[name][0] == "glow" for name, _, _ in scene.sources):
         picture = sky_picture(scene.sky_text(), os.path.dirname(path), radsight)
@@ -161,7 +162,7 @@ def load(path, radsight, columns, rows, sampler, view):
         "type": "perspective",
         "fov": view["-vh"][0],
         "fov_axis": "x",
-        "to_world": to_world().look_at(origin=list(eye), target=list(target), up=view["-vu"]),
+        "to_world": to_world().look_at(origin=eye.tolist(), target=target.tolist(), up=view["-vu"]),
         "film": {"type": "hdrfilm", "width": columns, "height": rows, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
         "sampler": {"type": sampler},
     }

@@ -1,12 +1,14 @@
-//! The hierarchy of boxes: four boxes a node, tested at once.
+//! The hierarchy of boxes: eight boxes a node, and where it holds triangles, four of them a leaf.
 //!
 //! It is in single precision about the centre of what it holds, with boxes padded by more than its rounding; what it proposes is
 //! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
 
 use super::bounds::Bounds;
-use super::hierarchy_build::{Built, build};
+use super::hierarchy_block::{Block, Probe};
+use super::hierarchy_build::{Built, Leaves, build};
+use super::hierarchy_node::{Node, Slabs};
 use crate::ray::Ray;
-use glam::{DVec3, Vec3, Vec4};
+use glam::DVec3;
 
 /// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
 const BOX_PADDING: f64 = 2e-6;
@@ -15,21 +17,15 @@ const BOX_PADDING: f64 = 2e-6;
 #[derive(Debug, Default)]
 pub(super) struct Hierarchy {
     nodes: Vec<Node>,
+    /// The leaves, where they hold triangles; else the slots of a leaf stand in its [`Child`].
+    blocks: Vec<Block>,
     root: Child,
     bounds: Bounds,
     center: DVec3,
     radius: f64,
 }
 
-/// Four boxes, by axis and by low and high side, and what is in them.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    pub(super) low: [Vec4; 3],
-    pub(super) high: [Vec4; 3],
-    pub(super) children: [Child; 4],
-}
-
-/// A node, or up to four items.
+/// A node, or up to four items: by their slots, or the number of their block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Child(u32);
 
@@ -40,6 +36,9 @@ const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 29;
 
 impl Child {
+    /// Nothing at all.
+    pub(super) const NONE: Child = Child(!LEAF);
+
     /// Most items of a hierarchy.
     const MOST_ITEMS: u32 = 1 << COUNT_SHIFT;
 
@@ -54,35 +53,93 @@ impl Child {
 
     /// The same child where `nodes` nodes stand before its own.
     pub(super) fn shifted(self, nodes: usize) -> Child {
-        if self.0 & LEAF == 0 { Child(self.0 + nodes as u32) } else { self }
+        if self.is_leaf() || self == Child::NONE { self } else { Child(self.0 + nodes as u32) }
     }
 
     #[inline]
-    fn slots(self) -> Option<std::ops::Range<u32>> {
+    fn is_leaf(self) -> bool {
+        self.0 & LEAF != 0
+    }
+
+    #[inline]
+    fn slots(self) -> std::ops::Range<u32> {
         let first = self.0 & (Child::MOST_ITEMS - 1);
-        (self.0 & LEAF != 0).then(|| first..first + (self.0 >> COUNT_SHIFT & 3) + 1)
+        first..first + (self.0 >> COUNT_SHIFT & 3) + 1
+    }
+
+    fn block(index: usize) -> Child {
+        Child(LEAF | index as u32)
+    }
+
+    #[inline]
+    fn block_index(self) -> usize {
+        (self.0 & !LEAF) as usize
     }
 }
 
-/// A child that waits, and where the ray enters it.
-type Waiting = (Child, f32);
+/// A child that waits, below the distance at which the ray enters it: numbers of this kind stand in the order of the distances, which
+/// are not negative.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Waiting(u64);
+
+impl Waiting {
+    #[inline]
+    pub(super) fn new(child: Child, entry: f32) -> Waiting {
+        Waiting(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
+    }
+
+    #[inline]
+    pub(super) fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+
+    #[inline]
+    fn entry(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+}
 
 /// Children that wait before memory is asked for. More are rare: nodes below nodes to this depth and a third.
 const STACK: usize = 48;
 
 impl Hierarchy {
-    /// Around items that are numbered from 0; tells also which item is in which slot.
-    pub(super) fn build(count: usize, bounds_of: impl Fn(usize) -> Bounds + Sync) -> (Hierarchy, Vec<u32>) {
+    /// Around items that are numbered from 0, of which some may be triangles; tells also which item is in which slot.
+    pub(super) fn build(
+        count: usize,
+        bounds_of: impl Fn(usize) -> Bounds + Sync,
+        triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
+    ) -> (Hierarchy, Vec<u32>) {
         let all = (0..count).map(&bounds_of);
         let bounds = all.reduce(Bounds::union).unwrap_or(Bounds::point(DVec3::ZERO));
         let center = (bounds.min + bounds.max) * 0.5;
         let radius = 0.5 * (bounds.max - bounds.min).length();
         let padding = DVec3::splat(BOX_PADDING * radius);
-        let Built { nodes, root, order } = build(count, |item| {
+        let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
+        // With few triangles among other things a block would only stand in the way.
+        let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
+        let Built { nodes, root, order } = build(count, leaves, |item| {
             let Bounds { min, max } = bounds_of(item);
             [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
         });
-        (Hierarchy { nodes, root, bounds, center, radius }, order)
+        let mut hierarchy = Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius };
+        if leaves == Leaves::Blocks {
+            hierarchy.pack(|slot| {
+                let triangle = triangle_of(order[slot as usize] as usize)?;
+                Some(triangle.map(|corner| corner - center))
+            });
+        }
+        (hierarchy, order)
+    }
+
+    /// Puts what is in each leaf into a block.
+    fn pack(&mut self, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) {
+        let children = self.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut self.root]);
+        for child in children.filter(|child| child.is_leaf()) {
+            let slots = child.slots();
+            *child = Child::block(self.blocks.len());
+            self.blocks.push(Block::new(slots.start, slots.len() as u32, &triangle_of));
+        }
+        self.blocks.shrink_to_fit();
     }
 
     /// The box around all items.
@@ -101,33 +158,47 @@ impl Hierarchy {
     pub(super) fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(u32) -> f64) {
         let (start, skip) = self.start(ray);
         let to_single = |distance: f64| ((distance - skip).max(0.0) as f32).next_up();
-        let slabs = Slabs::new(start.as_vec3(), ray.direction.as_vec3());
-        let mut stack = [(Child(0), 0.0); STACK];
+        let (start, direction) = (start.as_vec3(), ray.direction.as_vec3());
+        let slabs = Slabs::new(start, direction);
+        let probe = Probe::new(start, direction, self.radius as f32);
+        let mut stack = [Waiting::default(); STACK];
         let mut waiting = 0;
         let mut overflow: Vec<Waiting> = Vec::new();
         let mut farthest = to_single(limit);
         let mut current = self.root;
         loop {
-            if let Some(slots) = current.slots() {
-                for slot in slots {
-                    let limit = visit(slot);
-                    if limit < 0.0 {
-                        return;
-                    }
-                    farthest = to_single(limit);
-                }
-            } else if let Some(node) = self.nodes.get(current.0 as usize) {
-                let mut entered = slabs.enter(node, farthest);
-                if let Some((nearest, others)) = entered.sorted() {
+            if !current.is_leaf() {
+                if let Some(node) = self.nodes.get(current.0 as usize)
+                    && let Some((nearest, others)) = slabs.enter(node, farthest).sorted()
+                {
                     for other in others {
+                        self.touch(other.child());
                         match stack.get_mut(waiting) {
                             Some(place) => *place = *other,
                             None => overflow.push(*other),
                         }
                         waiting += 1;
                     }
-                    current = nearest;
+                    current = nearest.child();
                     continue;
+                }
+            } else if let Some(block) = self.blocks.get(current.block_index()) {
+                let mut candidates = probe.candidates(block, farthest);
+                while candidates != 0 {
+                    let limit = visit(block.first_slot() + candidates.trailing_zeros());
+                    candidates &= candidates - 1;
+                    if limit < 0.0 {
+                        return;
+                    }
+                    farthest = to_single(limit);
+                }
+            } else {
+                for slot in current.slots() {
+                    let limit = visit(slot);
+                    if limit < 0.0 {
+                        return;
+                    }
+                    farthest = to_single(limit);
                 }
             }
             current = loop {
@@ -135,12 +206,21 @@ impl Hierarchy {
                     return;
                 }
                 waiting -= 1;
-                let (child, entry) =
-                    if waiting < STACK { stack[waiting] } else { overflow.pop().unwrap_or((self.root, 0.0)) };
-                if entry <= farthest {
-                    break child;
+                let next = if waiting < STACK { stack[waiting] } else { overflow.pop().unwrap_or_default() };
+                if next.entry() <= farthest {
+                    break next.child();
                 }
             };
+        }
+    }
+
+    /// Reads a word of what waits, so that it comes from memory while other things are looked at.
+    #[inline]
+    fn touch(&self, child: Child) {
+        if child.is_leaf() {
+            std::hint::black_box(self.blocks.get(child.block_index()).map(Block::first_slot));
+        } else {
+            std::hint::black_box(self.nodes.get(child.0 as usize).map(|node| node.children[0]));
         }
     }
 
@@ -154,73 +234,5 @@ impl Hierarchy {
             0.0
         };
         (from_center + ray.direction * skip, skip)
-    }
-}
-
-/// A ray as the boxes see it.
-struct Slabs {
-    /// Minus the origin over the direction, and one over the direction, by axis.
-    offset: [Vec4; 3],
-    inverse: [Vec4; 3],
-    /// Whether the ray runs down the axis.
-    down: [bool; 3],
-}
-
-/// The children whose boxes a ray enters.
-struct Entered {
-    children: [Waiting; 4],
-    count: usize,
-}
-
-impl Slabs {
-    #[inline]
-    fn new(origin: Vec3, direction: Vec3) -> Slabs {
-        // A ray along a plane of a box must not ask for zero times infinity.
-        let inverse = direction
-            .map(|component| if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { component.recip() });
-        let offset = -origin * inverse;
-        Slabs {
-            offset: offset.to_array().map(Vec4::splat),
-            inverse: inverse.to_array().map(Vec4::splat),
-            down: direction.to_array().map(|component| component.is_sign_negative()),
-        }
-    }
-
-    #[inline]
-    fn enter(&self, node: &Node, farthest: f32) -> Entered {
-        let mut near = Vec4::ZERO;
-        let mut far = Vec4::splat(farthest);
-        for axis in 0..3 {
-            let (first, last) =
-                if self.down[axis] { (node.high[axis], node.low[axis]) } else { (node.low[axis], node.high[axis]) };
-            near = (first * self.inverse[axis] + self.offset[axis]).max(near);
-            far = (last * self.inverse[axis] + self.offset[axis]).min(far);
-        }
-        let near_of = near.to_array();
-        let mut entered = Entered { children: [(Child(0), 0.0); 4], count: 0 };
-        let mut mask = near.cmple(far).bitmask();
-        while mask != 0 {
-            let index = mask.trailing_zeros() as usize & 3;
-            mask &= mask - 1;
-            entered.children[entered.count & 3] = (node.children[index], near_of[index]);
-            entered.count += 1;
-        }
-        entered
-    }
-}
-
-impl Entered {
-    /// The nearest one, and the others from the farthest on.
-    #[inline]
-    fn sorted(&mut self) -> Option<(Child, &[Waiting])> {
-        let children = self.children.get_mut(..self.count)?;
-        for end in 1..children.len() {
-            let mut place = end;
-            while place > 0 && children[place - 1].1 < children[place].1 {
-                children.swap(place - 1, place);
-                place -= 1;
-            }
-        }
-        children.split_last().map(|(nearest, others)| (nearest.0, others))
     }
 }

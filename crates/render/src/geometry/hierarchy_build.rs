@@ -1,7 +1,8 @@
 //! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the widest axis of
 //! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
 
-use super::hierarchy::{Child, LARGEST_LEAF, Node};
+use super::hierarchy::{Child, LARGEST_LEAF};
+use super::hierarchy_node::{Node, WIDTH};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
@@ -26,9 +27,29 @@ struct Hull {
     high: Vec4,
 }
 
+/// What a leaf is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leaves {
+    /// Items that are tested one after the other.
+    Slots,
+    /// Up to four triangles that are tested at once.
+    Blocks,
+}
+
+impl Leaves {
+    /// What it costs to test so many items, in tests.
+    #[inline]
+    fn cost(self, count: u32) -> f32 {
+        match self {
+            Leaves::Slots => count as f32,
+            Leaves::Blocks => count.div_ceil(LARGEST_LEAF as u32) as f32,
+        }
+    }
+}
+
 const BINS: usize = 16;
 
-/// What it costs to open a box, in tests of an item.
+/// What it costs to open a box, in tests.
 const OPENING: f32 = 0.5;
 
 /// More items than this are shared out between threads.
@@ -38,7 +59,7 @@ const PARALLEL: usize = 1 << 15;
 const DEEPEST_CHOICE: u32 = 40;
 
 /// Builds over `count` items with the boxes that `box_of` tells, low and high corner.
-pub(super) fn build(count: usize, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
+pub(super) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
     let mut items: Vec<Item> = (0..count)
         .map(|index| {
             let [low, high] = box_of(index);
@@ -46,7 +67,7 @@ pub(super) fn build(count: usize, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built 
         })
         .collect();
     let mut nodes = Vec::new();
-    let root = if count == 0 { Child::node(0) } else { Range::of(&items).build(&mut items, 0, &mut nodes, 0) };
+    let root = if count == 0 { Child::node(0) } else { Range::of(&items).build(&mut items, 0, &mut nodes, leaves, 0) };
     let order = items.iter().map(|item| item.low.w.to_bits()).collect();
     nodes.shrink_to_fit();
     Built { nodes, root, order }
@@ -77,16 +98,17 @@ impl Range {
     }
 
     /// Makes the child of all items of the range, which have slots from `first_slot` on.
-    fn build(self, items: &mut [Item], first_slot: usize, nodes: &mut Vec<Node>, depth: u32) -> Child {
-        let Some((left, right)) = self.cut(items, depth) else { return Child::leaf(first_slot, items.len()) };
-        let mut ranges = [left, right, left, right];
-        let mut uncut = [true; 4];
+    fn build(self, items: &mut [Item], first_slot: usize, nodes: &mut Vec<Node>, leaves: Leaves, depth: u32) -> Child {
+        let Some((left, right)) = self.cut(items, leaves, depth) else { return Child::leaf(first_slot, items.len()) };
+        let mut ranges = [left; WIDTH];
+        ranges[1] = right;
+        let mut uncut = [true; WIDTH];
         let mut count = 2;
-        while count < 4 {
+        while count < WIDTH {
             let weight = |index: usize| ranges[index].hull.half_area() * ranges[index].len() as f32;
             let candidates = (0..count).filter(|index| uncut[*index] && ranges[*index].len() > 1);
             let Some(widest) = candidates.max_by(|a, b| weight(*a).total_cmp(&weight(*b))) else { break };
-            match ranges[widest].cut(items, depth + 1) {
+            match ranges[widest].cut(items, leaves, depth + 1) {
                 Some((left, right)) => {
                     ranges.copy_within(widest + 1..count, widest + 2);
                     uncut.copy_within(widest + 1..count, widest + 2);
@@ -98,39 +120,48 @@ impl Range {
             }
         }
         let own = nodes.len();
-        nodes.push(Node::around(&ranges[..count]));
-        let children = build_children(&ranges[..count], items, first_slot, nodes, depth + 2);
+        let boxes = ranges.map(|range| [range.hull.low.xyz(), range.hull.high.xyz()]);
+        nodes.push(Node::around(&boxes[..count]));
+        let children = build_children(&ranges[..count], items, first_slot, nodes, leaves, depth + 3);
         nodes[own].children[..count].copy_from_slice(&children[..count]);
         Child::node(own)
     }
 
     /// Where to cut the range, the items put in order; `None` where a leaf is better.
-    fn cut(&self, items: &mut [Item], depth: u32) -> Option<(Range, Range)> {
+    fn cut(&self, items: &mut [Item], leaves: Leaves, depth: u32) -> Option<(Range, Range)> {
         let count = self.len();
         if count < 2 {
             return None;
         }
         let extent = (self.centers.high - self.centers.low).xyz();
-        let axis = extent.max_position();
-        let scale = BINS as f32 * (1.0 - 1e-6) / extent[axis];
-        let low = self.centers.low[axis];
-        if depth >= DEEPEST_CHOICE || !scale.is_finite() {
+        let scale = extent.map(|extent| BINS as f32 * (1.0 - 1e-6) / extent);
+        if depth >= DEEPEST_CHOICE || !scale.min_element().is_finite() {
             return (count > LARGEST_LEAF).then(|| self.halve(items));
         }
-        let bin_of = |item: &Item| ((item.center()[axis] - low) * scale) as usize;
-        let own = &mut items[self.start..self.end];
-        let mut bins = [(Hull::EMPTY, 0_u32); BINS];
-        for item in own.iter() {
-            let bin = &mut bins[bin_of(item).min(BINS - 1)];
-            bin.0.add(item.low, item.high);
-            bin.1 += 1;
+        let low = self.centers.low.xyz();
+        let bin_of =
+            |item: &Item, axis: usize| (((item.center()[axis] - low[axis]) * scale[axis]) as usize).min(BINS - 1);
+        let mut bins = [[(Hull::EMPTY, 0_u32); BINS]; 3];
+        for item in &items[self.start..self.end] {
+            for (axis, bins) in bins.iter_mut().enumerate() {
+                let bin = &mut bins[bin_of(item, axis)];
+                bin.0.add(item.low, item.high);
+                bin.1 += 1;
+            }
         }
-        let (first_right, cost) = cheapest(&bins);
+        let mut best = (0, None, f32::INFINITY);
+        for axis in 0..3 {
+            let (first_right, cost) = cheapest(&bins[axis], leaves);
+            if extent[axis] > 0.0 && cost < best.2 {
+                best = (axis, first_right, cost);
+            }
+        }
+        let (axis, first_right, cost) = best;
         let area = self.hull.half_area();
-        let leaf_is_best = count as f32 * area <= OPENING * area + cost;
+        let leaf_is_best = leaves.cost(count as u32) * area <= OPENING * area + cost;
         match first_right {
             _ if count <= LARGEST_LEAF && leaf_is_best => None,
-            Some(first_right) => Some(self.partition(items, |item| bin_of(item).min(BINS - 1) < first_right)),
+            Some(first_right) => Some(self.partition(items, |item| bin_of(item, axis) < first_right)),
             None => Some(self.halve(items)),
         }
     }
@@ -170,11 +201,12 @@ fn build_children(
     mut items: &mut [Item],
     first_slot: usize,
     nodes: &mut Vec<Node>,
+    leaves: Leaves,
     depth: u32,
-) -> [Child; 4] {
-    let mut children = [Child::node(0); 4];
+) -> [Child; WIDTH] {
+    let mut children = [Child::NONE; WIDTH];
     let total = items.len();
-    let mut parts = Vec::with_capacity(4);
+    let mut parts = Vec::with_capacity(WIDTH);
     for range in ranges {
         let (part, rest) = items.split_at_mut(range.len());
         items = rest;
@@ -183,7 +215,7 @@ fn build_children(
     }
     if total < PARALLEL {
         for (child, (range, part, slot)) in children.iter_mut().zip(parts) {
-            *child = range.build(part, slot, nodes, depth);
+            *child = range.build(part, slot, nodes, leaves, depth);
         }
         return children;
     }
@@ -191,34 +223,33 @@ fn build_children(
         .into_par_iter()
         .map(|(range, part, slot)| {
             let mut nodes = Vec::new();
-            (range.build(part, slot, &mut nodes, depth), nodes)
+            (range.build(part, slot, &mut nodes, leaves, depth), nodes)
         })
         .collect();
     for (child, (root, own)) in children.iter_mut().zip(built) {
         let before = nodes.len();
         *child = root.shifted(before);
-        let shift = |node: Node| Node { children: node.children.map(|child| child.shifted(before)), ..node };
-        nodes.extend(own.into_iter().map(shift));
+        nodes.extend(own.into_iter().map(|node| node.shifted(before)));
     }
     children
 }
 
 /// The first bin on the right of the cheapest cut, none where no cut has a finite cost, and the sum of area times number on both
 /// sides.
-fn cheapest(bins: &[(Hull, u32); BINS]) -> (Option<usize>, f32) {
+fn cheapest(bins: &[(Hull, u32); BINS], leaves: Leaves) -> (Option<usize>, f32) {
     let mut right_cost = [0.0; BINS];
     let (mut hull, mut count) = (Hull::EMPTY, 0);
     for index in (1..BINS).rev() {
         hull.add(bins[index].0.low, bins[index].0.high);
         count += bins[index].1;
-        right_cost[index] = if count == 0 { f32::INFINITY } else { hull.half_area() * count as f32 };
+        right_cost[index] = if count == 0 { f32::INFINITY } else { hull.half_area() * leaves.cost(count) };
     }
     let mut best = (None, f32::INFINITY);
     let (mut hull, mut count) = (Hull::EMPTY, 0);
     for index in 1..BINS {
         hull.add(bins[index - 1].0.low, bins[index - 1].0.high);
         count += bins[index - 1].1;
-        let cost = if count == 0 { f32::INFINITY } else { hull.half_area() * count as f32 + right_cost[index] };
+        let cost = if count == 0 { f32::INFINITY } else { hull.half_area() * leaves.cost(count) + right_cost[index] };
         if cost < best.1 {
             best = (Some(index), cost);
         }
@@ -246,21 +277,5 @@ impl Hull {
     fn half_area(&self) -> f32 {
         let size = (self.high - self.low).xyz();
         size.x * size.y + size.y * size.z + size.z * size.x
-    }
-}
-
-impl Node {
-    /// Boxes around up to four ranges; the rest is never entered.
-    fn around(ranges: &[Range]) -> Node {
-        let side = |empty: f32, of: &dyn Fn(&Range) -> Vec4| {
-            [0, 1, 2].map(|axis| {
-                Vec4::from_array(std::array::from_fn(|k| ranges.get(k).map_or(empty, |range| of(range)[axis])))
-            })
-        };
-        Node {
-            low: side(f32::INFINITY, &|range| range.hull.low),
-            high: side(f32::NEG_INFINITY, &|range| range.hull.high),
-            children: [Child::node(0); 4],
-        }
     }
 }

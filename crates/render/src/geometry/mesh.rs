@@ -29,7 +29,8 @@ pub(super) struct MeshPoint {
 impl MeshGeometry {
     pub(super) fn build(mesh: &Mesh) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
-        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of);
+        let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
+        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of);
         let slots = order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();
         MeshGeometry { hierarchy, slots, nearest }

@@ -8,7 +8,9 @@ mod bounds;
 mod cone;
 mod disk;
 mod hierarchy;
+mod hierarchy_block;
 mod hierarchy_build;
+mod hierarchy_node;
 mod mesh;
 mod polygon;
 mod sphere;
@@ -125,7 +127,8 @@ impl Geometry {
             let shape = scene.surfaces[handles[index]].shape;
             geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
         };
-        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of);
+        let triangle_of = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
+        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of);
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
@@ -245,6 +248,12 @@ impl Geometry {
     ) -> Option<Hit> {
         let crossing = self.first(scene, ray, from, Limits { nearest: self.nearest, farthest: f64::INFINITY })?;
         Some(self.hit(scene, shaders, ray, crossing))
+    }
+
+    /// How far away the first surface along the ray is.
+    pub(crate) fn distance(&self, scene: &Scene, ray: &Ray) -> Option<f64> {
+        let limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
+        self.first(scene, ray, None, limits).map(|crossing| crossing.distance)
     }
 
     fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
@@ -631,6 +640,12 @@ fn bounds_of_plain(scene: &Scene, shape: Shape) -> Option<Bounds> {
         }
         Shape::Source(_) | Shape::Mesh(_) | Shape::Instance(_) => None,
     }
+}
+
+/// The corners of a polygon that has three.
+fn triangle_of(scene: &Scene, shape: Shape) -> Option<[DVec3; 3]> {
+    let Shape::Polygon { start, count: 3 } = shape else { return None };
+    scene.vertices[start as usize..][..3].try_into().ok()
 }
 
 /// Unit normal of a polygon, if it has an area.
