@@ -453,3 +453,21 @@ fn falsecolor_takes_functions_of_the_user() {
     let palettes = Picture::read(&radsight_with(&["falsecolor", "-palettes"], b"").done()).expect("a picture");
     assert_eq!((palettes.width(), palettes.height()), (256, 300));
 }
+
+#[test]
+fn png_files_hold_the_bytes_of_a_pixmap() {
+    let folder = Folder::new();
+    let picture = folder.file("a.hdr", gradient(40, 33));
+    for options in ["", "-b", "-g 1.8 -e +1"] {
+        let words = |program| -> Vec<String> {
+            format!("{program} {options} {picture}").split_whitespace().map(str::to_owned).collect()
+        };
+        let run = |program| radsight_with(&words(program).iter().map(String::as_str).collect::<Vec<_>>(), b"").done();
+        let (png, pixmap) = (run("ra_png"), run("ra_ppm"));
+        let png = radsight_picture::read_png(&png).expect("a PNG");
+        let stored: Vec<u8> = png.values.data().iter().map(|value| *value as u8).collect();
+        assert!(pixmap.ends_with(&stored), "{options}");
+        assert_eq!((png.values.width(), png.values.height(), png.bits), (40, 33, 8));
+        assert!(png.header.is_some_and(|header| header.to_text().contains("VIEW=")));
+    }
+}

@@ -232,3 +232,27 @@ fn definitions_of_the_command_line_are_for_all_functions() {
     let words = ["-x", "4", "-y", "4", "-f", "half.cal", "-e", "depth : 3", "room.rad"];
     assert!((mean(&rpict(&folder, &words).done()) - 1.5).abs() < 0.02);
 }
+
+#[test]
+fn scripts_learn_the_version_and_the_features() {
+    for program in ["rpict", "rtrace", "rcontrib"] {
+        let run = |words: &[&str]| run_with(&mut command(&[&[program], words].concat()), b"");
+        assert!(run(&["-version"]).text().starts_with("RADIANCE 6.0a (radsight "));
+        assert!(run(&["-features"]).text().lines().any(|line| line == "Aliases"));
+        assert_eq!(run(&["-features", "Aliases", "Instancing=Octree", "OutputCS=RGB"]).text(), "");
+        assert!(run(&["-features", "Instancing"]).text().starts_with("Instancing=Octree"));
+        let missing = run(&["-features", "ShadowCache"]);
+        assert!(missing.code == 1 && missing.messages.contains("missing feature - ShadowCache"), "{missing:?}");
+    }
+}
+
+#[test]
+fn every_option_that_the_real_programs_print_is_taken() {
+    let Some(radiance) = Radiance::find() else { return };
+    for program in ["rpict", "rtrace", "rcontrib"] {
+        let printed = run_with(&mut radiance.command(program, &["-defaults"]), b"").text();
+        let options = printed.lines().filter_map(|line| line.split('#').next()).flat_map(str::split_whitespace);
+        let words: Vec<&str> = std::iter::once(program).chain(options).chain(["-defaults"]).collect();
+        run_with(&mut command(&words), b"").done();
+    }
+}

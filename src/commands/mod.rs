@@ -4,6 +4,7 @@ mod calibrate;
 mod capture;
 mod check;
 mod explain;
+mod features;
 mod install_links;
 mod missing;
 pub(crate) mod mksource;
@@ -33,6 +34,9 @@ pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
 /// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     let name = words.first()?.as_str();
+    if let Some(outcome) = features::answer(words) {
+        return Some(outcome);
+    }
     match name {
         "mksource" => return Some(mksource::run(words)),
         "oconv" => return Some(oconv::run(words)),

@@ -22,7 +22,7 @@ use words::Words;
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, Program); 16] = [
+const PROGRAMS: [(&str, Program); 17] = [
     ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),
@@ -35,6 +35,7 @@ const PROGRAMS: [(&str, Program); 16] = [
     ("psign", psign::run),
     ("pvalue", pvalue::run),
     ("ra_bmp", raster::ra_bmp),
+    ("ra_png", raster::ra_png),
     ("ra_ppm", raster::ra_ppm),
     ("ra_rgbe", ra_xyze::ra_rgbe),
     ("ra_tiff", raster::ra_tiff),

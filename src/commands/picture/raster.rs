@@ -1,6 +1,7 @@
-//! Radiance's converters to and from pictures of bytes: `ra_ppm`, `ra_bmp`, `ra_tiff`.
+//! Radiance's converters to and from pictures of bytes: `ra_ppm`, `ra_bmp`, `ra_tiff`; and `ra_png` of our own.
 
 mod bmp;
+mod png;
 mod ppm;
 mod tiff;
 
@@ -13,6 +14,7 @@ use radsight_picture_tools::gamma::shifted;
 use std::io::{Read, Write};
 
 pub(super) use bmp::run as ra_bmp;
+pub(super) use png::run as ra_png;
 pub(super) use ppm::run as ra_ppm;
 pub(super) use tiff::run as ra_tiff;
 
