@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use radsight_picture::{View, ViewKind};
-use radsight_render::Ray;
+use radsight_render::{Ray, Spread};
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_8;
@@ -79,6 +79,17 @@ impl Lens {
         pixels.map(|pixel| ray(pixel).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
+    /// How far apart the rays of neighbouring pixels are, in the middle of the picture.
+    #[must_use]
+    pub fn spread(&self) -> Spread {
+        let (column, row) = (self.columns / 2, self.rows / 2);
+        let beside =
+            [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5]].map(|at| self.view_ray(&self.view, self.pixel_place(column, row, at)));
+        let [Some(ray), Some(right), Some(above)] = beside else { return Spread::UNKNOWN };
+        let apart = |of: fn(&LensRay) -> DVec3| 0.5 * (of(&right).distance(of(&ray)) + of(&above).distance(of(&ray)));
+        Spread { width: apart(|ray| ray.origin), angle: apart(|ray| ray.direction) }
+    }
+
     /// A ray through a pixel at the sampler's place in pixel, aperture and time; `None` where the view shows nothing.
     #[must_use]
     pub fn ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<LensRay> {
@@ -90,18 +101,23 @@ impl Lens {
     #[must_use]
     pub fn ray_near(&self, [x, y]: [f64; 2], sampler: &RaySampler) -> Option<LensRay> {
         let [right, up, across, along] = sampler.take(DimensionSet::CAMERA);
-        let place = [x + self.spread(right) / self.columns as f64, y + self.spread(up) / self.rows as f64];
+        let place = [x + self.jittered(right) / self.columns as f64, y + self.jittered(up) / self.rows as f64];
         self.ray_at(place, [across, along], sampler)
     }
 
-    /// The place in the view of a place in a pixel.
+    /// The place in the view of a sample of a pixel.
     fn place(&self, column: usize, row: usize, [x, y]: [f64; 2]) -> [f64; 2] {
-        let from_left = column as f64 + 0.5 + self.spread(x);
-        let from_bottom = (self.rows - 1 - row) as f64 + 0.5 + self.spread(y);
+        self.pixel_place(column, row, [0.5 + self.jittered(x), 0.5 + self.jittered(y)])
+    }
+
+    /// The place in the view of a point whose distance from the lower left corner of a pixel is given in pixels.
+    fn pixel_place(&self, column: usize, row: usize, [right, up]: [f64; 2]) -> [f64; 2] {
+        let from_left = column as f64 + right;
+        let from_bottom = (self.rows - 1 - row) as f64 + up;
         [from_left / self.columns as f64, from_bottom / self.rows as f64]
     }
 
-    fn spread(&self, u: f64) -> f64 {
+    fn jittered(&self, u: f64) -> f64 {
         self.jitter * (u - 0.5)
     }
 

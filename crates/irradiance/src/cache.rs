@@ -1,41 +1,45 @@
 //! Records by place.
 
+use crate::fit::{Fit, neighbourhood};
+use crate::grid::Grid;
 use crate::record::{Limits, Record};
 use glam::DVec3;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
-/// Records, and where to find those that reach a point.
-///
-/// Space is divided into cubes of several sizes, halved from one to the next. A record stands in all cubes that it reaches, of the size that is at least
-/// twice its reach, so that there are at most eight; a point looks into one cube of each size.
+/// Records, and the irradiance that is interpolated between them.
 #[derive(Clone, Debug)]
 pub struct Cache<const BANDS: usize> {
     limits: Limits,
     records: Vec<Record<BANDS>>,
-    levels: Vec<Level>,
+    /// One for each record; from its own rays alone until others are adopted.
+    fits: Vec<Fit<BANDS>>,
+    /// Balls of the records' reach.
+    reaches: Grid,
+    /// Balls of the neighbourhoods of fits.
+    neighbourhoods: Grid,
+    /// Whether something near has changed since the last fit.
+    is_stale: Vec<bool>,
+    /// How often each record has looked through each stratum.
+    looks: Vec<[u8; STRATA]>,
 }
 
-#[derive(Clone, Debug)]
-struct Level {
-    side: f64,
-    cubes: HashMap<[i32; 3], Vec<u32>, BuildHasherDefault<CubeHasher>>,
-}
+/// Each cell of a hemisphere is divided into so many strata, of which a look takes one: neighbours that take different ones have together
+/// looked around as evenly as one hemisphere of as many cells.
+pub const STRATA: usize = 16;
 
 impl<const BANDS: usize> Cache<BANDS> {
     /// An empty cache.
     #[must_use]
     pub fn new(limits: Limits) -> Self {
-        let mut levels = Vec::new();
-        let mut side = 2.0 * limits.most;
-        while levels.len() < MAX_LEVELS {
-            levels.push(Level { side, cubes: HashMap::default() });
-            if 0.5 * side < 2.0 * limits.least {
-                break;
-            }
-            side *= 0.5;
+        let wide = neighbourhood(&limits);
+        Cache {
+            limits,
+            records: Vec::new(),
+            fits: Vec::new(),
+            reaches: Grid::new(limits.least, limits.most),
+            neighbourhoods: Grid::new(wide * limits.least, wide * limits.most),
+            is_stale: Vec::new(),
+            looks: Vec::new(),
         }
-        Cache { limits, records: Vec::new(), levels }
     }
 
     /// How many records there are.
@@ -56,32 +60,126 @@ impl<const BANDS: usize> Cache<BANDS> {
         &self.limits
     }
 
-    /// Adds a record; it and its neighbours restrain each other's reach.
-    pub fn insert(&mut self, mut record: Record<BANDS>) {
-        let mut near = Vec::new();
-        self.visit(record.position, |index| near.push(index));
-        for index in &near {
-            record.restrain(&self.records[*index as usize]);
-        }
-        record.scale = record.scale.max(self.limits.least / self.limits.accuracy);
-        for index in near {
-            // A shrunken record stays in its cubes; it only reaches less of them.
-            self.records[index as usize].restrain(&record);
-        }
-        let reach = record.reach(&self.limits);
-        let level = self.levels.iter().rposition(|level| level.side >= 2.0 * reach).unwrap_or(0);
-        let index = self.records.len() as u32;
-        let level = &mut self.levels[level];
-        let low = cube(record.position - DVec3::splat(reach), level.side);
-        let high = cube(record.position + DVec3::splat(reach), level.side);
-        for x in low[0]..=high[0] {
-            for y in low[1]..=high[1] {
-                for z in low[2]..=high[2] {
-                    level.cubes.entry([x, y, z]).or_default().push(index);
+    /// The stratum through which fewest of those around a point have looked.
+    #[must_use]
+    pub fn next_stratum(&self, position: DVec3, normal: DVec3) -> usize {
+        let mut looks = [0u32; STRATA];
+        self.neighbourhoods.visit(position, |index| {
+            let record = &self.records[index as usize];
+            let radius = neighbourhood(&self.limits) * record.reach(&self.limits);
+            if record.misplacement(position, normal, radius, self.limits.accuracy) < 1.0 {
+                for (sum, looks) in looks.iter_mut().zip(self.looks[index as usize]) {
+                    *sum += u32::from(looks);
                 }
             }
+        });
+        (0..STRATA).min_by_key(|stratum| looks[*stratum]).unwrap_or(0)
+    }
+
+    /// The stratum through which fewest around a record have looked; it counts as looked through from now on.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    pub fn take_stratum(&mut self, index: usize) -> usize {
+        let stratum = self.next_stratum(self.records[index].position, self.records[index].normal);
+        self.count_look(index, stratum);
+        stratum
+    }
+
+    fn count_look(&mut self, index: usize, stratum: usize) {
+        let looks = &mut self.looks[index][stratum % STRATA];
+        *looks = looks.saturating_add(1);
+    }
+
+    /// Adds a record that looked through a stratum; it and its neighbours restrain each other's reach.
+    pub fn insert(&mut self, mut record: Record<BANDS>, stratum: usize) {
+        let mut near = Vec::new();
+        self.neighbourhoods.visit(record.position, |index| near.push(index as usize));
+        for &index in &near {
+            record.restrain(&self.records[index], self.limits.accuracy);
         }
+        for index in near {
+            // A shrunken record stays in its cubes; it only reaches less of them.
+            self.records[index].restrain(&record, self.limits.accuracy);
+            self.is_stale[index] = true;
+        }
+        let index = self.records.len() as u32;
+        let reach = record.reach(&self.limits);
+        self.reaches.insert(index, record.position, reach);
+        self.neighbourhoods.insert(index, record.position, neighbourhood(&self.limits) * reach);
+        self.fits.push(Fit::of(&record));
         self.records.push(record);
+        self.is_stale.push(true);
+        self.looks.push([0; STRATA]);
+        self.count_look(index as usize, stratum);
+    }
+
+    /// Adds what further rays found from the place of a record.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    pub fn add(&mut self, index: usize, further: &Record<BANDS>) {
+        self.records[index].add(further);
+        let position = self.records[index].position;
+        let is_stale = &mut self.is_stale;
+        self.neighbourhoods.visit(position, |near| is_stale[near as usize] = true);
+    }
+
+    /// The records whose neighbourhood has changed since they were fitted.
+    #[must_use]
+    pub fn stale(&self) -> Vec<usize> {
+        (0..self.len()).filter(|index| self.is_stale[*index]).collect()
+    }
+
+    /// Fits the irradiance around a record to what is there by now. Nothing changes until the fit is adopted, so many may be made at once.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    #[must_use]
+    pub fn fit(&self, index: usize) -> Fit<BANDS> {
+        let record = &self.records[index];
+        let mut near = Vec::new();
+        self.neighbourhoods.visit(record.position, |index| near.push(&self.records[index as usize]));
+        Fit::new(record, near.into_iter(), &self.limits)
+    }
+
+    /// Uses a fit from now on.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    pub fn adopt(&mut self, index: usize, fit: Fit<BANDS>) {
+        self.fits[index] = fit;
+        self.is_stale[index] = false;
+    }
+
+    /// Trusts records no farther than their neighbours agreed when they were fitted, which leaves gaps for others.
+    pub fn shorten_reaches(&mut self) {
+        for (record, fit) in self.records.iter_mut().zip(&self.fits) {
+            record.shorten(fit.scale, self.limits.accuracy);
+        }
+    }
+
+    /// The mean of the irradiance of all records and bands.
+    #[must_use]
+    pub fn typical(&self) -> f64 {
+        self.fits.iter().map(Fit::strength).sum::<f64>() / self.len().max(1) as f64
+    }
+
+    /// What a record's irradiance rests on.
+    ///
+    /// # Panics
+    /// If there is no such record.
+    #[must_use]
+    pub fn fitted(&self, index: usize) -> (&Record<BANDS>, &Fit<BANDS>) {
+        (&self.records[index], &self.fits[index])
+    }
+
+    /// Whether some record reaches a point of a surface with this unit normal.
+    #[must_use]
+    pub fn reaches(&self, position: DVec3, normal: DVec3) -> bool {
+        let mut weights = 0.0;
+        self.reaches.visit(position, |index| weights += self.weight(&self.records[index as usize], position, normal));
+        weights > LEAST_WEIGHT
     }
 
     /// The irradiance at a point of a surface with this unit normal, on a facet of it that is turned to the unit normal `facet`;
@@ -90,14 +188,12 @@ impl<const BANDS: usize> Cache<BANDS> {
     pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
         let mut sum = [0.0; BANDS];
         let mut weights = 0.0;
-        self.visit(position, |index| {
+        self.reaches.visit(position, |index| {
             let record = &self.records[index as usize];
-            let error = record.error(position, normal, &self.limits);
-            if error < 1.0 {
-                // Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
-                let weight = 1.0 - error;
+            let weight = self.weight(record, position, normal);
+            if weight > 0.0 {
                 weights += weight;
-                for (sum, value) in sum.iter_mut().zip(record.at(position, facet)) {
+                for (sum, value) in sum.iter_mut().zip(self.fits[index as usize].at(record, position, facet)) {
                     *sum += weight * value;
                 }
             }
@@ -105,53 +201,11 @@ impl<const BANDS: usize> Cache<BANDS> {
         (weights > LEAST_WEIGHT).then(|| sum.map(|band| band / weights))
     }
 
-    fn visit(&self, position: DVec3, mut visit: impl FnMut(u32)) {
-        for level in &self.levels {
-            if level.cubes.is_empty() {
-                continue;
-            }
-            for index in level.cubes.get(&cube(position, level.side)).into_iter().flatten() {
-                visit(*index);
-            }
-        }
+    /// Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
+    fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3) -> f64 {
+        (1.0 - record.misplacement(position, normal, record.reach(&self.limits), self.limits.accuracy)).max(0.0)
     }
 }
-
-/// Sizes of cubes; the smallest one may hold records that would fit a smaller one.
-const MAX_LEVELS: usize = 24;
 
 /// Below this total the nearest record is all but out of reach.
 const LEAST_WEIGHT: f64 = 1e-4;
-
-fn cube(position: DVec3, side: f64) -> [i32; 3] {
-    // Casting saturates, so a far point shares a cube with others, which costs time only.
-    (position / side).floor().to_array().map(|coordinate| coordinate as i32)
-}
-
-/// Multiplies and mixes: cubes need no defence against chosen keys.
-#[derive(Clone, Copy, Debug, Default)]
-struct CubeHasher(u64);
-
-impl Hasher for CubeHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.write_u32(u32::from(*byte));
-        }
-    }
-
-    fn write_u32(&mut self, value: u32) {
-        self.0 = (self.0.rotate_left(5) ^ u64::from(value)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn write_i32(&mut self, value: i32) {
-        self.write_u32(value as u32);
-    }
-
-    fn write_usize(&mut self, value: usize) {
-        self.write_u32(value as u32);
-    }
-}

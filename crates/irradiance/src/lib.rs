@@ -1,7 +1,8 @@
 //! Irradiance caching: the indirect irradiance of a few points, from which that of all others is interpolated.
 //!
 //! A [`Hemisphere`] says in which directions to look from a point; what is seen there makes a [`Record`]: the irradiance, how it changes
-//! when the point moves or turns, and how far that may be trusted. A [`Cache`] keeps records by place and interpolates.
+//! when the point moves or turns, and how far that may be trusted. A [`Cache`] keeps records by place, makes a [`Fit`] of each one's
+//! neighbourhood and interpolates between those.
 //!
 //! Ward, Rubinstein, Clear: A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988. Ward, Heckbert: Irradiance
 //! Gradients, EGWR 1992. Křivánek, Bouatouch, Pattanaik, Žára: Making Radiance and Irradiance Caching Practical, EGSR 2006.
@@ -18,7 +19,7 @@
 //! let limits = Limits { accuracy: 0.1, least: 0.1, most: 100.0 };
 //! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
 //! let mut cache = Cache::new(limits);
-//! cache.insert(record);
+//! cache.insert(record, 0);
 //! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z).unwrap();
 //! assert!((irradiance - 2.0 * std::f64::consts::PI).abs() < 1e-9);
 //! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z, DVec3::Z).is_none());
@@ -26,10 +27,13 @@
 #![forbid(unsafe_code)]
 
 mod cache;
+mod fit;
 mod gradient;
+mod grid;
 mod hemisphere;
 mod record;
 
-pub use cache::Cache;
+pub use cache::{Cache, STRATA};
+pub use fit::Fit;
 pub use hemisphere::{Gathered, Hemisphere};
 pub use record::{Limits, Record};

@@ -1,5 +1,6 @@
-//! The irradiance of one point, and how far it may be trusted.
+//! What the rays around one point tell of its irradiance.
 
+use crate::fit::Fit;
 use crate::gradient::Gradients;
 use crate::hemisphere::{Gathered, Hemisphere};
 use glam::DVec3;
@@ -16,17 +17,22 @@ pub struct Limits {
     pub most: f64,
 }
 
-/// The irradiance of one point.
+/// The irradiance of one point, as its own rays tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<const BANDS: usize> {
     pub(crate) position: DVec3,
     /// Unit.
     pub(crate) normal: DVec3,
     pub(crate) irradiance: [f64; BANDS],
-    rotation: [DVec3; BANDS],
-    translation: [DVec3; BANDS],
+    pub(crate) gradients: Gradients<BANDS>,
     /// The distance at which the irradiance may have changed by as much as itself.
     pub(crate) scale: f64,
+    /// The least reach of this record.
+    least: f64,
+    /// Rays that looked around.
+    pub(crate) rays: f64,
+    /// Of the irradiance averaged over the bands, from the differences of neighbouring cells.
+    pub(crate) variance: f64,
 }
 
 impl<const BANDS: usize> Record<BANDS> {
@@ -47,22 +53,32 @@ impl<const BANDS: usize> Record<BANDS> {
         let count = seen.len() as f64;
         let mut irradiance = [0.0; BANDS];
         let mut nearness = 0.0;
+        let mut squares = 0.0;
+        let mut before = mean(&seen[seen.len() - 1].radiance);
         for cell in seen {
             for (sum, radiance) in irradiance.iter_mut().zip(cell.radiance) {
                 *sum += radiance * PI / count;
             }
             nearness += 1.0 / cell.distance.max(f64::MIN_POSITIVE) / count;
+            let here = mean(&cell.radiance);
+            squares += (here - before).powi(2);
+            before = here;
         }
         let frame = Record::<BANDS>::frame(normal);
-        let gradients = Gradients::new(hemisphere, seen);
+        let local = Gradients::new(hemisphere, seen);
         let to_world = |local: DVec3| frame[0] * local.x + frame[1] * local.y;
         let mut record = Record {
             position,
             normal,
             irradiance,
-            rotation: gradients.rotation.map(to_world),
-            translation: gradients.translation.map(to_world),
+            gradients: Gradients {
+                rotation: local.rotation.map(to_world),
+                translation: local.translation.map(to_world),
+            },
             scale: 1.0 / nearness.max(f64::MIN_POSITIVE),
+            least: limits.least,
+            rays: count,
+            variance: 0.5 * squares * (PI / count).powi(2),
         };
         record.bound(limits);
         record
@@ -75,26 +91,48 @@ impl<const BANDS: usize> Record<BANDS> {
         [x, y, normal]
     }
 
-    /// A gradient may not change the irradiance by more than itself within the scale, and the scale stays within its limits;
-    /// where it is raised to the least one, the gradient, which says too much, is lowered as much.
-    fn bound(&mut self, limits: &Limits) {
-        let strength = self.strength();
-        let slope = self.translation.iter().map(|gradient| gradient.length()).sum::<f64>() / BANDS as f64;
-        if slope * self.scale > strength {
-            self.scale = strength / slope;
+    /// The irradiance of the place itself, on a facet that is turned to this unit normal.
+    #[must_use]
+    pub fn irradiance_on(&self, facet: DVec3) -> [f64; BANDS] {
+        Fit::of(self).at(self, self.position, facet)
+    }
+
+    /// Rays that looked around.
+    #[must_use]
+    pub fn rays(&self) -> f64 {
+        self.rays
+    }
+
+    /// Takes in what further rays from the same place tell.
+    pub(crate) fn add(&mut self, other: &Record<BANDS>) {
+        let share = other.rays / (self.rays + other.rays);
+        let scalar = |own: &mut f64, other: f64| *own += (other - *own) * share;
+        let vector = |own: &mut DVec3, other: DVec3| *own += (other - *own) * share;
+        for band in 0..BANDS {
+            scalar(&mut self.irradiance[band], other.irradiance[band]);
+            vector(&mut self.gradients.rotation[band], other.gradients.rotation[band]);
+            vector(&mut self.gradients.translation[band], other.gradients.translation[band]);
         }
-        let least = limits.least / limits.accuracy;
+        self.variance = self.variance * (1.0 - share).powi(2) + other.variance * share.powi(2);
+        self.scale = self.scale.min(other.scale);
+        self.rays += other.rays;
+    }
+
+    /// The scale stays within its limits; where it is raised to the least one, the gradient, which says too much, is lowered as much. A gradient may
+    /// not change the irradiance by more than itself within the reach.
+    fn bound(&mut self, limits: &Limits) {
+        let least = self.least / limits.accuracy;
         if self.scale < least {
             let share = self.scale / least;
-            self.translation = self.translation.map(|gradient| gradient * share);
+            self.gradients.translation = self.gradients.translation.map(|gradient| gradient * share);
             self.scale = least;
         }
         self.scale = self.scale.min(limits.most / limits.accuracy);
-    }
-
-    /// Irradiance averaged over the bands.
-    fn strength(&self) -> f64 {
-        self.irradiance.iter().sum::<f64>() / BANDS as f64
+        let slope = self.gradients.translation.iter().map(|gradient| gradient.length()).sum::<f64>() / BANDS as f64;
+        let share = mean(&self.irradiance) / (slope * self.reach(limits)).max(f64::MIN_POSITIVE);
+        if share < 1.0 {
+            self.gradients.translation = self.gradients.translation.map(|gradient| gradient * share);
+        }
     }
 
     /// How far the record reaches.
@@ -102,42 +140,36 @@ impl<const BANDS: usize> Record<BANDS> {
         limits.accuracy * self.scale
     }
 
-    /// The estimated error at a point, as a share of what the limits allow: one and more is too much.
-    pub(crate) fn error(&self, position: DVec3, normal: DVec3, limits: &Limits) -> f64 {
+    /// How badly a point is placed to use this record, where `reach` is how far one may be away: one and more is too bad.
+    pub(crate) fn misplacement(&self, position: DVec3, normal: DVec3, reach: f64, accuracy: f64) -> f64 {
         let offset = position - self.position;
-        let distance = offset.length() / self.reach(limits);
+        let distance = offset.length() / reach;
         if distance >= 1.0 {
             return distance;
         }
         // Half of the squared chord is one minus the cosine.
-        let turn = (0.5 * normal.distance_squared(self.normal)).sqrt() / (TURN * limits.accuracy).min(1.0);
+        let turn = (0.5 * normal.distance_squared(self.normal)).sqrt() / (TURN * accuracy).min(1.0);
         // A point behind the record may see what the record cannot.
-        let behind = -0.5 * offset.dot(normal + self.normal) / (BEHIND * self.reach(limits));
+        let behind = -0.5 * offset.dot(normal + self.normal) / (BEHIND * reach);
         distance.max(turn).max(behind)
-    }
-
-    /// The irradiance moved and turned to a point.
-    pub(crate) fn at(&self, position: DVec3, normal: DVec3) -> [f64; BANDS] {
-        let offset = position - self.position;
-        let turn = self.normal.cross(normal);
-        std::array::from_fn(|band| {
-            let change = turn.dot(self.rotation[band]) + offset.dot(self.translation[band]);
-            (self.irradiance[band] + change).max(0.0)
-        })
-    }
-
-    /// The irradiance of the place itself, on a facet that is turned to this unit normal.
-    #[must_use]
-    pub fn irradiance_on(&self, facet: DVec3) -> [f64; BANDS] {
-        self.at(self.position, facet)
     }
 
     /// No record may be trusted further than a neighbour's trust and the way to it: something near that one of them saw the
     /// other may have missed.
-    pub(crate) fn restrain(&mut self, other: &Record<BANDS>) {
+    pub(crate) fn restrain(&mut self, other: &Record<BANDS>, accuracy: f64) {
         let bound = other.scale + self.position.distance(other.position);
-        self.scale = self.scale.min(bound);
+        self.shorten(bound, accuracy);
     }
+
+    /// Trusts the record less far, but not less than its limit.
+    pub(crate) fn shorten(&mut self, scale: f64, accuracy: f64) {
+        self.scale = self.scale.min(scale.max(self.least / accuracy));
+    }
+}
+
+/// The mean of the bands.
+pub(crate) fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
+    bands.iter().sum::<f64>() / BANDS as f64
 }
 
 /// A turn counts as much as a move by this share of the reach.

@@ -1,7 +1,7 @@
 //! Records against scenes whose irradiance is known.
 
 use glam::DVec3;
-use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
+use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record, STRATA};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
@@ -38,7 +38,7 @@ fn disk_irradiance(a: f64) -> f64 {
 
 fn at(record: Record<1>, position: DVec3, normal: DVec3) -> f64 {
     let mut cache = Cache::new(LIMITS);
-    cache.insert(record);
+    cache.insert(record, 0);
     cache.irradiance(position, normal, normal).expect("the record reaches")[0]
 }
 
@@ -77,7 +77,7 @@ fn a_small_turn_follows_the_gradient() {
 #[test]
 fn a_record_does_not_reach_round_an_edge() {
     let mut cache = Cache::new(LIMITS);
-    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)));
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
     assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some());
     assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X, DVec3::X).is_none());
     assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z, DVec3::Z).is_none());
@@ -86,9 +86,62 @@ fn a_record_does_not_reach_round_an_edge() {
 #[test]
 fn a_near_neighbour_shortens_the_reach() {
     let mut cache = Cache::new(LIMITS);
-    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)));
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
     let far = DVec3::new(0.5, 0.0, 0.0);
     assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_some());
-    cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 0.1)));
+    cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 0.1)), 0);
     assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_none());
+}
+
+/// Records on a square grid over part of the plane below the disk.
+fn field(divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<1> {
+    let mut cache = Cache::new(LIMITS);
+    let mut strata = [0; STRATA];
+    for row in -5..=5 {
+        for column in -5..=5 {
+            let place = DVec3::new(0.1 * f64::from(column), 0.1 * f64::from(row), 0.0);
+            // Another place of the same numbers in each hemisphere.
+            let turned = |at: DVec3, direction: DVec3| {
+                let angle = 2.4 * f64::from(11 * row + column);
+                let (sin, cos) = angle.sin_cos();
+                let DVec3 { x, y, z } = direction;
+                world(at, DVec3::new(cos * x - sin * y, sin * x + cos * y, z))
+            };
+            let stratum = cache.next_stratum(place, DVec3::Z);
+            strata[stratum] += 1;
+            cache.insert(record(place, DVec3::Z, divisions, turned), stratum);
+        }
+    }
+    assert!(strata.iter().all(|looks| (3..=16).contains(looks)), "looks through each stratum: {strata:?}");
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
+    cache.shorten_reaches();
+    assert!(cache.stale().is_empty());
+    cache
+}
+
+#[test]
+fn neighbours_lend_each_other_their_rays() {
+    // Bright and dark in patches that are finer than the cells: noise around an irradiance of π.
+    let patches = |_: DVec3, direction: DVec3| (1.0 + (400.0 * direction.x).sin() * (500.0 * direction.y).sin(), 1.0);
+    let cache = field(48, patches);
+    let (mut alone, mut together) = (0.0, 0.0);
+    for index in 0..cache.len() {
+        let (record, fit) = cache.fitted(index);
+        assert!(fit.rays() > 3.0 * record.rays(), "{} of {}", fit.rays(), record.rays());
+        let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+        alone += (record.irradiance_on(DVec3::Z)[0] - PI).powi(2);
+        together += (cache.irradiance(place, DVec3::Z, DVec3::Z).expect("a record is here")[0] - PI).powi(2);
+    }
+    assert!(together < 0.4 * alone, "squared error {together} together, {alone} alone");
+}
+
+#[test]
+fn records_are_trusted_less_far_where_the_irradiance_jumps() {
+    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
+    let cache = field(48, step);
+    let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
+    assert!(between(-0.45).is_some_and(|found| (found[0] / PI - 1.0).abs() < 0.02), "{:?}", between(-0.45));
+    assert!(between(0.45).is_some_and(|found| (found[0] / PI - 2.0).abs() < 0.02), "{:?}", between(0.45));
+    assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
 }

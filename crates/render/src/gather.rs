@@ -5,11 +5,11 @@ use crate::light_tree::Reception;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
 use crate::options::Unshared;
-use crate::ray::{PrimitiveId, Ray};
+use crate::ray::{PrimitiveId, Ray, Spread};
 use crate::surface_light::LitPoint;
 use crate::trace::{Segment, Tracer};
 use glam::DVec3;
-use radsight_irradiance::{Gathered, Hemisphere, Limits, Record};
+use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
@@ -25,14 +25,42 @@ pub(crate) struct Place<const BANDS: usize> {
     cut: Cut,
     /// Interreflections that the rays from here may follow.
     bounces: u32,
+    /// How wide the ray is that found it, scene units: details below that are not seen.
+    width: f64,
 }
 
 impl<const BANDS: usize> Place<BANDS> {
     /// Whether the irradiance here can be interpolated by now.
-    pub(crate) fn is_covered(&self, cache: &radsight_irradiance::Cache<BANDS>) -> bool {
-        cache.irradiance(self.point, self.normal, self.normal).is_some()
+    pub(crate) fn is_covered(&self, cache: &Cache<BANDS>) -> bool {
+        cache.reaches(self.point, self.normal)
+    }
+
+    /// Through which part of each cell to look from here.
+    pub(crate) fn next_stratum(&self, cache: &Cache<BANDS>) -> usize {
+        cache.next_stratum(self.point, self.normal)
     }
 }
+
+/// Points whose irradiance is missing.
+#[derive(Clone, Debug)]
+pub(crate) struct Survey<const BANDS: usize> {
+    pub(crate) places: Vec<Place<BANDS>>,
+    /// Of the ray in hand.
+    pub(crate) spread: Spread,
+}
+
+/// How to look around.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look<'h> {
+    pub(crate) hemisphere: &'h Hemisphere,
+    /// The part of each cell to look through; any place of it without one.
+    pub(crate) stratum: Option<usize>,
+    /// Tells the rays from those of other looks.
+    pub(crate) number: u64,
+}
+
+/// Records are not nearer to each other than so many widths of the rays that see them.
+const LEAST_WIDTHS: f64 = 1.5;
 
 /// Rays that look around are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
@@ -46,6 +74,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         at: DVec3,
         primitive: Option<PrimitiveId>,
         point: &LitPoint<'_, BANDS>,
+        travelled: f64,
     ) -> Option<[f64; BANDS]> {
         let options = &self.plan.options;
         let looks_around = options.gathering.unshared == Unshared::LookAround && options.gathering.rays() > 1;
@@ -68,11 +97,12 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 medium: self.medium(segment.medium),
                 cut: self.cut(if normal.dot(point.normal) < 0.0 { segment.cut_beyond } else { segment.cut }).clone(),
                 bounces: segment.ambient_bounces - 1,
+                width: self.survey.as_ref().map_or(0.0, |survey| survey.spread.at(travelled)),
             };
             let irradiance = match self.cache.and_then(|cache| cache.irradiance(at, normal, facet)) {
                 Some(irradiance) => irradiance,
                 None if self.survey.is_some() || !looks_around => {
-                    self.survey.iter_mut().for_each(|places| places.push(place.clone()));
+                    self.survey.iter_mut().for_each(|survey| survey.places.push(place.clone()));
                     complete = false;
                     continue;
                 }
@@ -90,37 +120,40 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
         let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
         let before = self.set_aside();
-        let record = self.look_around(place, &hemisphere, number, &self.plan.gathering_limits());
+        let look = Look { hemisphere: &hemisphere, stratum: None, number };
+        let record = self.look_around(place, &look, &self.plan.gathering_limits());
         self.take_up(before);
         record
     }
 
-    /// The irradiance of a place; `number` tells its rays from those of others.
-    pub(crate) fn look_around(
-        &mut self,
-        place: &Place<BANDS>,
-        hemisphere: &Hemisphere,
-        number: u64,
-        limits: &Limits,
-    ) -> Record<BANDS> {
+    /// The irradiance of a place.
+    pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        let seen: Vec<Gathered<BANDS>> = (0..hemisphere.len())
+        let limits = Limits { least: limits.least.max(LEAST_WIDTHS * place.width), ..*limits };
+        let seen: Vec<Gathered<BANDS>> = (0..look.hemisphere.len())
             .map(|cell| {
-                let (local, sampler) = self.cell_direction(hemisphere, number, cell);
+                let (local, sampler) = self.cell_direction(look, cell);
                 self.look(place, (x * local.x + y * local.y + z * local.z).normalize(), sampler)
             })
             .collect();
-        let seen = self.look_out(place, hemisphere, number, seen);
-        Record::new(place.point, place.normal, hemisphere, &seen, limits)
+        let seen = self.look_out(place, look, seen);
+        Record::new(place.point, place.normal, look.hemisphere, &seen, &limits)
     }
 
     /// Where the ray in a cell of the hemisphere goes, in the frame of the place, and its sample point.
-    pub(crate) fn cell_direction(&self, hemisphere: &Hemisphere, number: u64, cell: usize) -> (DVec3, RaySampler) {
-        let first = number.wrapping_mul(hemisphere.len() as u64);
+    pub(crate) fn cell_direction(&self, look: &Look<'_>, cell: usize) -> (DVec3, RaySampler) {
+        let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
-        let within = sampler.take(DimensionSet::CAMERA);
-        (hemisphere.direction(cell, [within[0], within[1]]), sampler)
+        let within = match look.stratum {
+            None => sampler.take(DimensionSet::CAMERA),
+            // All looks through a stratum of this cell go the same way, those through the others elsewhere.
+            Some(stratum) => {
+                let of_cell = seed ^ ((cell as u64 + 1) << 32);
+                RaySampler::new(of_cell, stratum as u64).take(DimensionSet::CAMERA)
+            }
+        };
+        (look.hemisphere.direction(cell, [within[0], within[1]]), sampler)
     }
 
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.

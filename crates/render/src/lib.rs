@@ -63,6 +63,6 @@ pub use options::{
 };
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use radsight_spectrum::Sampling;
-pub use ray::Ray;
+pub use ray::{Ray, Spread};
 pub use renderer::{RayWorker, Renderer};
 pub use trace::{FirstHit, Traced};

@@ -1,13 +1,13 @@
 //! Sending rays that look for diffuse surroundings towards openings.
 
-use crate::gather::Place;
+use crate::gather::{Look, Place};
 use crate::openings::Outlook;
 use crate::plan::RenderPlan;
 use crate::surface_light::{Drawn, LitPoint};
 use crate::trace::Tracer;
 use glam::DVec3;
 use radsight_brdf::Density;
-use radsight_irradiance::{Gathered, Hemisphere, Record};
+use radsight_irradiance::{Gathered, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -54,30 +54,28 @@ impl<const BANDS: usize> LitPoint<'_, BANDS> {
 }
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
-    /// Adds rays towards openings to those that have looked around from a place, each in the cell of the hemisphere into which it goes; `number`
-    /// tells them from those of others.
+    /// Adds rays towards openings to those that have looked around from a place, each in the cell of the hemisphere into which it goes.
     pub(crate) fn look_out(
         &mut self,
         place: &Place<BANDS>,
-        hemisphere: &Hemisphere,
-        number: u64,
+        look: &Look<'_>,
         mut seen: Vec<Gathered<BANDS>>,
     ) -> Vec<Gathered<BANDS>> {
         let Some(outlook) = self.plan.openings.seen_from(place.point, place.normal) else { return seen };
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        let around = hemisphere.len() as f64;
+        let around = look.hemisphere.len() as f64;
         let outward = (OUTWARD_SHARE * around).ceil();
         let density =
             |local: DVec3, direction: DVec3| around * local.z * FRAC_1_PI + outward * outlook.density(direction);
         for (cell, gathered) in seen.iter_mut().enumerate() {
-            let local = self.cell_direction(hemisphere, number, cell).0;
+            let local = self.cell_direction(look, cell).0;
             let direction = (x * local.x + y * local.y + z * local.z).normalize();
             let share = around * local.z * FRAC_1_PI / density(local, direction);
             gathered.radiance = gathered.radiance.map(|band| band * share);
         }
         let seed = self.plan.options.seed ^ OUTWARD_SEED;
         for draw in 0..outward as u64 {
-            let sampler = RaySampler::new(seed, number.wrapping_mul(outward as u64).wrapping_add(draw));
+            let sampler = RaySampler::new(seed, look.number.wrapping_mul(outward as u64).wrapping_add(draw));
             let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
             let Some(direction) = outlook.draw([choice, u, v]) else { continue };
             let local = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
@@ -87,7 +85,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             let found = self.look(place, direction, sampler);
             // A cell counts with its share of the projected solid angle π.
             let weight = local.z / density(local, direction) * around / PI;
-            let cell = &mut seen[hemisphere.cell(local)];
+            let cell = &mut seen[look.hemisphere.cell(local)];
             cell.radiance = std::array::from_fn(|band| cell.radiance[band] + weight * found.radiance[band]);
         }
         seen

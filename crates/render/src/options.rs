@@ -72,6 +72,8 @@ impl Default for RenderOptions {
 pub struct Gathering {
     /// Error that sharing aims at, as a share (`-aa`); 0 shares nothing. Default 0.
     pub accuracy: f64,
+    /// Standard error that shared irradiance may keep, as a share; beyond `divisions` rays it gets up to eight times as many. Default 0.02.
+    pub noise: f64,
     /// The scene's size over the least distance at which details of irradiance are wanted, times `accuracy` (`-ar`); 0 is no bound. Default 256.
     pub resolution: u32,
     /// Rays that look around from a point (`-ad`). Default 1024.
@@ -84,7 +86,14 @@ pub struct Gathering {
 
 impl Default for Gathering {
     fn default() -> Self {
-        Gathering { accuracy: 0.0, resolution: 256, divisions: 1024, super_samples: 0, unshared: Unshared::DrawOne }
+        Gathering {
+            accuracy: 0.0,
+            noise: 0.02,
+            resolution: 256,
+            divisions: 1024,
+            super_samples: 0,
+            unshared: Unshared::DrawOne,
+        }
     }
 }
 

@@ -42,6 +42,25 @@ impl Ray {
     }
 }
 
+/// How far apart neighbouring rays are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Distance of their origins, scene units.
+    pub width: f64,
+    /// Angle between them, radians.
+    pub angle: f64,
+}
+
+impl Spread {
+    /// Rays that have nothing to do with each other.
+    pub const UNKNOWN: Spread = Spread { width: 0.0, angle: 0.0 };
+
+    /// Distance of neighbouring rays where they have gone so far, scene units.
+    pub(crate) fn at(&self, distance: f64) -> f64 {
+        self.width + self.angle * distance
+    }
+}
+
 /// Names a surface of one scene that has a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MemberId(pub(crate) u32);

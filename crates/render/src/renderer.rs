@@ -2,10 +2,9 @@
 
 use crate::contribution::Contribution;
 use crate::plan::RenderPlan;
-use crate::ray::Ray;
-use crate::survey::gather;
+use crate::ray::{Ray, Spread};
+use crate::survey::{Gathering, gather};
 use crate::trace::{Traced, Tracer};
-use radsight_irradiance::Cache;
 use rayon::prelude::*;
 
 /// Answers rays.
@@ -18,8 +17,8 @@ pub struct Renderer {
 /// Irradiance that was gathered before the rays are answered, in as many bands as are traced.
 #[derive(Debug, Default)]
 struct SharedIrradiance {
-    grey: Option<Cache<1>>,
-    color: Option<Cache<3>>,
+    grey: Option<Gathering<1>>,
+    color: Option<Gathering<3>>,
 }
 
 /// The memory with which one thread answers rays.
@@ -53,14 +52,14 @@ impl Renderer {
 
     /// Gathers irradiance where rays like these will want it, if the options ask for sharing (`-aa`), and says from how many points. What was
     /// gathered for other rays before is kept. The rays should be
-    /// spread over all that will be asked for later: one a pixel is plenty.
-    pub fn gather_irradiance(&mut self, rays: &[Option<Ray>]) -> usize {
+    /// spread over all that will be asked for later: one a pixel is plenty. Details that are smaller than their `spread` are not looked for.
+    pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: Spread) -> usize {
         if !self.plan.shares_irradiance() {
             return 0;
         }
         match self.plan.bands {
-            1 => gather(&self.plan, &mut self.shared.grey, rays),
-            _ => gather(&self.plan, &mut self.shared.color, rays),
+            1 => gather(&self.plan, &mut self.shared.grey, rays, spread),
+            _ => gather(&self.plan, &mut self.shared.color, rays, spread),
         }
     }
 
@@ -68,8 +67,8 @@ impl Renderer {
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
         RayWorker(match self.plan.bands {
-            1 => Bands::Grey(Tracer::new(&self.plan, self.shared.grey.as_ref())),
-            3 => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref())),
+            1 => Bands::Grey(Tracer::new(&self.plan, self.shared.grey.as_ref().map(|gathering| &gathering.cache))),
+            3 => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref().map(|gathering| &gathering.cache))),
             27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, None))),
             36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, None))),
             _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, None))),

@@ -1,10 +1,10 @@
 //! Gathering irradiance before the picture is made, where its rays will want it.
 
-use crate::gather::Place;
+use crate::gather::{Look, Place, Survey};
 use crate::plan::RenderPlan;
-use crate::ray::Ray;
+use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
-use radsight_irradiance::{Cache, Hemisphere, Limits};
+use radsight_irradiance::{Cache, Hemisphere, Limits, Record};
 use rayon::prelude::*;
 
 /// Rays that are surveyed together at first; later more, as fewer of them find something missing.
@@ -16,7 +16,25 @@ const GROUP: usize = 16;
 
 /// Looking around takes at most so many rays for each that is surveyed: beyond that drawing single rays is the better use of time, and
 /// places that no record reaches do that.
-const MOST_RAYS: usize = 32;
+const MOST_RAYS: usize = 64;
+
+/// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
+const FIRST_SHARE: usize = 8;
+
+/// But with at least so many, which say how far away things are.
+const FEWEST_RAYS: usize = 32;
+
+/// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise.
+const MOST_FURTHER: f64 = 8.0;
+
+/// What is darker than this share of the typical irradiance need not be more exact than that is.
+const DARK: f64 = 0.1;
+
+/// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
+const SURVEYS: usize = 3;
+
+/// Rounds of further rays where there are too few neighbours.
+const FURTHER_ROUNDS: usize = 3;
 
 impl RenderPlan {
     /// Whether irradiance is shared between points at all.
@@ -43,36 +61,141 @@ impl RenderPlan {
 /// threads only share the work of a group.
 pub(crate) fn gather<const BANDS: usize>(
     plan: &RenderPlan,
-    cache: &mut Option<Cache<BANDS>>,
+    cache: &mut Option<Gathering<BANDS>>,
     rays: &[Option<Ray>],
+    spread: Spread,
 ) -> usize {
-    let limits = plan.gathering_limits();
-    let cache = cache.get_or_insert_with(|| Cache::new(limits));
-    let before = cache.len();
-    let hemisphere = Hemisphere::with_divisions(plan.options.gathering.rays());
-    let order = scattered(rays.len());
-    let most = MOST_RAYS * rays.len() / hemisphere.len();
-    let (mut first, mut batch) = (0, FIRST_BATCH);
-    while first < order.len() && cache.len() - before < most {
-        let end = (first + batch).min(order.len());
-        let missing = survey(plan, cache, rays, &order[first..end]);
-        for group in missing.chunks(GROUP) {
-            let uncovered: Vec<&Place<BANDS>> = group.iter().filter(|place| !place.is_covered(cache)).collect();
-            let number = cache.len() as u64;
-            let records: Vec<_> = uncovered
-                .par_iter()
-                .enumerate()
-                .map_init(
-                    || Tracer::new(plan, None),
-                    |tracer, (index, place)| tracer.look_around(place, &hemisphere, number + index as u64, &limits),
-                )
-                .collect();
-            records.into_iter().for_each(|record| cache.insert(record));
+    let gathering = cache.get_or_insert_with(|| Gathering::new(plan));
+    let before = gathering.cache.len();
+    gathering.budget = gathering.rays + MOST_RAYS * rays.len();
+    for survey in 0..SURVEYS {
+        if survey > 0 {
+            gathering.cache.shorten_reaches();
         }
-        first = end;
-        batch = (2 * batch).min(LARGEST_BATCH);
+        let known = gathering.cache.len();
+        gathering.fill(plan, rays, spread);
+        if gathering.cache.len() == known {
+            break;
+        }
+        gathering.settle();
     }
-    cache.len() - before
+    for _ in 0..FURTHER_ROUNDS {
+        if gathering.look_again(plan, before) == 0 {
+            break;
+        }
+        gathering.settle();
+    }
+    gathering.cache.len() - before
+}
+
+/// Irradiance that is shared, and what it was gathered from.
+#[derive(Debug)]
+pub(crate) struct Gathering<const BANDS: usize> {
+    pub(crate) cache: Cache<BANDS>,
+    /// Where each record looked around.
+    places: Vec<Place<BANDS>>,
+    /// The hemisphere of a first look.
+    hemisphere: Hemisphere,
+    /// Rays spent so far, and how many may be.
+    rays: usize,
+    budget: usize,
+    /// Looks so far: each has random numbers of its own.
+    looks: u64,
+}
+
+impl<const BANDS: usize> Gathering<BANDS> {
+    fn new(plan: &RenderPlan) -> Self {
+        let wanted = plan.options.gathering.rays();
+        let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
+        let cache = Cache::new(plan.gathering_limits());
+        Gathering { cache, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: 0 }
+    }
+
+    /// Looks around where these rays want irradiance that is not there.
+    fn fill(&mut self, plan: &RenderPlan, rays: &[Option<Ray>], spread: Spread) {
+        let order = scattered(rays.len());
+        let (mut first, mut batch) = (0, FIRST_BATCH);
+        while first < order.len() && self.rays < self.budget {
+            let end = (first + batch).min(order.len());
+            let missing = survey(plan, &self.cache, rays, &order[first..end], spread);
+            for group in missing.chunks(GROUP) {
+                let uncovered: Vec<_> = group
+                    .iter()
+                    .filter(|place| !place.is_covered(&self.cache))
+                    .map(|place| (place.clone(), place.next_stratum(&self.cache)))
+                    .collect();
+                let records = self.look_around(plan, &uncovered);
+                for ((place, stratum), record) in uncovered.into_iter().zip(records) {
+                    self.cache.insert(record, stratum);
+                    self.places.push(place);
+                }
+            }
+            first = end;
+            batch = (2 * batch).min(LARGEST_BATCH);
+        }
+    }
+
+    /// Looks again from where irradiance rests on too few rays, and says from how many places.
+    fn look_again(&mut self, plan: &RenderPlan, first: usize) -> usize {
+        let mut weak: Vec<usize> = Vec::new();
+        let mut again = Vec::new();
+        let mut rays = self.rays;
+        let typical = self.cache.typical();
+        for index in first..self.cache.len() {
+            let looks = self.looks_missing(plan, index, typical);
+            rays += looks * self.hemisphere.len();
+            if rays > self.budget {
+                break;
+            }
+            for _ in 0..looks {
+                weak.push(index);
+                again.push((self.places[index].clone(), self.cache.take_stratum(index)));
+            }
+        }
+        let records = self.look_around(plan, &again);
+        for (index, record) in weak.iter().zip(records) {
+            self.cache.add(*index, &record);
+        }
+        weak.len()
+    }
+
+    /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
+    fn looks_missing(&self, plan: &RenderPlan, index: usize, typical: f64) -> usize {
+        let gathering = &plan.options.gathering;
+        let (record, fit) = self.cache.fitted(index);
+        let wanted = gathering.rays() as f64;
+        let allowed = gathering.noise * fit.strength().max(DARK * typical);
+        let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
+        let wanted = noisy.clamp(wanted, MOST_FURTHER * wanted);
+        let missing = record.rays() * (wanted / fit.rays() - 1.0);
+        (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
+    }
+
+    fn look_around(&mut self, plan: &RenderPlan, places: &[(Place<BANDS>, usize)]) -> Vec<Record<BANDS>> {
+        let (first, limits, hemisphere) = (self.looks, self.cache.limits(), &self.hemisphere);
+        self.looks += places.len() as u64;
+        self.rays += places.len() * hemisphere.len();
+        places
+            .par_iter()
+            .enumerate()
+            .map_init(
+                || Tracer::new(plan, None),
+                |tracer, (index, (place, stratum))| {
+                    let look = Look { hemisphere, stratum: Some(*stratum), number: first + index as u64 };
+                    tracer.look_around(place, &look, limits)
+                },
+            )
+            .collect()
+    }
+
+    /// Fits the irradiance to what is known by now.
+    fn settle(&mut self) {
+        let stale = self.cache.stale();
+        let fits: Vec<_> = stale.par_iter().map(|index| self.cache.fit(*index)).collect();
+        for (index, fit) in stale.into_iter().zip(fits) {
+            self.cache.adopt(index, fit);
+        }
+    }
 }
 
 /// Where these rays want irradiance that the cache does not have.
@@ -81,17 +204,18 @@ fn survey<const BANDS: usize>(
     cache: &Cache<BANDS>,
     rays: &[Option<Ray>],
     order: &[usize],
+    spread: Spread,
 ) -> Vec<Place<BANDS>> {
     order
         .par_iter()
         .map_init(
             || Tracer::new(plan, Some(cache)),
             |tracer, index| {
-                tracer.survey = Some(Vec::new());
+                tracer.survey = Some(Survey { places: Vec::new(), spread });
                 if let Some(ray) = &rays[*index] {
                     let _ = tracer.trace(*index as u64, ray);
                 }
-                tracer.survey.take().unwrap_or_default()
+                tracer.survey.take().map(|survey| survey.places).unwrap_or_default()
             },
         )
         .flatten_iter()

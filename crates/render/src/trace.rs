@@ -11,7 +11,7 @@ use crate::bands::BandValues;
 use crate::beyond::luminance;
 use crate::contribution::Contributions;
 use crate::direct::{DirectSampler, light_draws};
-use crate::gather::Place;
+use crate::gather::Survey;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
@@ -149,8 +149,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     effective_distance: f64,
     /// Irradiance that was gathered before.
     pub(crate) cache: Option<&'p Cache<BANDS>>,
-    /// While looking for points whose irradiance is wanted: those found.
-    pub(crate) survey: Option<Vec<Place<BANDS>>>,
+    /// While looking for points whose irradiance is wanted.
+    pub(crate) survey: Option<Survey<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
 }
@@ -645,7 +645,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let bounces = if segment.follows_no_diffuse { 0 } else { segment.ambient_bounces };
         let indirect = Indirect::after(bounces);
         let wants_indirect = point.has_diffuse() && indirect == Indirect::Followed && !alone;
-        let gathered = if wants_indirect { self.gathered(segment, at, primitive, point) } else { None };
+        let gathered = if wants_indirect { self.gathered(segment, at, primitive, point, travelled) } else { None };
         if self.survey.is_some() {
             return;
         }

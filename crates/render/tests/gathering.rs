@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, plan};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Unshared};
+use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Spread, Unshared};
 use std::f64::consts::PI;
 
 /// An integrating sphere: a small light in the middle of a diffuse bubble.
@@ -64,7 +64,7 @@ fn an_integrating_sphere_has_the_series_of_its_bounces() {
         let mut renderer = renderer(&scene, options(bounces, 0.1));
         let rays: Vec<_> =
             (0..256).map(|i| Ray::new(DVec3::new(0.5, 0.0, 0.0), DVec3::new(1.0, 0.01 * f64::from(i), 0.3))).collect();
-        let records = renderer.gather_irradiance(&rays);
+        let records = renderer.gather_irradiance(&rays, Spread::UNKNOWN);
         assert!(records > 0 && records < 64, "{records} records");
         let expected: f64 = (0..=bounces).map(|k| 0.5f64.powi(k as i32)).sum::<f64>() * direct * 0.5 / PI;
         for traced in renderer.trace_all(0, &rays).into_iter().flatten() {
@@ -78,7 +78,7 @@ fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
     let scene = corner();
     let rays = view(4096);
     let mut shared = renderer(&scene, options(2, 0.1));
-    shared.gather_irradiance(&rays);
+    shared.gather_irradiance(&rays, Spread::UNKNOWN);
     let drawn = renderer(&scene, options(2, 0.0));
     let mut difference = [0.0; 3];
     let mut whole = [0.0; 3];
@@ -121,7 +121,7 @@ fn gathering_does_not_depend_on_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
             let mut renderer = renderer(&scene, options(1, 0.2));
-            let records = renderer.gather_irradiance(&rays);
+            let records = renderer.gather_irradiance(&rays, Spread::UNKNOWN);
             let values: Vec<_> =
                 renderer.trace_all(0, &rays).into_iter().flatten().map(|traced| traced.value).collect();
             (records, values)

@@ -9,7 +9,7 @@ use crate::render_args::{number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
 use std::collections::HashSet;
 
 /// How values are written.
@@ -68,8 +68,7 @@ pub(super) struct Options {
 impl Default for Options {
     fn default() -> Self {
         // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
-        let gathering =
-            Gathering { accuracy: 0.0, resolution: 256, divisions: 350, super_samples: 0, unshared: Unshared::DrawOne };
+        let gathering = Gathering { accuracy: 0.0, divisions: 350, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 1,

@@ -63,6 +63,7 @@ impl Default for Options {
             divisions: 512,
             super_samples: 128,
             unshared: Unshared::DrawOne,
+            ..Gathering::default()
         };
         Options {
             render: RenderOptions {
@@ -107,12 +108,23 @@ impl Options {
                 _ => break,
             }
         }
+        options.share_error();
         options.scenes = words.split_off(at);
         options.command = words;
         if options.scenes.is_empty() {
             options.scenes.push("-".to_owned());
         }
         Ok(options)
+    }
+
+    /// Shared irradiance takes its part of the error that is asked for: half of it as noise, and what bends it away, which grows as the
+    /// square of the distance that records reach.
+    fn share_error(&mut self) {
+        if let Effort::Error { error, .. } = self.effort.unwrap_or(DEFAULT_EFFORT) {
+            let gathering = &mut self.render.gathering;
+            gathering.noise = 0.5 * error;
+            gathering.accuracy = gathering.accuracy.min(error.sqrt());
+        }
     }
 
     /// Takes one option; gives how many words it used.

@@ -14,7 +14,7 @@ use options::{Options, OutputFormat};
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Quantity, Ray, Renderer};
+use radsight_render::{Quantity, Ray, Renderer, Spread};
 use rayon::prelude::*;
 use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
@@ -99,7 +99,7 @@ impl Pace {
 fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
-        renderer.gather_irradiance(&to_trace);
+        renderer.gather_irradiance(&to_trace, Spread::UNKNOWN);
         trace_all(renderer, first_index, &to_trace, options.effort())
     } else {
         let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));

@@ -118,6 +118,7 @@ impl Default for Options {
             divisions: 1024,
             super_samples: 512,
             unshared: Unshared::LookAround,
+            ..Gathering::default()
         };
         Options {
             render: RenderOptions { gathering, highlight_threshold: 0.15, ..RenderOptions::default() },

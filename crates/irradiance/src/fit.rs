@@ -1,0 +1,205 @@
+//! The irradiance around a record, from its own rays and those of its neighbours.
+//!
+//! Neighbours looked into almost the same surroundings, so a plane through what all of them found is better known than any of them alone: with
+//! ten neighbours a tenth of the rays is enough. The plane is fitted by weighted least squares (local linear regression: Fan and
+//! Gijbels, Local Polynomial Modelling and Its Applications, 1996), the mean of the gradients that the rays themselves tell weighing in
+//! where neighbours are few. Where the neighbours disagree by more than their noise, the irradiance bends: then the fit is taken over
+//! a smaller neighbourhood, and the record is trusted less far.
+
+use crate::record::{Limits, Record, mean};
+use glam::{DMat3, DVec3};
+
+/// A plane of irradiance over the tangent plane of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit<const BANDS: usize> {
+    irradiance: [f64; BANDS],
+    /// Change per radian; its direction is the axis of the turn.
+    rotation: [DVec3; BANDS],
+    /// Change per length.
+    translation: [DVec3; BANDS],
+    /// How many rays it rests on.
+    rays: f64,
+    /// Of the irradiance averaged over the bands.
+    variance: f64,
+    /// The scale up to which the neighbours agree.
+    pub(crate) scale: f64,
+}
+
+/// A neighbour of a record as its fit sees it.
+struct Neighbour<'r, const BANDS: usize> {
+    record: &'r Record<BANDS>,
+    offset: DVec3,
+    /// Zero at the record itself, one at the border of the widest neighbourhood.
+    distance: f64,
+    /// How well the surfaces agree, 0…1.
+    agreement: f64,
+}
+
+impl<const BANDS: usize> Fit<BANDS> {
+    /// From the record alone.
+    pub(crate) fn of(record: &Record<BANDS>) -> Fit<BANDS> {
+        Fit {
+            irradiance: record.irradiance,
+            rotation: record.gradients.rotation,
+            translation: record.gradients.translation,
+            rays: record.rays,
+            variance: record.variance,
+            scale: record.scale,
+        }
+    }
+
+    /// From the record and those around it, among which it is itself.
+    pub(crate) fn new<'r>(
+        record: &Record<BANDS>,
+        around: impl Iterator<Item = &'r Record<BANDS>>,
+        limits: &Limits,
+    ) -> Fit<BANDS> {
+        let radius = neighbourhood(limits) * record.reach(limits);
+        let mut neighbours: Vec<Neighbour<'r, BANDS>> = around
+            .filter_map(|other| {
+                let offset = other.position - record.position;
+                let forth = record.misplacement(other.position, other.normal, radius, limits.accuracy);
+                let back = other.misplacement(record.position, record.normal, radius, limits.accuracy);
+                let distance = offset.length() / radius;
+                let misplacement = forth.max(back);
+                (misplacement < 1.0).then(|| Neighbour {
+                    record: other,
+                    offset: offset - record.normal * offset.dot(record.normal),
+                    distance,
+                    agreement: 1.0 - misplacement.powi(2),
+                })
+            })
+            .collect();
+        let mut share = 1.0;
+        loop {
+            let (mut fit, misfit) = Fit::over(record, &neighbours, share * radius, share);
+            fit.scale = share * record.scale;
+            if misfit <= MOST_MISFIT || neighbours.len() < FEWEST_TO_JUDGE || share <= LEAST_SHARE {
+                return fit;
+            }
+            share *= 0.5f64.sqrt();
+            neighbours.retain(|neighbour| neighbour.distance < share);
+        }
+    }
+
+    /// The fit over a ball of this radius, and by how many times its residuals exceed what the noise of the rays explains.
+    fn over(record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], radius: f64, share: f64) -> (Fit<BANDS>, f64) {
+        let weights: Vec<f64> = neighbours.iter().map(|neighbour| neighbour.weight(share)).collect();
+        let total: f64 = weights.iter().sum();
+        let mut fit = Fit::of(record);
+        if neighbours.len() < 2 || total <= 0.0 {
+            return (fit, 0.0);
+        }
+        let squares: f64 =
+            weights.iter().zip(neighbours).map(|(weight, other)| weight * weight / other.record.rays).sum();
+        fit.rays = total * total / squares;
+        let noise = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| weight * weight * other.record.variance;
+        fit.variance = weights.iter().zip(neighbours).map(noise).sum::<f64>() / (total * total);
+        let average = |of: &dyn Fn(&Record<BANDS>) -> DVec3| {
+            weights.iter().zip(neighbours).map(|(weight, other)| of(other.record) * *weight).sum::<DVec3>() / total
+        };
+        let [x, y, _] = Record::<BANDS>::frame(record.normal);
+        let place = |neighbour: &Neighbour<'_, BANDS>| {
+            DVec3::new(1.0, neighbour.offset.dot(x) / radius, neighbour.offset.dot(y) / radius)
+        };
+        let mut normal_matrix = DMat3::from_diagonal(DVec3::new(0.0, PRIOR * total, PRIOR * total));
+        for (weight, neighbour) in weights.iter().zip(neighbours) {
+            let place = place(neighbour);
+            normal_matrix += DMat3::from_cols(place * place.x, place * place.y, place * place.z) * *weight;
+        }
+        let solve = normal_matrix.inverse();
+        for band in 0..BANDS {
+            let rotation = average(&|other| other.gradients.rotation[band]);
+            let gradient = average(&|other| other.gradients.translation[band]);
+            let prior = DVec3::new(0.0, gradient.dot(x) * radius, gradient.dot(y) * radius);
+            let mut right = prior * (PRIOR * total);
+            for (weight, neighbour) in weights.iter().zip(neighbours) {
+                let turn = neighbour.record.normal.cross(record.normal);
+                right += place(neighbour) * (*weight * (neighbour.record.irradiance[band] + turn.dot(rotation)));
+            }
+            let plane = solve * right;
+            fit.irradiance[band] = plane.x.max(0.0);
+            fit.translation[band] = (x * plane.y + y * plane.z) / radius;
+            fit.rotation[band] = rotation;
+        }
+        let misfit = fit.misfit(record, neighbours, &weights);
+        (fit, misfit)
+    }
+
+    fn misfit(&self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], weights: &[f64]) -> f64 {
+        let (mut found, mut expected) = (0.0, 0.0);
+        for (weight, neighbour) in weights.iter().zip(neighbours) {
+            let other = neighbour.record;
+            let turn = other.normal.cross(record.normal);
+            let residual = |band: usize| {
+                let here = other.irradiance[band] + turn.dot(self.rotation[band]);
+                here - self.irradiance[band] - neighbour.offset.dot(self.translation[band])
+            };
+            let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
+            found += weight * residual * residual;
+            expected += weight * (other.variance + (TOLERANCE * self.strength()).powi(2));
+        }
+        if expected > 0.0 { found / expected } else { 0.0 }
+    }
+
+    /// How many rays it rests on.
+    #[must_use]
+    pub fn rays(&self) -> f64 {
+        self.rays
+    }
+
+    /// The standard error that its rays leave in the irradiance averaged over the bands.
+    #[must_use]
+    pub fn standard_error(&self) -> f64 {
+        self.variance.sqrt()
+    }
+
+    /// The irradiance averaged over the bands.
+    #[must_use]
+    pub fn strength(&self) -> f64 {
+        mean(&self.irradiance)
+    }
+
+    /// The irradiance moved and turned to a point near its record.
+    pub(crate) fn at(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3) -> [f64; BANDS] {
+        let offset = position - record.position;
+        let turn = record.normal.cross(normal);
+        std::array::from_fn(|band| {
+            let change = turn.dot(self.rotation[band]) + offset.dot(self.translation[band]);
+            (self.irradiance[band] + change).max(0.0)
+        })
+    }
+}
+
+impl<const BANDS: usize> Neighbour<'_, BANDS> {
+    /// In proportion to the rays; falls to zero at the border of the neighbourhood.
+    fn weight(&self, share: f64) -> f64 {
+        let distance = self.distance / share;
+        if distance >= 1.0 { 0.0 } else { self.record.rays * self.agreement * (1.0 - distance * distance) }
+    }
+}
+
+/// The radius of the neighbourhood of a fit, in reaches of its record.
+pub(crate) fn neighbourhood(limits: &Limits) -> f64 {
+    (WIDEST / limits.accuracy).clamp(NARROWEST_IN_REACHES, WIDEST_IN_REACHES)
+}
+
+/// No neighbourhood is wider than this share of the scale, however far records reach: irradiance bends.
+const WIDEST: f64 = 0.3;
+const NARROWEST_IN_REACHES: f64 = 1.5;
+const WIDEST_IN_REACHES: f64 = 2.5;
+
+/// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
+const PRIOR: f64 = 0.02;
+
+/// Residuals that are so many times the noise are no noise any more.
+const MOST_MISFIT: f64 = 2.5;
+
+/// A plane may miss the irradiance by this share.
+const TOLERANCE: f64 = 0.01;
+
+/// Fewer neighbours always agree with some plane.
+const FEWEST_TO_JUDGE: usize = 6;
+
+/// The neighbourhood is not narrowed below this share.
+const LEAST_SHARE: f64 = 0.3;

@@ -1,0 +1,95 @@
+//! What is near a point.
+
+use glam::DVec3;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// Numbered balls, and where to find those that a point may lie in.
+///
+/// Space is divided into cubes of several sizes, halved from one to the next. A ball stands in all cubes that it touches, of the size that is at least
+/// its diameter, so that there are at most eight; a point looks into one cube of each size.
+#[derive(Clone, Debug)]
+pub(crate) struct Grid {
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    side: f64,
+    cubes: HashMap<[i32; 3], Vec<u32>, BuildHasherDefault<CubeHasher>>,
+}
+
+impl Grid {
+    /// For balls of these radii; smaller and larger ones cost time only.
+    pub(crate) fn new(least: f64, most: f64) -> Grid {
+        let mut levels = Vec::new();
+        let mut side = 2.0 * most;
+        while levels.len() < MAX_LEVELS {
+            levels.push(Level { side, cubes: HashMap::default() });
+            if 0.5 * side < 2.0 * least {
+                break;
+            }
+            side *= 0.5;
+        }
+        Grid { levels }
+    }
+
+    pub(crate) fn insert(&mut self, number: u32, center: DVec3, radius: f64) {
+        let level = self.levels.iter().rposition(|level| level.side >= 2.0 * radius).unwrap_or(0);
+        let level = &mut self.levels[level];
+        let low = cube(center - DVec3::splat(radius), level.side);
+        let high = cube(center + DVec3::splat(radius), level.side);
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    level.cubes.entry([x, y, z]).or_default().push(number);
+                }
+            }
+        }
+    }
+
+    /// The numbers of all balls that the point may lie in, in an order that depends only on the order in which they were inserted.
+    pub(crate) fn visit(&self, point: DVec3, mut visit: impl FnMut(u32)) {
+        for level in self.levels.iter().filter(|level| !level.cubes.is_empty()) {
+            for number in level.cubes.get(&cube(point, level.side)).into_iter().flatten() {
+                visit(*number);
+            }
+        }
+    }
+}
+
+/// Sizes of cubes; the smallest one may hold balls that would fit a smaller one.
+const MAX_LEVELS: usize = 24;
+
+fn cube(point: DVec3, side: f64) -> [i32; 3] {
+    // Casting saturates, so a far point shares a cube with others, which costs time only.
+    (point / side).floor().to_array().map(|coordinate| coordinate as i32)
+}
+
+/// Multiplies and mixes: cubes need no defence against chosen keys.
+#[derive(Clone, Copy, Debug, Default)]
+struct CubeHasher(u64);
+
+impl Hasher for CubeHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u32(u32::from(*byte));
+        }
+    }
+
+    fn write_u32(&mut self, value: u32) {
+        self.0 = (self.0.rotate_left(5) ^ u64::from(value)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn write_i32(&mut self, value: i32) {
+        self.write_u32(value as u32);
+    }
+
+    fn write_usize(&mut self, value: usize) {
+        self.write_u32(value as u32);
+    }
+}
