@@ -2,7 +2,7 @@
 
 use crate::direct::DirectSampler;
 use crate::geometry::is_flat;
-use crate::light::{Light, LightForm};
+use crate::light::Light;
 use crate::light_tree::Reception;
 use crate::medium::{Medium, MistKind};
 use crate::options::BackFaces;
@@ -245,7 +245,7 @@ impl PlacesAlong {
         distance: f64,
     ) -> PlacesAlong {
         let extinction = medium.extinction.iter().sum::<f64>() / BANDS as f64;
-        let nearest = (!matches!(light.form, LightForm::Distant { .. })).then(|| {
+        let nearest = light.radius.is_finite().then(|| {
             let offset = light.center - segment.ray.origin;
             let along = offset.dot(segment.ray.direction);
             let beside = (offset - segment.ray.direction * along).length();

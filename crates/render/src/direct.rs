@@ -196,7 +196,8 @@ impl DirectSampler<'_> {
     /// A place on a light that can give something.
     #[inline]
     pub(crate) fn place(&self, light: &Light, u: [f64; 2]) -> Option<LightSample> {
-        light.sample(self.point, u, &self.reception.peak).filter(|sample| sample.distance <= light.max_distance)
+        let sample = light.sample(self.point, u, &self.reception.peak)?;
+        light.reaches(self.point, sample.direction, sample.distance).then_some(sample)
     }
 
     /// What one place gives to a point that responds to it like this.

@@ -39,6 +39,7 @@ mod openings;
 mod options;
 mod plan;
 mod prism;
+mod prism_image;
 mod ray;
 mod reach;
 mod recognise;

@@ -98,6 +98,8 @@ pub(crate) enum LightForm {
     Cone { base: DVec3, axis: DVec3, x: DVec3, y: DVec3, length: f64, radii: [f64; 2], facing: Facing },
     /// Infinitely far: a cone of directions about `direction`.
     Distant { direction: DVec3, x: DVec3, y: DVec3, half_angle_sin_squared_half: f64 },
+    /// What a prism makes of it: directions `direction + a·x + b·y` within the unit circle; `x` and `y` are perpendicular to the unit `direction`.
+    DistantImage { direction: DVec3, x: DVec3, y: DVec3 },
 }
 
 /// A place on a light, seen from a point.
@@ -159,7 +161,7 @@ impl LightForm {
             LightForm::Parallelogram { area, .. } | LightForm::Triangles { area, .. } => *area,
             LightForm::Sphere { radius, .. } => 4.0 * PI * radius * radius,
             LightForm::Cone { length, radii, .. } => PI * (radii[0] + radii[1]) * length.hypot(radii[1] - radii[0]),
-            LightForm::Distant { .. } => f64::INFINITY,
+            LightForm::Distant { .. } | LightForm::DistantImage { .. } => f64::INFINITY,
         }
     }
 
@@ -190,7 +192,9 @@ impl LightForm {
             LightForm::Cone { base, axis, length, radii, .. } => {
                 (*base + *axis * (0.5 * length), (0.5 * length).hypot(radii[0].max(radii[1])))
             }
-            LightForm::Distant { direction, .. } => (*direction, f64::INFINITY),
+            LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
+                (*direction, f64::INFINITY)
+            }
         }
     }
 
@@ -202,7 +206,7 @@ impl LightForm {
             }
             LightForm::Parallelogram { corner, x, y, .. } => *corner + *x * u + *y * v,
             LightForm::Triangles { triangles, cumulative, .. } => point_on_triangles(triangles, cumulative, u, v),
-            LightForm::Sphere { .. } | LightForm::Cone { .. } | LightForm::Distant { .. } => return None,
+            _ => return None,
         };
         self.plane().map(|(normal, _)| (normal, point))
     }
@@ -228,7 +232,7 @@ impl LightForm {
                 within.contains(&share(from_corner.cross(*y))) && within.contains(&share(x.cross(from_corner)))
             }
             LightForm::Triangles { triangles, .. } => triangles.iter().any(|triangle| is_in(triangle, point)),
-            LightForm::Sphere { .. } | LightForm::Cone { .. } | LightForm::Distant { .. } => false,
+            _ => false,
         };
         is_inside.then_some((distance, cosine))
     }
@@ -273,6 +277,12 @@ impl LightForm {
                 let (towards, density) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
                 return Some(LightSample { direction: towards, distance: f64::INFINITY, density, normal: -towards });
             }
+            LightForm::DistantImage { direction, x, y } => {
+                let (a, b) = unit_disk(u, v);
+                let towards = (*direction + *x * a + *y * b).normalize();
+                let density = ellipse_density(*direction, *x, *y, towards);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, density, normal: -towards });
+            }
         };
         seen(receiver, point, normal, density)
     }
@@ -303,6 +313,7 @@ impl LightForm {
             LightForm::Distant { direction: axis, x, y, half_angle_sin_squared_half } => {
                 cap_density(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
             }
+            LightForm::DistantImage { direction: axis, x, y } => ellipse_density(*axis, *x, *y, direction),
             _ => by_area,
         }
     }
@@ -311,6 +322,7 @@ impl LightForm {
     pub(crate) fn solid_angle(&self, distance: f64) -> f64 {
         match self {
             LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
+            LightForm::DistantImage { x, y, .. } => PI * x.cross(*y).length(),
             form => form.area() / (distance * distance),
         }
     }
@@ -377,6 +389,12 @@ fn cap_density(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, grad
     let scale = (2.0 * cap * (2.0 - versed)).sqrt();
     let at = (direction.dot(x) / scale, direction.dot(y) / scale);
     disk_tilt(gradient, x * rim, y * rim).density(at) / cap_solid_angle(cap)
+}
+
+/// Directions that are even on the plane that touches their sphere in `axis`, over an ellipse of that plane, per solid angle.
+fn ellipse_density(axis: DVec3, x: DVec3, y: DVec3, towards: DVec3) -> f64 {
+    // A piece of the plane at 1/cos is seen under that cosine.
+    (PI * x.cross(y).length() * axis.dot(towards).powi(3)).recip()
 }
 
 fn sample_sphere(
@@ -505,6 +523,24 @@ impl Light {
         self.form.density(receiver, direction, distance, cosine, gradient)
     }
 
+    /// Whether a glow's radius reaches a receiver from the place at `distance` along `direction`: as in Radiance, which draws places on round bodies
+    /// in their middle, it is measured from there.
+    #[inline]
+    pub(crate) fn reaches(&self, receiver: DVec3, direction: DVec3, distance: f64) -> bool {
+        if self.max_distance == f64::INFINITY {
+            return true;
+        }
+        let from_middle = match &self.form {
+            LightForm::Sphere { center, .. } => receiver.distance(*center),
+            LightForm::Cone { base, axis, .. } => {
+                let along = axis.dot(receiver + direction * distance - *base);
+                receiver.distance(*base + *axis * along)
+            }
+            _ => distance,
+        };
+        from_middle <= self.max_distance
+    }
+
     /// The factor of a spotlight's radiance at a distance.
     #[inline]
     pub(crate) fn focal_factor(&self, distance: f64) -> f64 {
@@ -515,7 +551,9 @@ impl Light {
     #[inline]
     fn gradient(&self, receiver: DVec3, peak: &Peak) -> DVec3 {
         match self.form {
-            LightForm::Distant { direction, .. } => peak.gradient(direction),
+            LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
+                peak.gradient(direction)
+            }
             LightForm::Sphere { center, .. } => peak.gradient((center - receiver).normalize_or_zero()),
             _ => {
                 let offset = self.center - receiver;
@@ -591,7 +629,8 @@ impl Light {
     }
 }
 
-/// The form seen by way of a mirror or prism. As in Radiance a prism changes neither the area nor the solid angle of a distant light.
+/// The form seen by way of a mirror or prism. A distant light in a prism is
+/// [`crate::prism_image`]'s matter, if that finds an image.
 pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
     let point = |p: &DVec3| relay.image_of_point(*p);
     let vector = |v: &DVec3| relay.image_of_direction(*v);
@@ -636,5 +675,8 @@ pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
             y: unit(y),
             half_angle_sin_squared_half: *half_angle_sin_squared_half,
         },
+        LightForm::DistantImage { direction, x, y } => {
+            LightForm::DistantImage { direction: unit(direction), x: vector(x), y: vector(y) }
+        }
     }
 }

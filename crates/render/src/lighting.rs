@@ -3,6 +3,7 @@
 use crate::geometry::{Geometry, flat_normal};
 use crate::light::{Light, LightCone, LightForm, Redirection, Relay, relayed};
 use crate::prism::PrismKind;
+use crate::prism_image::Met;
 use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{Kind, Shader};
 use crate::view::Encounter;
@@ -145,10 +146,13 @@ impl Relayer<'_> {
             let cone = light.cone.filter(|_| redirection.is_none());
             let cone = cone.map(|cone| LightCone { axis: relay.image_of_direction(cone.axis), ..cone });
             let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
+            let prism = self.prism.map(|prism| Met { prism, middle: self.middle, normal });
+            let image = prism.zip(redirection).and_then(|(prism, redirection)| prism.image(&light.form, &redirection));
+            let form = image.unwrap_or_else(|| relayed(&light.form, &relay));
             let mut relays = vec![relay];
             relays.extend_from_slice(&light.relays);
             // The relays further along are seen in this one: real rays are unfolded one at a time, so they stay as they are.
-            Light { form: relayed(&light.form, &relay), center, radius, cone, relays, ..light.clone() }
+            Light { form, center, radius, cone, relays, ..light.clone() }
         })
     }
 

@@ -146,6 +146,10 @@ impl Link {
         if light.misses(self.receiver) {
             return focal;
         }
+        // Near to a round glow and far from its middle there is no light of it, as in Radiance.
+        if light.relays.is_empty() && !light.reaches(self.receiver, self.direction, length) {
+            return 0.0;
+        }
         let other = light.density(self.receiver, self.direction, length, cosine, &self.reception.peak);
         // A ray without a density leaves the light to its sampling, if that can find it there.
         if other <= 0.0 {

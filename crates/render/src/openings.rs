@@ -233,7 +233,7 @@ fn turned(form: &LightForm) -> LightForm {
         LightForm::Disk { normal, .. }
         | LightForm::Parallelogram { normal, .. }
         | LightForm::Triangles { normal, .. } => *normal = -*normal,
-        LightForm::Sphere { .. } | LightForm::Cone { .. } | LightForm::Distant { .. } => {}
+        _ => {}
     }
     form
 }

@@ -6,8 +6,8 @@ use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::{
     Cone, Cube, Dielectric, FunctionCall, Glossy, Instance, Material, Mesh, MeshInstance, Modifier, ModifierHandle,
-    ModifierKind, OctreeScene, Pattern, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere, Substitute, Surface,
-    Transform,
+    ModifierKind, OctreeScene, Pattern, Prism, PrismFace, Rgb, Ring, Scene, Shape, SolidAngle, Source, Sphere,
+    Substitute, Surface, Transform,
 };
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan, Renderer, Traced};
 use std::sync::Arc;
@@ -91,20 +91,14 @@ impl Builder {
         self.patterned(expression, Material::Glow { radiance: Rgb::WHITE, max_radius: 0.0 })
     }
 
+    /// A prism with one face: its coefficient and the components of its direction.
+    pub(crate) fn prism(&mut self, expressions: [&str; 4]) -> ModifierHandle {
+        self.material(Material::Prism(Prism { call: call(&expressions), faces: PrismFace::One }))
+    }
+
     /// A material that is multiplied by the value of an expression.
     pub(crate) fn patterned(&mut self, expression: &str, material: Material) -> ModifierHandle {
-        let mut sources = SourceMap::default();
-        let source = sources.add("test", expression.as_bytes().to_vec(), None);
-        let root = Root::Expression { text: expression, span: sources.span(source, 0, expression.len()) };
-        let definitions = Definitions::with_initial_library();
-        let program = Program::compile(&definitions, &Scope::global(), &[root], &Bindings::of_ray())
-            .expect("the test's expression is one");
-        let call = FunctionCall {
-            program: Arc::new(program),
-            to_scene: Transform::IDENTITY,
-            words: Vec::new(),
-            numbers: Vec::new(),
-        };
+        let call = call(&[expression]);
         let name = self.0.names.add("pattern");
         let kind = ModifierKind::Pattern(Pattern::BrightFunction(call));
         let pattern = self.0.modifiers.add(Modifier { name, span: None, modifier: None, kind });
@@ -138,6 +132,22 @@ impl Builder {
         let handle = self.0.sources.add(Source { direction, extent: SolidAngle { full_angle } });
         self.surface(modifier, Shape::Source(handle));
     }
+}
+
+/// A call of expressions of the ray.
+fn call(expressions: &[&str]) -> FunctionCall {
+    let mut sources = SourceMap::default();
+    let roots: Vec<Root<'_>> = expressions
+        .iter()
+        .map(|expression| {
+            let source = sources.add("test", expression.as_bytes().to_vec(), None);
+            Root::Expression { text: expression, span: sources.span(source, 0, expression.len()) }
+        })
+        .collect();
+    let definitions = Definitions::with_initial_library();
+    let program = Program::compile(&definitions, &Scope::global(), &roots, &Bindings::of_ray())
+        .expect("the test's expressions are some");
+    FunctionCall { program: Arc::new(program), to_scene: Transform::IDENTITY, words: Vec::new(), numbers: Vec::new() }
 }
 
 /// The red band of rays 0…count of one place and direction.
