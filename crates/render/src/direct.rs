@@ -24,6 +24,9 @@ struct Thrift {
 /// about the least error for the time.
 const THRIFT: [Thrift; 2] = [Thrift { all: 24, draws: 8 }, Thrift { all: 12, draws: 4 }];
 
+/// So many images of lights count as one light: from most places most of them are not seen.
+const IMAGES_FOR_ONE: usize = 3;
+
 /// With no more lights than this there is never a choice.
 pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 
@@ -31,7 +34,8 @@ pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 /// it is asked what each of them gives.
 pub(crate) fn light_draws(plan: &RenderPlan, scattered: bool) -> u32 {
     let Thrift { all, draws } = THRIFT[usize::from(scattered)];
-    let few = plan.light_tree.is_none() || plan.lights.len() <= all;
+    let real = plan.lights.partition_point(|light| light.relays.is_empty());
+    let few = plan.light_tree.is_none() || real + (plan.lights.len() - real) / IMAGES_FOR_ONE <= all;
     if few || !plan.options.tracked_modifiers.is_empty() { 0 } else { draws }
 }
 

@@ -55,6 +55,7 @@ mod survey;
 mod tilt;
 mod trace;
 mod view;
+mod visible_side;
 mod weak_highlight;
 
 pub use bands::BandValues;

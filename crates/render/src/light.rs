@@ -4,6 +4,7 @@ use crate::geometry;
 use crate::lens::Overlap;
 use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::tilt::{DiskTilt, Peak, exponential, exponential_density};
+use crate::visible_side::VisibleSide;
 use earcut::Earcut;
 use glam::DVec3;
 use radsight_ir::{Facing, Scene, Shape, SurfaceHandle};
@@ -94,8 +95,8 @@ pub(crate) enum LightForm {
     Triangles { triangles: Vec<[DVec3; 3]>, cumulative: Vec<f64>, normal: DVec3, area: f64 },
     /// A sphere, or a bubble that shines inward.
     Sphere { center: DVec3, radius: f64, facing: Facing },
-    /// A truncated cone or cylinder; `x` and `y` are unit and perpendicular to the unit `axis`.
-    Cone { base: DVec3, axis: DVec3, x: DVec3, y: DVec3, length: f64, radii: [f64; 2], facing: Facing },
+    /// A truncated cone or cylinder; `axis` is unit.
+    Cone { base: DVec3, axis: DVec3, length: f64, radii: [f64; 2], facing: Facing },
     /// Infinitely far: a cone of directions about `direction`.
     Distant { direction: DVec3, x: DVec3, y: DVec3, half_angle_sin_squared_half: f64 },
     /// What a prism makes of it: directions `direction + a·x + b·y` within the unit circle; `x` and `y` are perpendicular to the unit `direction`.
@@ -128,9 +129,8 @@ impl LightForm {
                 let cone = scene.cones[handle];
                 let length = cone.base.distance(cone.apex);
                 let axis = (cone.apex - cone.base) / length;
-                let (x, y) = axis.any_orthonormal_pair();
                 let radii = [cone.base_radius, cone.apex_radius];
-                Some(LightForm::Cone { base: cone.base, axis, x, y, length, radii, facing: cone.facing })
+                Some(LightForm::Cone { base: cone.base, axis, length, radii, facing: cone.facing })
             }
             Shape::Ring(handle) => {
                 let ring = scene.rings[handle];
@@ -263,15 +263,15 @@ impl LightForm {
             LightForm::Sphere { center, radius, facing } => {
                 return sample_sphere(*center, *radius, *facing, receiver, [u, v], gradient);
             }
-            LightForm::Cone { base, axis, x, y, length, radii, facing } => {
+            LightForm::Cone { base, axis, length, radii, facing } => {
+                let side = self.visible_side(receiver)?;
                 let share = height_share(*radii, u);
                 let radius = radii[0] + (radii[1] - radii[0]) * share;
-                let (sin, cos) = (TAU * v).sin_cos();
-                let radial = *x * cos + *y * sin;
+                let (radial, density) = side.draw(v);
                 let slope = (radii[1] - radii[0]) / length;
                 let outward = (radial - *axis * slope).normalize();
                 let normal = if *facing == Facing::Outward { outward } else { -outward };
-                (*base + *axis * (share * length) + radial * radius, normal, self.area().recip())
+                (*base + *axis * (share * length) + radial * radius, normal, density / self.area())
             }
             LightForm::Distant { direction, x, y, half_angle_sin_squared_half: cap } => {
                 let (towards, density) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
@@ -313,9 +313,20 @@ impl LightForm {
             LightForm::Distant { direction: axis, x, y, half_angle_sin_squared_half } => {
                 cap_density(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
             }
+            LightForm::Cone { base, axis, .. } => {
+                let from_base = receiver + direction * distance - *base;
+                let from_axis = (from_base - *axis * from_base.dot(*axis)).normalize_or_zero();
+                self.visible_side(receiver).map_or(0.0, |side| by_area * side.density(from_axis))
+            }
             LightForm::DistantImage { direction: axis, x, y } => ellipse_density(*axis, *x, *y, direction),
             _ => by_area,
         }
+    }
+
+    /// The part of a cone that a point sees; `None` where it is nothing, and for other forms.
+    fn visible_side(&self, receiver: DVec3) -> Option<VisibleSide> {
+        let LightForm::Cone { base, axis, length, radii, facing } = self else { return None };
+        VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
     }
 
     /// Solid angle of a distant light, or a bound from the area of a near one, sr.
@@ -660,15 +671,9 @@ pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
         LightForm::Sphere { center, radius, facing } => {
             LightForm::Sphere { center: point(center), radius: *radius, facing: *facing }
         }
-        LightForm::Cone { base, axis, x, y, length, radii, facing } => LightForm::Cone {
-            base: point(base),
-            axis: unit(axis),
-            x: unit(x),
-            y: unit(y),
-            length: *length,
-            radii: *radii,
-            facing: *facing,
-        },
+        LightForm::Cone { base, axis, length, radii, facing } => {
+            LightForm::Cone { base: point(base), axis: unit(axis), length: *length, radii: *radii, facing: *facing }
+        }
         LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => LightForm::Distant {
             direction: unit(direction),
             x: unit(x),

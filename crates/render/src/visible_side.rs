@@ -1,0 +1,119 @@
+//! The part of a cylinder's or cone's side that a point sees, to draw places on it.
+//!
+//! With `R` the radius that the cone would have at the height of the point and `D` the distance of the point from the axis, the side shows
+//! itself where `D·cos φ > R`, φ the turn about the axis from the point: at the same turns over the whole length. From afar each share of the
+//! width that is seen gives as much, so `sin φ` is drawn evenly.
+
+use glam::DVec3;
+use radsight_ir::Facing;
+use std::f64::consts::{PI, TAU};
+
+/// The turns at which the side is seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct VisibleSide {
+    /// Unit, perpendicular to the axis: to the middle of the turns, and to their side.
+    middle: DVec3,
+    beside: DVec3,
+    spread: Spread,
+}
+
+/// How turns are drawn.
+#[derive(Clone, Copy, Debug)]
+enum Spread {
+    /// Evenly in their sine, up to this.
+    Sine(f64),
+    /// Evenly, up to this angle.
+    Turn(f64),
+}
+
+impl VisibleSide {
+    /// Seen from `receiver`, a point relative to the middle of the base; `axis` is unit, `slope` the growth of the radius by height. `None`
+    /// where nothing is seen.
+    pub(crate) fn new(
+        receiver: DVec3,
+        axis: DVec3,
+        (base_radius, slope): (f64, f64),
+        facing: Facing,
+    ) -> Option<VisibleSide> {
+        let height = receiver.dot(axis);
+        let from_axis = receiver - axis * height;
+        let distance = from_axis.length();
+        let radius = base_radius + slope * height;
+        let towards = if distance > 0.0 { from_axis / distance } else { axis.any_orthonormal_vector() };
+        let widest = if radius.abs() < distance {
+            (radius / distance).acos()
+        } else if radius > 0.0 {
+            0.0
+        } else {
+            PI
+        };
+        let (middle, spread) = match facing {
+            Facing::Outward if radius >= 0.0 => (towards, Spread::Sine(widest.sin())),
+            Facing::Outward => (towards, Spread::Turn(widest)),
+            Facing::Inward => (-towards, Spread::Turn(PI - widest)),
+        };
+        let (Spread::Sine(most) | Spread::Turn(most)) = spread;
+        (most > 0.0).then(|| VisibleSide { middle, beside: axis.cross(middle), spread })
+    }
+
+    /// The unit direction from the axis to a drawn place, and its density as a multiple of the even one all around.
+    pub(crate) fn draw(&self, v: f64) -> (DVec3, f64) {
+        let share = 2.0 * v - 1.0;
+        let (sin, cos) = match self.spread {
+            Spread::Sine(most) => (share * most, (1.0 - (share * most).powi(2)).sqrt()),
+            Spread::Turn(most) => (share * most).sin_cos(),
+        };
+        (self.middle * cos + self.beside * sin, self.density_at(cos))
+    }
+
+    /// The same multiple for the place in this unit direction from the axis.
+    pub(crate) fn density(&self, from_axis: DVec3) -> f64 {
+        self.density_at(from_axis.dot(self.middle))
+    }
+
+    fn density_at(&self, cos: f64) -> f64 {
+        match self.spread {
+            Spread::Sine(most) => TAU * cos.max(0.0) / (2.0 * most),
+            Spread::Turn(most) => PI / most,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_those_that_are_seen_with_the_density_that_they_claim() {
+        let axis = DVec3::Z;
+        for (base_radius, slope) in [(0.5, 0.0), (0.3, 0.4), (0.3, -0.4)] {
+            for facing in [Facing::Outward, Facing::Inward] {
+                for receiver in [DVec3::new(1.0, 0.4, 0.3), DVec3::new(0.2, -0.1, 0.5), DVec3::new(0.3, 0.2, 2.0)] {
+                    let radius_there = base_radius + slope * receiver.z;
+                    let is_seen = |turn: f64| {
+                        let shown = receiver.x * turn.cos() + receiver.y * turn.sin() - radius_there;
+                        if facing == Facing::Outward { shown > 0.0 } else { shown < 0.0 }
+                    };
+                    let steps = 20_000;
+                    let at = |step: u32| (f64::from(step) + 0.5) / f64::from(steps);
+                    let expected: f64 = (0..steps)
+                        .map(|step| TAU * at(step))
+                        .filter(|turn| is_seen(*turn))
+                        .map(|turn| (2.0 + turn.sin()) / f64::from(steps))
+                        .sum();
+                    let found = match VisibleSide::new(receiver, axis, (base_radius, slope), facing) {
+                        None => 0.0,
+                        Some(side) => (0..steps)
+                            .map(|step| {
+                                let (from_axis, density) = side.draw(at(step));
+                                assert!((side.density(from_axis) / density - 1.0).abs() < 1e-9);
+                                (2.0 + from_axis.y) / (density * f64::from(steps))
+                            })
+                            .sum(),
+                    };
+                    assert!((found - expected).abs() < 2e-3, "{receiver} {facing:?}: {found}, expected {expected}");
+                }
+            }
+        }
+    }
+}
