@@ -71,10 +71,16 @@ impl Lens {
         self.view_ray(&self.view, self.place(column, row, [0.5, 0.5]))
     }
 
-    /// The rays through the middles of all pixels, top row first: those for which irradiance is gathered beforehand.
+    /// A ray through some place of each pixel, top row first: those for which irradiance is gathered beforehand. Not through the middles, which
+    /// in a symmetric view lie on the very edges of a room.
     #[must_use]
-    pub fn central_rays(&self) -> Vec<Option<Ray>> {
-        let ray = |pixel| self.central_ray(pixel % self.columns, pixel / self.columns);
+    pub fn surveying_rays(&self) -> Vec<Option<Ray>> {
+        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the pixels.
+        let ray = |pixel: usize| {
+            let [right, up] =
+                [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (pixel as f64 * step).fract());
+            self.view_ray(&self.view, self.pixel_place(pixel % self.columns, pixel / self.columns, [right, up]))
+        };
         let pixels = (0..self.columns * self.rows).into_par_iter();
         pixels.map(|pixel| ray(pixel).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }

@@ -118,8 +118,8 @@ impl<const BANDS: usize> Record<BANDS> {
         self.rays += other.rays;
     }
 
-    /// The scale stays within its limits; where it is raised to the least one, the gradient, which says too much, is lowered as much. A gradient may
-    /// not change the irradiance by more than itself within the reach.
+    /// The scale stays within its limits; where it is raised to the least one, the gradient, which says too much, is lowered as much. A gradient that
+    /// changes the irradiance by more than itself within the scale is noise.
     fn bound(&mut self, limits: &Limits) {
         let least = self.least / limits.accuracy;
         if self.scale < least {
@@ -129,7 +129,7 @@ impl<const BANDS: usize> Record<BANDS> {
         }
         self.scale = self.scale.min(limits.most / limits.accuracy);
         let slope = self.gradients.translation.iter().map(|gradient| gradient.length()).sum::<f64>() / BANDS as f64;
-        let share = mean(&self.irradiance) / (slope * self.reach(limits)).max(f64::MIN_POSITIVE);
+        let share = STEEPEST * mean(&self.irradiance) / (slope * self.scale).max(f64::MIN_POSITIVE);
         if share < 1.0 {
             self.gradients.translation = self.gradients.translation.map(|gradient| gradient * share);
         }
@@ -171,6 +171,9 @@ impl<const BANDS: usize> Record<BANDS> {
 pub(crate) fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     bands.iter().sum::<f64>() / BANDS as f64
 }
+
+/// How many times itself the irradiance may change within the scale.
+const STEEPEST: f64 = 2.0;
 
 /// A turn counts as much as a move by this share of the reach.
 const TURN: f64 = 2.5;

@@ -37,7 +37,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        renderer.gather_irradiance(&picture.lens.central_rays(), picture.lens.spread());
+        renderer.gather_irradiance(&picture.lens.surveying_rays(), picture.lens.spread());
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -47,7 +47,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        renderer.gather_irradiance(&picture.lens.central_rays(), picture.lens.spread());
+        renderer.gather_irradiance(&picture.lens.surveying_rays(), picture.lens.spread());
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
