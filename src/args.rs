@@ -111,6 +111,9 @@ pub(crate) struct Explain {
     /// Scene files, or - for standard input
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
+    /// Also measures how much time each thing that is left out saves, with a few rays a pixel
+    #[arg(long)]
+    pub(crate) measure: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
 }

@@ -71,3 +71,19 @@ fn sources_made_of_themselves_come_to_an_end() {
     let run = run(&folder, &["check", "scene.rad"]);
     assert!(run.messages.contains("its sources are made of its own sources"), "{}", run.messages);
 }
+
+#[test]
+fn what_is_left_out_is_explained_and_measured() {
+    let folder = Folder::new();
+    let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/radiance-scenes/gripps");
+    let camera = std::fs::read_to_string(format!("{scenes}/fig10.toml")).unwrap();
+    folder.file("camera.toml", camera.replace("pixels = [192, 165]", "pixels = [8, 7]"));
+    let sheet = format!("{scenes}/sheet-retro.rad");
+    let told = run(&folder, &["explain", "camera.toml", &sheet]).text();
+    assert!(told.contains("one band is traced: every colour") && !told.contains("saves"), "{told}");
+    let measured = run(&folder, &["explain", "--measure", "camera.toml", &sheet]).text();
+    for skip in ["equal bands", "what stands behind shadows", "bent shadow rays", "media", "antimatter"] {
+        assert_eq!(measured.matches(&format!("leaving out {skip} saves")).count(), 1, "{skip}: {measured}");
+    }
+    assert_eq!(measured.lines().count(), told.lines().count());
+}

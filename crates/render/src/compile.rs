@@ -5,6 +5,7 @@ use crate::bands::BandLayout;
 use crate::compile_scatter::compile_scatterer;
 use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
 use crate::medium::MistKind;
+use crate::options::{Skip, Skipping};
 use crate::plan::{ModelRequest, ModelSource};
 use crate::prism::PrismKind;
 use crate::ray::ShaderId;
@@ -47,12 +48,14 @@ pub(crate) fn compile_shaders(
     models: &dyn ModelSource,
     surroundings: &[Rgb],
     layout: &Arc<BandLayout>,
+    skipping: Skipping,
 ) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
     let (shaders, table) = compile_for(scene, models, 3, layout)?;
     if !layout.sampling().is_rgb() {
         return Ok((shaders, table, layout.places()));
     }
-    if !shaders.iter().all(Shader::is_grey) || !surroundings.iter().all(|color| color.is_grey()) {
+    let may_be_grey = skipping.allows(Skip::EqualBands) && shaders.iter().all(Shader::is_grey);
+    if !may_be_grey || !surroundings.iter().all(|color| color.is_grey()) {
         return Ok((shaders, table, 3));
     }
     if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {

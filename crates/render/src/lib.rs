@@ -61,7 +61,8 @@ mod weak_highlight;
 pub use bands::BandValues;
 pub use contribution::Contribution;
 pub use options::{
-    AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skipping, Unshared,
+    AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skip, Skipping,
+    Unshared,
 };
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use radsight_spectrum::Sampling;

@@ -39,7 +39,7 @@ pub struct RenderOptions {
     pub quantity: Quantity,
     /// Modifiers whose contributions are wanted, by name (`rcontrib -m`). Default none.
     pub tracked_modifiers: Vec<String>,
-    /// Whether the plan may leave work out that cannot change the picture. Off only to test that it does not.
+    /// Which work the plan may leave out where it cannot change the picture. Less than all only to test that it does not, and to measure it.
     pub skipping: Skipping,
 }
 
@@ -62,7 +62,7 @@ impl Default for RenderOptions {
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
             tracked_modifiers: Vec::new(),
-            skipping: Skipping::Allowed,
+            skipping: Skipping::ALLOWED,
         }
     }
 }
@@ -175,11 +175,64 @@ pub enum Quantity {
     SurfaceIrradiance,
 }
 
-/// Whether the plan may skip work.
+/// Work that a plan leaves out where it finds that no value depends on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Skipping {
-    /// What cannot matter is left out.
-    Allowed,
+pub enum Skip {
+    /// Two of three bands, where everything is grey.
+    EqualBands,
+    /// Lights that send nothing to a surface, and what cannot stand between the two.
+    Unreached,
+    /// What a shadow ray meets after its first hit, where nothing lets light through.
+    BehindShadows,
+    /// Following shadow rays from surface to surface, where nothing bends or dims them.
+    BentShadows,
+    /// What fills the space that rays cross, where nothing does.
+    Media,
+    /// Looking for surfaces that are cut away, where nothing cuts.
+    Antimatter,
+}
+
+impl Skip {
+    /// All kinds.
+    pub const ALL: [Skip; 6] =
+        [Skip::EqualBands, Skip::Unreached, Skip::BehindShadows, Skip::BentShadows, Skip::Media, Skip::Antimatter];
+
+    /// A few words for it.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Skip::EqualBands => "equal bands",
+            Skip::Unreached => "lights and blockers out of reach",
+            Skip::BehindShadows => "what stands behind shadows",
+            Skip::BentShadows => "bent shadow rays",
+            Skip::Media => "media",
+            Skip::Antimatter => "antimatter",
+        }
+    }
+}
+
+/// Which work a plan may leave out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skipping {
+    /// A bit for each kind, in the order of [`Skip::ALL`].
+    allowed: u8,
+}
+
+impl Skipping {
+    /// All that cannot matter is left out.
+    pub const ALLOWED: Skipping = Skipping { allowed: u8::MAX };
     /// Everything is computed.
-    Forbidden,
+    pub const FORBIDDEN: Skipping = Skipping { allowed: 0 };
+
+    /// The same, but this kind of work is done.
+    #[must_use]
+    pub const fn without(self, skip: Skip) -> Skipping {
+        Skipping { allowed: self.allowed & !(1 << skip as u8) }
+    }
+
+    /// Whether this kind of work may be left out.
+    #[must_use]
+    pub const fn allows(self, skip: Skip) -> bool {
+        self.allowed & 1 << skip as u8 != 0
+    }
 }

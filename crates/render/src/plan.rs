@@ -13,7 +13,7 @@ use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::openings::Openings;
-use crate::options::{GlobalMedium, RenderOptions, Skipping};
+use crate::options::{GlobalMedium, RenderOptions, Skip};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
@@ -43,7 +43,7 @@ pub struct RenderPlan {
     pub(crate) sky: Vec<Sky>,
     /// Which lights reach which primitive, and what stands between.
     pub(crate) reach: Reach,
-    /// Whether anything lets light through, so that a shadow ray goes on after a hit.
+    /// Whether anything lets light through, or is taken to, so that a shadow ray goes on after a hit.
     pub(crate) see_through: bool,
     /// Whether anything bends or dims shadow rays, or stands in for something else, so that they are followed from surface to surface.
     pub(crate) shadows_bend: bool,
@@ -83,6 +83,8 @@ pub struct Decision {
     pub what: String,
     /// Why.
     pub why: String,
+    /// The work that is left out by it, if it leaves any out.
+    pub skip: Option<Skip>,
 }
 
 impl RenderPlan {
@@ -97,7 +99,7 @@ impl RenderPlan {
     ) -> Result<RenderPlan, Vec<Diagnostic>> {
         let layout = Arc::new(BandLayout::new(options.sampling));
         let colors = [options.ambient_value, options.medium.extinction, options.medium.albedo];
-        let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout)?;
+        let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout, options.skipping)?;
         mark_tracked(&mut shaders, &scene, &options.tracked_modifiers);
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
@@ -108,6 +110,8 @@ impl RenderPlan {
             lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
         lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
         let sky = collect_sky(&scene, shader);
+        let skipping = options.skipping;
+        let may_skip = |skip| skipping.allows(skip);
         let any = |is: fn(&Kind) -> bool| shaders.iter().any(|shader| is(&shader.kind));
         let see_through = shaders.iter().any(|shader| shader.lets_light_through())
             || geometry.holds_void(&scene, &shader_table, |id| {
@@ -122,10 +126,10 @@ impl RenderPlan {
         let lights_are_covered = has_media
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
-        let reach = match options.skipping {
-            Skipping::Allowed if has_antimatter => Reach::everything(),
-            Skipping::Allowed => Reach::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered),
-            Skipping::Forbidden => Reach::everything(),
+        let reach = if may_skip(Skip::Unreached) && !has_antimatter {
+            Reach::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered)
+        } else {
+            Reach::everything()
         };
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
@@ -141,10 +145,10 @@ impl RenderPlan {
             openings: Openings::default(),
             sky,
             reach,
-            see_through,
-            shadows_bend,
-            has_media,
-            has_antimatter,
+            see_through: see_through || !may_skip(Skip::BehindShadows),
+            shadows_bend: shadows_bend || !may_skip(Skip::BentShadows),
+            has_media: has_media || !may_skip(Skip::Media),
+            has_antimatter: has_antimatter || !may_skip(Skip::Antimatter),
             cut_shaders,
             lights_are_covered,
             mist_lights,
@@ -314,61 +318,93 @@ impl RenderPlan {
     }
 
     fn decide(&self) -> Vec<Decision> {
-        let mut decisions = Vec::new();
-        let mut say = |what: String, why: &str| decisions.push(Decision { what, why: why.to_owned() });
+        let mut decisions = Decisions::default();
         if !self.layout.sampling().is_rgb() {
-            say(format!("{} bands are traced", self.bands()), "-cs");
+            decisions.say(format!("{} bands are traced", self.bands()), "-cs");
         } else if self.bands == 1 {
-            say("one band is traced".into(), "every colour that a surface uses is grey");
+            decisions.skip(Skip::EqualBands, "one band is traced".into(), "every colour that a surface uses is grey");
         } else {
-            say("three bands are traced".into(), "some surface uses a colour or a colour pattern");
+            decisions.say("three bands are traced".into(), "some surface uses a colour or a colour pattern");
         }
         let primitives = self.geometry.len();
         let unseen = self.scene.surfaces.len() - primitives - self.scene.sources.len().min(self.scene.surfaces.len());
-        say(format!("{primitives} surfaces are in the hierarchy"), "they have a place and a material");
+        decisions.say(format!("{primitives} surfaces are in the hierarchy"), "they have a place and a material");
         if unseen > 0 {
-            say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
+            decisions.say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
         }
         let images = self.lights.iter().filter(|light| !light.relays.is_empty()).count();
-        say(format!("{} lights are sampled", self.lights.len() - images), "they are lights, spotlights or near glows");
+        decisions.say(
+            format!("{} lights are sampled", self.lights.len() - images),
+            "they are lights, spotlights or near glows",
+        );
         if images > 0 {
-            say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
+            decisions
+                .say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
         }
         let [drawn, again] = [false, true].map(|scattered| light_draws(self, scattered));
         if drawn > 0 {
             let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
-            say(what, "they are many; a hierarchy of lights tells what they promise");
+            decisions.say(what, "they are many; a hierarchy of lights tells what they promise");
         }
         for (count, what, why) in self.reach.summary() {
             if count > 0 {
-                say(format!("{count} {what}"), why);
+                decisions.skip(Skip::Unreached, format!("{count} {what}"), why);
             }
         }
         if self.options.ambient_bounces == 0 {
-            say("diffuse interreflection is not followed".into(), "-ab 0");
+            decisions.say("diffuse interreflection is not followed".into(), "-ab 0");
         }
         if self.openings.len() > 0 {
             let what = format!("rays are sent towards {} openings", self.openings.len());
-            say(what, "light of glows or of the sky comes in there");
+            decisions.say(what, "light of glows or of the sky comes in there");
         }
         if !self.see_through {
-            say("a shadow ray ends at its first hit".into(), "nothing in the scene lets light through");
+            decisions.skip(
+                Skip::BehindShadows,
+                "a shadow ray ends at its first hit".into(),
+                "nothing lets light through",
+            );
+        }
+        if !self.shadows_bend {
+            decisions.skip(Skip::BentShadows, "shadow rays are straight".into(), "nothing bends or dims them");
+        }
+        if !self.has_media {
+            decisions.skip(Skip::Media, "rays cross empty space".into(), "no body and no mist fills it");
+        }
+        if !self.has_antimatter {
+            decisions.skip(Skip::Antimatter, "no surface is cut away".into(), "there is no antimatter");
         }
         let functions = self.shaders.iter().flat_map(|shader| &shader.steps).count();
         let textures = self.shaders.iter().flat_map(|s| &s.steps).filter(|step| step.is_texture()).count();
-        say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
+        decisions
+            .say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
         let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();
         if mixtures > 0 {
-            say(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
+            decisions.say(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
         }
         let retro = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Retro(_))).count();
         if retro > 0 {
-            say(
+            decisions.say(
                 format!("{retro} materials are sampled as a retroreflecting lobe"),
                 "their texture turns the normal to the viewer under a rough highlight",
             );
         }
-        decisions
+        decisions.0
+    }
+}
+
+/// Decisions as they are made.
+#[derive(Default)]
+struct Decisions(Vec<Decision>);
+
+impl Decisions {
+    fn say(&mut self, what: String, why: &str) {
+        self.0.push(Decision { what, why: why.to_owned(), skip: None });
+    }
+
+    /// One that leaves work out.
+    fn skip(&mut self, skip: Skip, what: String, why: &str) {
+        self.0.push(Decision { what, why: why.to_owned(), skip: Some(skip) });
     }
 }
 

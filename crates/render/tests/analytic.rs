@@ -247,7 +247,7 @@ fn skipping_shadow_rays_changes_no_bit() {
             let options = RenderOptions { skipping, ..RenderOptions::default() };
             build::values(&scene, options, origin, direction, 8)
         };
-        assert_eq!(with(Skipping::Allowed), with(Skipping::Forbidden));
+        assert_eq!(with(Skipping::ALLOWED), with(Skipping::FORBIDDEN));
     }
 }
 

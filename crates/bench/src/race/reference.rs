@@ -48,7 +48,8 @@ impl Reference {
         let mut halves = Halves::read(cache.join(format!("{}-{:016x}", scene.name, scene.fingerprint()?)));
         let mut spent = 0.0;
         let mut rays = FIRST_RAYS;
-        while halves.noise().is_none_or(|noise| noise > wanted.noise) && spent < wanted.seconds {
+        let is_noisy = |halves: &Halves| halves.noise().is_none_or(|noise| noise > wanted.noise);
+        while halves.pictures < 2 || is_noisy(&halves) && spent < wanted.seconds {
             let (taken, picture) = own.unbiased(scene, rays, 1_000_000 + halves.pictures, folder)?;
             halves.add(&picture, rays);
             spent += taken.processor;

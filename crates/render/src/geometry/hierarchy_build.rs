@@ -1,4 +1,4 @@
-//! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the widest axis of
+//! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the axes of
 //! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
 
 use super::hierarchy::{Child, LARGEST_LEAF};
@@ -48,6 +48,9 @@ impl Leaves {
 }
 
 const BINS: usize = 16;
+
+/// An axis along which the centres reach less than this share of the widest one is not tried.
+const NARROW: f32 = 0.25;
 
 /// What it costs to open a box, in tests.
 const OPENING: f32 = 0.5;
@@ -141,18 +144,17 @@ impl Range {
         let low = self.centers.low.xyz();
         let bin_of =
             |item: &Item, axis: usize| (((item.center()[axis] - low[axis]) * scale[axis]) as usize).min(BINS - 1);
-        let mut bins = [[(Hull::EMPTY, 0_u32); BINS]; 3];
-        for item in &items[self.start..self.end] {
-            for (axis, bins) in bins.iter_mut().enumerate() {
+        let mut best = (0, None, f32::INFINITY);
+        let widest = extent.max_element();
+        for axis in (0..3).filter(|axis| extent[*axis] >= NARROW * widest) {
+            let mut bins = [(Hull::EMPTY, 0_u32); BINS];
+            for item in &items[self.start..self.end] {
                 let bin = &mut bins[bin_of(item, axis)];
                 bin.0.add(item.low, item.high);
                 bin.1 += 1;
             }
-        }
-        let mut best = (0, None, f32::INFINITY);
-        for axis in 0..3 {
-            let (first_right, cost) = cheapest(&bins[axis], leaves);
-            if extent[axis] > 0.0 && cost < best.2 {
+            let (first_right, cost) = cheapest(&bins, leaves);
+            if cost < best.2 {
                 best = (axis, first_right, cost);
             }
         }
