@@ -51,10 +51,10 @@ pub(crate) struct Outlook<'p> {
 const MOST_OPENINGS: usize = 48;
 
 /// Surfaces that are looked through to see whether they are openings: the largest ones.
-const MOST_CANDIDATES: usize = 512;
+const MOST_CANDIDATES: usize = 128;
 
 /// Rays that look through each side of a surface.
-const LOOKS: u32 = 32;
+const LOOKS: u32 = 16;
 
 /// Openings that bring less than this share of what the brightest one does for its area are left out.
 const LEAST_SHARE: f64 = 0.05;
@@ -65,10 +65,11 @@ const MOST_PANES: u32 = 8;
 impl Openings {
     /// Looks for the openings of a scene.
     pub(crate) fn new(plan: &RenderPlan) -> Openings {
+        let has_sky = plan.sky.iter().any(|sky| !is_sampled(plan, sky.surface));
         let mut candidates: Vec<(MemberId, SurfaceHandle, LightForm)> = plan
             .geometry
             .members()
-            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_let_in(plan, *handle))
+            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_let_in(plan, *handle, has_sky))
             .filter_map(|(member, handle)| {
                 let form = LightForm::new(&plan.scene, plan.scene.surfaces[handle].shape)?;
                 form.plane().is_some().then_some((member, handle, form))
@@ -195,15 +196,19 @@ impl Outlook<'_> {
     }
 }
 
+fn is_sampled(plan: &RenderPlan, surface: SurfaceHandle) -> bool {
+    plan.lights_of.binary_search_by_key(&surface, |(handle, _)| *handle).is_ok()
+}
+
 /// Whether light that is no light's may come through a surface or from it.
-fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle) -> bool {
+fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
     let shader = plan.shader(handle);
     let is_flat = matches!(plan.scene.surfaces[handle].shape, Shape::Polygon { .. } | Shape::Ring(_));
     is_flat
         && match &shader.kind {
             Kind::Emitter(emitter) => matches!(emitter.class, EmitterClass::Glow(radius) if radius == 0.0),
-            Kind::Dielectric(_) => true,
-            _ => shader.lets_light_through(),
+            Kind::Dielectric(_) => has_sky,
+            _ => has_sky && shader.lets_light_through(),
         }
 }
 
@@ -213,8 +218,11 @@ fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId) -> f64 {
     for _ in 0..MOST_PANES {
         let Some(hit) = plan.first_hit(&ray, from) else {
             let Some((surface, shader)) = plan.sky_at(ray.direction, true) else { return 0.0 };
-            let is_sampled = plan.lights.iter().any(|light| light.surface == surface);
-            return if is_sampled { 0.0 } else { plan.strongest_emission(shader, &Encounter::distant(ray.direction)) };
+            return if is_sampled(plan, surface) {
+                0.0
+            } else {
+                plan.strongest_emission(shader, &Encounter::distant(ray.direction))
+            };
         };
         let shader = plan.shader_at(hit.shader);
         if !(shader.lets_light_through() || shader.kind.is_transparent()) {
