@@ -307,3 +307,47 @@ fn light_that_is_no_source_s() {
 fn scattering_functions_in_light_that_is_no_source_s() {
     compare(FUNCTIONS, SKY, BOTH, &NO_LIGHTS);
 }
+
+/// Lights that tile the sky, evenly.
+const TILES: usize = 2000;
+
+/// Radiance draws from these highlights as if each draw gave the same, and finds other values under a glowing sky than under lights in
+/// its place, which it puts into the formula. We give the latter for both.
+#[test]
+fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut tiles = String::from("void light tile 0 0 3 1 1 1\n");
+    let cap_degrees = (2.0 * (1.0 - 1.0 / TILES as f64).acos()).to_degrees();
+    for tile in 0..TILES {
+        let at = tile as f64 + 0.5;
+        let z = at / TILES as f64;
+        let (sin, cos) = (std::f64::consts::PI * (1.0 + 5f64.sqrt()) * at).sin_cos();
+        let level = (1.0 - z * z).sqrt();
+        let _ = writeln!(tiles, "tile source s{tile} 0 0 4 {} {} {z} {cap_degrees}", level * cos, level * sin);
+    }
+    let glow = "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 180\n";
+    let looks = ["0 0 1 .2 0 -1\n", "0 0 1 1 0 -1\n", "0 0 1 2.7 0 -1\n"];
+    // From below: what comes through.
+    let through = ["0 0 -1 .2 0 1\n", "0 0 -1 1 0 1\n", "0 0 -1 2.7 0 1\n"];
+    for (material, looks) in [
+        ("ashik2 m 4 0 1 0 . 0 8 0 0 0 .5 .5 .5 1000 10", looks),
+        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .5 .5 .5 30 60", looks),
+        ("trans m 0 0 7 1 1 1 0 .3 1 1", through),
+        ("trans2 m 4 1 0 0 . 0 8 1 1 1 0 .3 .15 1 1", through),
+    ] {
+        let folder = Folder::new();
+        let sheet = format!("void {material}\nm polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n");
+        let tiled = folder.file("tiles.rad", format!("{tiles}{sheet}"));
+        let scene = folder.file("glow.rad", format!("{glow}{sheet}"));
+        let octree = radiance.octree(&folder, &[&tiled]);
+        let words = ["-h", "-w", "-dt", "0", "-dc", "1", "-ds", "1e-4", &octree];
+        let mut there = radiance.command("rtrace", &words);
+        let there = statistics(&run_with(&mut there, looks.concat().as_bytes()).text(), 1);
+        let input: String = looks.iter().map(|look| look.repeat(4096)).collect();
+        let here = run_with(&mut command(&["rtrace", "-h", "-st", "0", &scene]), input.as_bytes()).text();
+        for (here, there) in statistics(&here, 4096).iter().zip(&there) {
+            let ((here, noise), there) = (here[1], there[1].0);
+            assert!((here - there).abs() < 0.01 * there + 4.0 * noise, "{material}: {here} ± {noise}, lights {there}");
+        }
+    }
+}

@@ -165,28 +165,26 @@ fn moved(direction: DVec3, projected_solid_angle: f64, [u, v]: [f64; 2]) -> DVec
     (direction + DVec3::new(0.5 - u, 0.5 - v, 0.0) * projected_solid_angle.sqrt()).normalize()
 }
 
-/// A peak has no more cells than this.
-const MOST_CELLS: usize = 12;
+/// A peak has no more cells than are looked at.
+const MOST_CELLS: usize = STEPS.len();
 
 /// The cells of data through which a view goes undisturbed.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct PeakCells {
-    cells: [usize; MOST_CELLS],
+    cells: [u32; MOST_CELLS],
     count: usize,
 }
 
 impl PeakCells {
+    pub(crate) const NONE: PeakCells = PeakCells { cells: [0; MOST_CELLS], count: 0 };
+
     fn holds(&self, scattering: &Scattering, outgoing: DVec3, incident: DVec3) -> bool {
         let cells = &self.cells[..self.count];
-        !cells.is_empty() && scattering.cell(outgoing, incident).is_some_and(|cell| cells.contains(&cell))
-    }
-
-    fn is_full(&self) -> bool {
-        self.count == MOST_CELLS
+        !cells.is_empty() && scattering.cell(outgoing, incident).is_some_and(|cell| cells.contains(&(cell as u32)))
     }
 
     fn add(&mut self, cell: usize) {
-        self.cells[self.count] = cell;
+        self.cells[self.count] = cell as u32;
         self.count += 1;
     }
 }
@@ -260,13 +258,13 @@ pub(crate) fn straight_peak(bsdf: &Bsdf, outgoing: DVec3) -> Option<StraightPeak
         return None;
     }
     let diffuse = bsdf.diffuse_transmittance(side).map(|band| band * FRAC_1_PI);
-    let mut cells = PeakCells::default();
+    let mut cells = PeakCells::NONE;
     let (mut transmittance, mut luminances) = ([0.0; 3], 0.0);
     let (mut peak_size, mut surrounding_size) = (0.0, 0.0);
     for candidate in candidates {
         let size = candidate.projected_solid_angle;
         let is_faint = luminances > DARKEST * candidate.luminance * cells.count as f64;
-        if size > LARGEST_CELL * finest || is_faint || cells.is_full() {
+        if size > LARGEST_CELL * finest || is_faint {
             if cells.count == 0 {
                 return None;
             }

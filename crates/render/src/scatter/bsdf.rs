@@ -138,7 +138,7 @@ impl BsdfKind {
         ];
         let peak = match &pose.peak {
             Some(peak) => (peak.cells, luminance(&peak.transmittance)),
-            None => (PeakCells::default(), 0.0),
+            None => (PeakCells::NONE, 0.0),
         };
         let color = meeting.appearance.color;
         let lobe = MeasuredLobe::new(scattering, (pose.frame, view), color, peak, meeting.threshold);
