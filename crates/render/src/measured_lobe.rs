@@ -24,22 +24,22 @@ pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
     pub(crate) pattern: [f64; BANDS],
     /// What goes straight through apart from this lobe.
     pub(crate) peak: PeakCells,
-    /// What is for light of sources only.
-    pub(crate) undrawn: Undrawn<BANDS>,
+    /// Whether anything is drawn from it.
+    pub(crate) is_drawn: bool,
     /// How often a draw is of transmitted light.
     transmitted_chance: f64,
 }
 
 impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
     /// `straight` is the luminance that goes straight through, by way of the cells of `peak`; what scatters no more than `threshold` to
-    /// a side is not drawn from. None where nothing is scattered.
+    /// a side is not drawn from, and returned beside it. None where nothing is scattered.
     pub(crate) fn new(
         [reflection, transmission]: [Option<&'a Scattering>; 2],
         (frame, view): (Frame, BlurredView),
         pattern: [f64; BANDS],
         (peak, straight): (PeakCells, f64),
         threshold: f64,
-    ) -> Option<Self> {
+    ) -> Option<(Self, Undrawn<BANDS>)> {
         /// Draws of transmitted light that fall into the peak are lost, but some must fall beside it.
         const LEAST_BESIDE: f64 = 0.1;
         reflection.or(transmission)?;
@@ -59,13 +59,9 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
             if no_reflection { 0.0 } else { reflected },
             if no_transmission { 0.0 } else { beside * luminance(&pattern) },
         );
-        Some(MeasuredLobe { reflection, transmission, frame, view, pattern, peak, undrawn, transmitted_chance })
-    }
-
-    /// Whether anything is drawn from it.
-    pub(crate) fn is_drawn(&self) -> bool {
-        let [no_reflection, no_transmission] = self.undrawn.is_left_out();
-        self.reflection.is_some() && !no_reflection || self.transmission.is_some() && !no_transmission
+        let is_drawn = reflection.is_some() && !no_reflection || transmission.is_some() && !no_transmission;
+        let lobe = MeasuredLobe { reflection, transmission, frame, view, pattern, peak, is_drawn, transmitted_chance };
+        Some((lobe, undrawn))
     }
 
     /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is
@@ -165,26 +161,30 @@ fn moved(direction: DVec3, projected_solid_angle: f64, [u, v]: [f64; 2]) -> DVec
     (direction + DVec3::new(0.5 - u, 0.5 - v, 0.0) * projected_solid_angle.sqrt()).normalize()
 }
 
-/// A peak has no more cells than are looked at.
-const MOST_CELLS: usize = STEPS.len();
+/// Not all cells that are looked at belong to a peak: it must stand out from some.
+const MOST_CELLS: usize = STEPS.len() - 1;
 
 /// The cells of data through which a view goes undisturbed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PeakCells {
     cells: [u32; MOST_CELLS],
-    count: usize,
+    count: u32,
 }
 
 impl PeakCells {
     pub(crate) const NONE: PeakCells = PeakCells { cells: [0; MOST_CELLS], count: 0 };
 
     fn holds(&self, scattering: &Scattering, outgoing: DVec3, incident: DVec3) -> bool {
-        let cells = &self.cells[..self.count];
+        let cells = &self.cells[..self.count as usize];
         !cells.is_empty() && scattering.cell(outgoing, incident).is_some_and(|cell| cells.contains(&(cell as u32)))
     }
 
+    fn is_full(&self) -> bool {
+        self.count as usize == MOST_CELLS
+    }
+
     fn add(&mut self, cell: usize) {
-        self.cells[self.count] = cell as u32;
+        self.cells[self.count as usize] = cell as u32;
         self.count += 1;
     }
 }
@@ -263,13 +263,16 @@ pub(crate) fn straight_peak(bsdf: &Bsdf, outgoing: DVec3) -> Option<StraightPeak
     let (mut peak_size, mut surrounding_size) = (0.0, 0.0);
     for candidate in candidates {
         let size = candidate.projected_solid_angle;
-        let is_faint = luminances > DARKEST * candidate.luminance * cells.count as f64;
+        let is_faint = luminances > DARKEST * candidate.luminance * f64::from(cells.count);
         if size > LARGEST_CELL * finest || is_faint {
             if cells.count == 0 {
                 return None;
             }
             surrounding_size += size;
             continue;
+        }
+        if cells.is_full() {
+            return None;
         }
         cells.add(candidate.cell);
         luminances += candidate.luminance;

@@ -305,7 +305,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         let [own_left_out, through_left_out] = self.undrawn.is_left_out();
         let own = match &self.highlight {
             Highlight::None | Highlight::Function(_) => false,
-            Highlight::Measured(lobe) => lobe.is_drawn(),
+            Highlight::Measured(lobe) => lobe.is_drawn,
             _ => !own_left_out,
         };
         own || self.beyond.is_some_and(|beyond| beyond.lobe.is_some() && !through_left_out)

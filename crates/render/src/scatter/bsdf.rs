@@ -141,11 +141,15 @@ impl BsdfKind {
             None => (PeakCells::NONE, 0.0),
         };
         let color = meeting.appearance.color;
-        let lobe = MeasuredLobe::new(scattering, (pose.frame, view), color, peak, meeting.threshold);
+        let measured = MeasuredLobe::new(scattering, (pose.frame, view), color, peak, meeting.threshold);
+        let (highlight, undrawn) = match measured {
+            Some((lobe, undrawn)) => (Highlight::Measured(lobe), undrawn),
+            None => (Highlight::None, Undrawn::NOTHING),
+        };
         let point = LitPoint {
             diffuse: reflected,
-            undrawn: lobe.map_or(Undrawn::NOTHING, |lobe| lobe.undrawn),
-            highlight: lobe.map_or(Highlight::None, Highlight::Measured),
+            undrawn,
+            highlight,
             ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
         };
         point.with_beyond(Beyond::new(meeting.normal, transmitted, None))
