@@ -74,7 +74,8 @@ impl<const BANDS: usize> Fit<BANDS> {
         loop {
             let (mut fit, misfit) = Fit::over(record, &neighbours, share * radius, share);
             fit.scale = share * record.scale;
-            if misfit <= MOST_MISFIT || neighbours.len() < FEWEST_TO_JUDGE || share <= LEAST_SHARE {
+            let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
+            if misfit <= allowed || neighbours.len() < FEWEST_TO_JUDGE || share <= LEAST_SHARE {
                 return fit;
             }
             share *= 0.5f64.sqrt();
@@ -102,7 +103,13 @@ impl<const BANDS: usize> Fit<BANDS> {
         let place = |neighbour: &Neighbour<'_, BANDS>| {
             DVec3::new(1.0, neighbour.offset.dot(x) / radius, neighbour.offset.dot(y) / radius)
         };
-        let mut normal_matrix = DMat3::from_diagonal(DVec3::new(0.0, PRIOR * total, PRIOR * total));
+        // Noise makes slopes: against a prior of a slope that changes the irradiance by itself within the scale, as many rays as noise needs weigh.
+        let of_a_ray =
+            weights.iter().zip(neighbours).map(|(weight, other)| weight * other.record.variance * other.record.rays);
+        let likely_change = mean(&record.irradiance).max(f64::MIN_POSITIVE) * radius / record.scale;
+        let flatness = of_a_ray.sum::<f64>() / (total * likely_change * likely_change);
+        let ridge = PRIOR * total + flatness;
+        let mut normal_matrix = DMat3::from_diagonal(DVec3::new(0.0, ridge, ridge));
         for (weight, neighbour) in weights.iter().zip(neighbours) {
             let place = place(neighbour);
             normal_matrix += DMat3::from_cols(place * place.x, place * place.y, place * place.z) * *weight;
@@ -192,8 +199,9 @@ const WIDEST_IN_REACHES: f64 = 2.5;
 /// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
 const PRIOR: f64 = 0.02;
 
-/// Residuals that are so many times the noise are no noise any more.
-const MOST_MISFIT: f64 = 2.5;
+/// Squared residuals that exceed the noise by more than this over the square root of the neighbours' number are no noise any more: over four
+/// standard deviations of its mean, since few bright rays make most of it.
+const MISFIT_BY_CHANCE: f64 = 6.0;
 
 /// A plane may miss the irradiance by this share.
 const TOLERANCE: f64 = 0.01;

@@ -14,9 +14,10 @@ const LARGEST_BATCH: usize = 4096;
 /// Places from which is looked around at once: few, since they do not know of each other.
 const GROUP: usize = 16;
 
-/// Looking around takes at most so many rays for each that is surveyed: beyond that drawing single rays is the better use of time, and
-/// places that no record reaches do that.
+/// Looking around takes at most so many rays for each that is surveyed, and in small pictures at most so many in all: beyond that drawing
+/// single rays is the better use of time, and places that no record reaches do that.
 const MOST_RAYS: usize = 64;
+const MOST_RAYS_OF_FEW: usize = 1 << 24;
 
 /// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
 const FIRST_SHARE: usize = 8;
@@ -67,7 +68,7 @@ pub(crate) fn gather<const BANDS: usize>(
 ) -> usize {
     let gathering = cache.get_or_insert_with(|| Gathering::new(plan));
     let before = gathering.cache.len();
-    gathering.budget = gathering.rays + MOST_RAYS * rays.len();
+    gathering.budget = gathering.rays + MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
     for survey in 0..SURVEYS {
         if survey > 0 {
             gathering.cache.shorten_reaches();
@@ -137,17 +138,17 @@ impl<const BANDS: usize> Gathering<BANDS> {
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
     fn look_again(&mut self, plan: &RenderPlan, first: usize) -> usize {
-        let mut weak: Vec<usize> = Vec::new();
-        let mut again = Vec::new();
-        let mut rays = self.rays;
         let typical = self.cache.typical();
-        for index in first..self.cache.len() {
-            let looks = self.looks_missing(plan, index, typical);
-            rays += looks * self.hemisphere.len();
-            if rays > self.budget {
-                break;
-            }
-            for _ in 0..looks {
+        let missing: Vec<usize> =
+            (first..self.cache.len()).map(|index| self.looks_missing(plan, index, typical)).collect();
+        let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
+        // Where there is not enough for all, all get the same share.
+        let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
+        let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
+        for (index, looks) in (first..).zip(missing) {
+            due += looks as f64 * share;
+            while due >= 1.0 {
+                due -= 1.0;
                 weak.push(index);
                 again.push((self.places[index].clone(), self.cache.take_stratum(index)));
             }
