@@ -178,7 +178,8 @@ impl<const BANDS: usize> Cache<BANDS> {
     #[must_use]
     pub fn reaches(&self, position: DVec3, normal: DVec3) -> bool {
         let mut weights = 0.0;
-        self.reaches.visit(position, |index| weights += self.weight(&self.records[index as usize], position, normal));
+        self.reaches
+            .visit(position, |index| weights += self.weight(&self.records[index as usize], position, normal, 1.0));
         weights > LEAST_WEIGHT
     }
 
@@ -186,11 +187,21 @@ impl<const BANDS: usize> Cache<BANDS> {
     /// `None` where no record reaches.
     #[must_use]
     pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
+        self.interpolate(&self.reaches, 1.0, [position, normal, facet])
+    }
+
+    /// The same from records that do not quite reach: for the small gaps between places that were looked around from.
+    #[must_use]
+    pub fn irradiance_in_gap(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
+        self.interpolate(&self.neighbourhoods, neighbourhood(&self.limits), [position, normal, facet])
+    }
+
+    fn interpolate(&self, near: &Grid, farther: f64, [position, normal, facet]: [DVec3; 3]) -> Option<[f64; BANDS]> {
         let mut sum = [0.0; BANDS];
         let mut weights = 0.0;
-        self.reaches.visit(position, |index| {
+        near.visit(position, |index| {
             let record = &self.records[index as usize];
-            let weight = self.weight(record, position, normal);
+            let weight = self.weight(record, position, normal, farther);
             if weight > 0.0 {
                 weights += weight;
                 for (sum, value) in sum.iter_mut().zip(self.fits[index as usize].at(record, position, facet)) {
@@ -202,8 +213,9 @@ impl<const BANDS: usize> Cache<BANDS> {
     }
 
     /// Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
-    fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3) -> f64 {
-        (1.0 - record.misplacement(position, normal, record.reach(&self.limits), self.limits.accuracy)).max(0.0)
+    fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3, farther: f64) -> f64 {
+        let reach = farther * record.reach(&self.limits);
+        (1.0 - record.misplacement(position, normal, reach, self.limits.accuracy)).max(0.0)
     }
 }
 

@@ -99,7 +99,11 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 bounces: segment.ambient_bounces - 1,
                 width: self.survey.as_ref().map_or(0.0, |survey| survey.spread.at(travelled)),
             };
-            let irradiance = match self.cache.and_then(|cache| cache.irradiance(at, normal, facet)) {
+            let shared = self.cache.and_then(|cache| match &self.survey {
+                Some(_) => cache.irradiance(at, normal, facet),
+                None => cache.irradiance(at, normal, facet).or_else(|| cache.irradiance_in_gap(at, normal, facet)),
+            });
+            let irradiance = match shared {
                 Some(irradiance) => irradiance,
                 None if self.survey.is_some() || !looks_around => {
                     self.survey.iter_mut().for_each(|survey| survey.places.push(place.clone()));
