@@ -144,7 +144,10 @@ fn coefficients_agree_with_the_real_program() {
             near(total(&ours), total(&real), 0.04);
         }
         let sun = |records: &[Vec<f64>]| records.iter().map(|record| record[sky + 3]).fold(0.0, f64::max);
-        near(sun(&ours), sun(&real), 0.03);
+        // Where the sun is not seen, what is left of it is rounding.
+        if sun(&real).max(sun(&ours)) > 1e-9 {
+            near(sun(&ours), sun(&real), 0.03);
+        }
         // Where the light comes from: bins of groups of rows, by their sums over all points.
         let row = |records: &[Vec<f64>], from: usize, to: usize| -> f64 {
             records.iter().flat_map(|record| &record[(3 * from).min(sky)..(3 * to).min(sky)]).sum()
@@ -183,7 +186,7 @@ fn files_have_the_names_and_headers_of_the_real_program() {
                 let (header, length) = Header::read(&bytes).expect("a header");
                 let lines: Vec<String> = header
                     .lines()
-                    .map(|line| String::from_utf8_lossy(line).into_owned())
+                    .map(|line| String::from_utf8_lossy(line).trim_end().to_owned())
                     .filter(|line| !["SOFTWARE", "CAPDATE", "GMT"].iter().any(|name| line.starts_with(name)))
                     .collect();
                 let is_text = name.ends_with(".txt");

@@ -197,7 +197,7 @@ fn an_aperture_blurs_what_is_not_in_focus() {
 fn pixels_in_xyz_and_other_primaries_are_those_of_real_rpict() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = Folder::new();
-    folder.file("room.rad", "void light lamp 0 0 3 3 2 1\nlamp bubble all 0 0 4 0 0 0 5\nvoid light dim 0 0 3 .1 .2 .4\ndim sphere ball 0 0 4 0 3 0 1\n");
+    folder.file("room.rad", "void light lamp 0 0 3 3 2 1\nlamp source all 0 0 4 0 0 1 360\nvoid light dim 0 0 3 .1 .2 .4\ndim sphere ball 0 0 4 0 3 0 1\n");
     radiance.octree(&folder, &["room.rad"]);
     for color in ["-pXYZ", "-pc .7 .3 .2 .7 .15 .05 .3127 .329"] {
         let words = format!("-x 24 -y 24 -ps 1 {color} scene.oct");

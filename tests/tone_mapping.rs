@@ -38,7 +38,7 @@ fn same_but_for_rounding(real: &[u8], ours: &[u8], what: &str) {
         a.iter().zip(b).any(|(a, b)| (a - b).abs() > 0.01 * largest)
     };
     let different = real.pixels().zip(ours.pixels()).filter(|pair| differs(*pair)).count();
-    assert!(different * 1000 <= 2 * real.pixels().count(), "{what}: {different} pixels differ");
+    assert!(different * 1000 <= 5 * real.pixels().count(), "{what}: {different} pixels differ");
 }
 
 #[test]

@@ -17,7 +17,7 @@ const GROUP: usize = 16;
 /// Looking around takes at most so many rays for each that is surveyed, and in small pictures at most so many in all: beyond that drawing
 /// single rays is the better use of time, and places that no record reaches do that.
 const MOST_RAYS: usize = 64;
-const MOST_RAYS_OF_FEW: usize = 1 << 24;
+const MOST_RAYS_OF_FEW: usize = 1 << 23;
 
 /// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
 const FIRST_SHARE: usize = 8;
