@@ -144,10 +144,9 @@ fn coefficients_agree_with_the_real_program() {
             near(total(&ours), total(&real), 0.04);
         }
         let sun = |records: &[Vec<f64>]| records.iter().map(|record| record[sky + 3]).fold(0.0, f64::max);
-        // Where the sun is not seen, what is left of it is rounding.
-        if sun(&real).max(sun(&ours)) > 1e-9 {
-            near(sun(&ours), sun(&real), 0.03);
-        }
+        // No point sees the sun: its light comes by way of walls, where few of the rays find it.
+        let (ours_of_sun, real_of_sun) = (sun(&ours), sun(&real));
+        assert!(ours_of_sun < 1e-4 && real_of_sun < 1e-4, "{ours_of_sun} here, {real_of_sun} there");
         // Where the light comes from: bins of groups of rows, by their sums over all points.
         let row = |records: &[Vec<f64>], from: usize, to: usize| -> f64 {
             records.iter().flat_map(|record| &record[(3 * from).min(sky)..(3 * to).min(sky)]).sum()
