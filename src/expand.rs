@@ -10,8 +10,27 @@ const MOST_WORDS: usize = 1 << 16;
 /// Deeper than any file needs: one that names itself ends here.
 const MOST_EXPANSIONS: usize = 64;
 
+/// Reads the command line of a program, of which the first word is its name: `take` takes one option from the front and says how many words it
+/// used. Gives the words up to the scenes, as a header has them, and the scenes.
+pub(crate) fn options_before_scenes(
+    words: &[String],
+    mut take: impl FnMut(&[String]) -> Result<usize, Failure>,
+) -> Result<(Vec<String>, Vec<String>), Failure> {
+    let mut words = words.to_vec();
+    let mut at = 1;
+    loop {
+        expand_at(&mut words, at)?;
+        match words.get(at) {
+            Some(word) if word.starts_with('-') && word != "-" => at += take(&words[at..])?,
+            _ => break,
+        }
+    }
+    let scenes = words.split_off(at);
+    Ok((words, scenes))
+}
+
 /// Replaces the word at `at` as long as it stands for others.
-pub(crate) fn expand_at(words: &mut Vec<String>, at: usize) -> Result<(), Failure> {
+fn expand_at(words: &mut Vec<String>, at: usize) -> Result<(), Failure> {
     for _ in 0..MOST_EXPANSIONS {
         let Some(word) = words.get(at) else { return Ok(()) };
         let text = if let Some(path) = word.strip_prefix('@').filter(|path| !path.is_empty()) {

@@ -11,6 +11,7 @@ mod failure;
 mod input;
 mod output;
 mod output_color;
+mod output_format;
 mod plugins;
 mod progress;
 mod ray_input;

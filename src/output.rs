@@ -57,7 +57,8 @@ pub(crate) fn write_standard_output(bytes: &[u8]) -> Outcome {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| Failure::write("standard output", &error))
 }
 
-fn beside(path: &Path) -> PathBuf {
+/// Where a file is written until it is whole.
+pub(crate) fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     path.with_file_name(format!(".{name}.{}.part", std::process::id()))
 }

@@ -3,23 +3,15 @@
 use super::bins::{BinRequest, Bins, Functions};
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::expand_at;
+use crate::expand::options_before_scenes;
 use crate::failure::{Failure, reason};
+use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
 use std::collections::HashSet;
-
-/// How values are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum OutputFormat {
-    /// As text or binary numbers.
-    Numbers(NumberFormat),
-    /// As pixels of four bytes.
-    Pixels,
-}
 
 /// Whose radiance counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,17 +97,7 @@ impl Options {
     /// Reads the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        let mut words = words.to_vec();
-        let mut at = 1;
-        loop {
-            expand_at(&mut words, at)?;
-            match words.get(at) {
-                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
-                _ => break,
-            }
-        }
-        options.scenes = words.split_off(at);
-        options.command = words;
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
         if options.print_defaults {
             return Ok(options);
         }
@@ -228,17 +210,7 @@ impl Options {
                 "rcontrib: format \"-f{letters}\" is unknown, expected -f then a, f or d, and a, f, d or c"
             ))
         };
-        let mut letters = letters.chars();
-        let input = letters.next().ok_or_else(unknown)?;
-        let output = letters.next().unwrap_or(input);
-        if letters.next().is_some() {
-            return Err(unknown());
-        }
-        self.input_format = NumberFormat::from_letter(input).ok_or_else(unknown)?;
-        self.output_format = match output {
-            'c' => OutputFormat::Pixels,
-            letter => OutputFormat::Numbers(NumberFormat::from_letter(letter).ok_or_else(unknown)?),
-        };
+        (self.input_format, self.output_format) = OutputFormat::pair_from_letters(letters).ok_or_else(unknown)?;
         Ok(())
     }
 

@@ -1,11 +1,13 @@
 //! Where records go: standard output, files whose names hold the modifier's name or the bin's number, commands.
 
 use super::bins::Bins;
-use super::options::{Options, OutputFormat};
+use super::options::Options;
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
 use crate::input::program_history;
-use radsight_picture::{Resolution, encode_rgbe, scientific};
+use crate::output::beside;
+use crate::output_format::OutputFormat;
+use radsight_picture::{Resolution, encode_rgbe};
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -15,9 +17,6 @@ use std::process::{Child, Command, Stdio};
 
 /// Bytes that all files together hold back.
 const MOST_HELD: usize = 1 << 24;
-/// Digits after the point of a number in text.
-const DIGITS: usize = 6;
-
 /// All that is written to.
 pub(super) struct Streams<'o> {
     options: &'o Options,
@@ -166,8 +165,7 @@ impl Target {
         if path.exists() && !overwrites {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
-        let file = path.file_name().map(|file| file.to_string_lossy().into_owned()).unwrap_or_default();
-        let aside = path.with_file_name(format!(".{file}.{}.part", std::process::id()));
+        let aside = beside(&path);
         File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
         Ok(Target::File { name: name.to_owned(), aside })
     }
@@ -282,28 +280,13 @@ fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     if columns == 0 || planned.values > 1 {
         header.push_variable("NCOLS", &planned.values.to_string());
     }
-    let format = match options.output_format {
-        OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
-        OutputFormat::Numbers(NumberFormat::Float) => "float",
-        OutputFormat::Numbers(NumberFormat::Double) => "double",
-        OutputFormat::Pixels => "32-bit_rle_rgbe",
-    };
-    if matches!(format, "float" | "double") {
-        header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
-    }
-    header.push_variable("FORMAT", format);
+    options.output_format.end_header(&mut header, "32-bit_rle_rgbe");
     header.to_bytes()
 }
 
 fn encode(value: [f64; 3], format: OutputFormat, out: &mut Vec<u8>) {
     match format {
-        OutputFormat::Numbers(NumberFormat::Ascii) => {
-            for band in value {
-                out.extend_from_slice(scientific(band, DIGITS).as_bytes());
-                out.push(b'\t');
-            }
-        }
-        OutputFormat::Numbers(format) => format.encode(&value, out),
+        OutputFormat::Numbers(_) => format.put_numbers(&value, out),
         OutputFormat::Pixels => out.extend_from_slice(&encode_rgbe(value.map(|band| band as f32))),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::expand_at;
+use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
@@ -99,18 +99,8 @@ impl Options {
     /// Reads the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        let mut words = words.to_vec();
-        let mut at = 1;
-        loop {
-            expand_at(&mut words, at)?;
-            match words.get(at) {
-                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
-                _ => break,
-            }
-        }
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
         options.share_error();
-        options.scenes = words.split_off(at);
-        options.command = words;
         if options.scenes.is_empty() {
             options.scenes.push("-".to_owned());
         }

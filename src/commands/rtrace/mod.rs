@@ -10,10 +10,9 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
-use options::{Options, OutputFormat};
+use options::Options;
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
-use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Quantity, Ray, Renderer, Spread};
 use rayon::prelude::*;
 use record::{Found, Writer};
@@ -157,16 +156,7 @@ fn header(options: &Options) -> Vec<u8> {
     if let Some(primaries) = options.color.primaries() {
         header.push_variable("PRIMARIES", &primaries.to_header_value());
     }
-    let format = match options.output_format {
-        OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
-        OutputFormat::Numbers(NumberFormat::Float) => "float",
-        OutputFormat::Numbers(NumberFormat::Double) => "double",
-        OutputFormat::Pixels if matches!(options.color, OutputColor::Xyz(_)) => "32-bit_rle_xyze",
-        OutputFormat::Pixels => "32-bit_rle_rgbe",
-    };
-    if matches!(format, "float" | "double") {
-        header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
-    }
-    header.push_variable("FORMAT", format);
+    let is_xyz = matches!(options.color, OutputColor::Xyz(_));
+    options.output_format.end_header(&mut header, if is_xyz { "32-bit_rle_xyze" } else { "32-bit_rle_rgbe" });
     header.to_bytes()
 }

@@ -2,9 +2,10 @@
 
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::expand_at;
+use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
+use crate::output_format::OutputFormat;
 use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
@@ -38,15 +39,6 @@ pub(super) struct Options {
 
 /// Rays that none exceeds for an asked error.
 const MOST_SAMPLES: u32 = 4096;
-
-/// How numbers are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum OutputFormat {
-    /// As text or binary numbers.
-    Numbers(NumberFormat),
-    /// As pixels of four bytes.
-    Pixels,
-}
 
 /// One letter of `-o`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,17 +136,7 @@ impl Options {
     /// Reads the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        let mut words = words.to_vec();
-        let mut at = 1;
-        loop {
-            expand_at(&mut words, at)?;
-            match words.get(at) {
-                Some(word) if word.starts_with('-') && word != "-" => at += options.take(&words[at..])?,
-                _ => break,
-            }
-        }
-        options.scenes = words.split_off(at);
-        options.command = words;
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
         if options.print_defaults {
             return Ok(options);
         }
@@ -251,17 +233,7 @@ impl Options {
     fn formats(&mut self, word: &str) -> Result<(), Failure> {
         let wrong =
             || Failure::usage(format!("rtrace: option \"{word}\": expected -f, one of a, f, d, and one of a, f, d, c"));
-        let mut letters = word[2..].chars();
-        let input = letters.next().and_then(NumberFormat::from_letter).ok_or_else(wrong)?;
-        let output = match letters.next() {
-            None => OutputFormat::Numbers(input),
-            Some('c') => OutputFormat::Pixels,
-            Some(letter) => OutputFormat::Numbers(NumberFormat::from_letter(letter).ok_or_else(wrong)?),
-        };
-        if letters.next().is_some() {
-            return Err(wrong());
-        }
-        (self.input_format, self.output_format) = (input, output);
+        (self.input_format, self.output_format) = OutputFormat::pair_from_letters(&word[2..]).ok_or_else(wrong)?;
         Ok(())
     }
 

@@ -1,16 +1,14 @@
 //! What is written for a ray.
 
-use super::options::{Field, Options, OutputFormat};
+use super::options::{Field, Options};
 use crate::output_color::OutputColor;
+use crate::output_format::OutputFormat;
 use crate::ray_input::InputRay;
 use glam::DVec3;
-use radsight_picture::{encode_rgbe, scientific};
+use radsight_picture::encode_rgbe;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BandValues, FirstHit, RenderPlan, Sampling, Traced};
 use std::io::Write;
-
-/// Digits after the point of a number in text.
-const DIGITS: usize = 6;
 
 /// What Radiance writes for a distance to nothing.
 const NOWHERE: f64 = 1e10;
@@ -78,7 +76,8 @@ impl<'o> Writer<'o> {
     pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, out: &mut Vec<u8>) {
         let mut bands = [0.0; Sampling::MOST_BANDS];
         let value = self.value(found, &mut bands);
-        if self.options.output_format == OutputFormat::Pixels {
+        let format = self.options.output_format;
+        if format == OutputFormat::Pixels {
             let pixel = [0, 1, 2].map(|band| value.get(band).map_or(0.0, |value| *value as f32));
             return out.extend_from_slice(&encode_rgbe(pixel));
         }
@@ -86,27 +85,27 @@ impl<'o> Writer<'o> {
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
         for field in &self.options.output {
             match field {
-                Field::Value | Field::Contribution => self.numbers_out(value, out),
+                Field::Value | Field::Contribution => format.put_numbers(value, out),
                 // The input ray is the whole of itself.
-                Field::Coefficient => self.numbers_out(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
-                Field::Weight => self.numbers_out(&[1.0], out),
-                Field::Direction => self.numbers_out(&vector(input.ray.map(|ray| ray.direction)), out),
-                Field::Origin => self.numbers_out(&input.origin.to_array(), out),
+                Field::Coefficient => format.put_numbers(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
+                Field::Weight => format.put_numbers(&[1.0], out),
+                Field::Direction => format.put_numbers(&vector(input.ray.map(|ray| ray.direction)), out),
+                Field::Origin => format.put_numbers(&input.origin.to_array(), out),
                 Field::EffectiveDistance => {
-                    self.numbers_out(&[distance(found.and_then(Found::effective_distance))], out);
+                    format.put_numbers(&[distance(found.and_then(Found::effective_distance))], out);
                 }
-                Field::FirstDistance => self.numbers_out(&[distance(hit.map(|hit| hit.distance))], out),
-                Field::Local => self.numbers_out(&hit.map_or([0.0; 2], |hit| hit.local), out),
-                Field::Point => self.numbers_out(&end(input, found).to_array(), out),
-                Field::PerturbedNormal => self.numbers_out(&vector(hit.map(|hit| hit.perturbed_normal)), out),
-                Field::Normal => self.numbers_out(&vector(hit.map(|hit| hit.normal)), out),
+                Field::FirstDistance => format.put_numbers(&[distance(hit.map(|hit| hit.distance))], out),
+                Field::Local => format.put_numbers(&hit.map_or([0.0; 2], |hit| hit.local), out),
+                Field::Point => format.put_numbers(&end(input, found).to_array(), out),
+                Field::PerturbedNormal => format.put_numbers(&vector(hit.map(|hit| hit.perturbed_normal)), out),
+                Field::Normal => format.put_numbers(&vector(hit.map(|hit| hit.normal)), out),
                 Field::Surface => self.name_out(hit, 0, out),
                 Field::Modifier => self.name_out(hit, 1, out),
                 Field::Material => self.name_out(hit, 2, out),
                 Field::Tilde => out.extend_from_slice(b"~\t"),
             }
         }
-        if self.options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
+        if format == OutputFormat::Numbers(NumberFormat::Ascii) {
             out.push(b'\n');
         }
     }
@@ -122,19 +121,6 @@ impl<'o> Writer<'o> {
             _ => bands[..3].copy_from_slice(&self.options.color.of(found.map_or([0.0; 3], Found::value))),
         }
         &bands[..self.options.components()]
-    }
-
-    fn numbers_out(&self, values: &[f64], out: &mut Vec<u8>) {
-        match self.options.output_format {
-            OutputFormat::Numbers(NumberFormat::Ascii) => {
-                for value in values {
-                    out.extend_from_slice(scientific(*value, DIGITS).as_bytes());
-                    out.push(b'\t');
-                }
-            }
-            OutputFormat::Numbers(format) => format.encode(values, out),
-            OutputFormat::Pixels => {}
-        }
     }
 
     fn name_out(&self, hit: Option<FirstHit>, which: usize, out: &mut Vec<u8>) {
@@ -155,16 +141,4 @@ fn end(input: &InputRay, found: Option<&Found>) -> DVec3 {
 
 fn distance(value: Option<f64>) -> f64 {
     value.unwrap_or(NOWHERE).min(NOWHERE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_look_as_c_prints_them() {
-        assert_eq!(scientific(0.05, DIGITS), "5.000000e-02");
-        assert_eq!(scientific(-1e10, DIGITS), "-1.000000e+10");
-        assert_eq!(scientific(1e-123, DIGITS), "1.000000e-123");
-    }
 }

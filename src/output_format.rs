@@ -1,0 +1,70 @@
+//! How values are written: as numbers, or as pixels.
+
+use radsight_picture::{Header, scientific};
+use radsight_pinhole::stream::NumberFormat;
+
+/// How values are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OutputFormat {
+    /// As text or binary numbers.
+    Numbers(NumberFormat),
+    /// As pixels of four bytes.
+    Pixels,
+}
+
+/// Digits after the point of a number in text.
+const DIGITS: usize = 6;
+
+impl OutputFormat {
+    /// The formats of input and output that letters after `-f` ask for; of one letter both. `None` for other letters.
+    pub(crate) fn pair_from_letters(letters: &str) -> Option<(NumberFormat, OutputFormat)> {
+        let mut letters = letters.chars();
+        let input = letters.next().and_then(NumberFormat::from_letter)?;
+        let output = match letters.next() {
+            None => OutputFormat::Numbers(input),
+            Some('c') => OutputFormat::Pixels,
+            Some(letter) => OutputFormat::Numbers(NumberFormat::from_letter(letter)?),
+        };
+        letters.next().is_none().then_some((input, output))
+    }
+
+    /// Ends a header with the order of bytes and the format; `pixels` is the name of that of pixels.
+    pub(crate) fn end_header(self, header: &mut Header, pixels: &str) {
+        let format = match self {
+            OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
+            OutputFormat::Numbers(NumberFormat::Float) => "float",
+            OutputFormat::Numbers(NumberFormat::Double) => "double",
+            OutputFormat::Pixels => pixels,
+        };
+        if matches!(self, OutputFormat::Numbers(NumberFormat::Float | NumberFormat::Double)) {
+            header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
+        }
+        header.push_variable("FORMAT", format);
+    }
+
+    /// Appends numbers, in text each with a tab after it; nothing of pixels.
+    pub(crate) fn put_numbers(self, values: &[f64], out: &mut Vec<u8>) {
+        match self {
+            OutputFormat::Numbers(NumberFormat::Ascii) => {
+                for value in values {
+                    out.extend_from_slice(scientific(*value, DIGITS).as_bytes());
+                    out.push(b'\t');
+                }
+            }
+            OutputFormat::Numbers(format) => format.encode(values, out),
+            OutputFormat::Pixels => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_look_as_c_prints_them() {
+        assert_eq!(scientific(0.05, DIGITS), "5.000000e-02");
+        assert_eq!(scientific(-1e10, DIGITS), "-1.000000e+10");
+        assert_eq!(scientific(1e-123, DIGITS), "1.000000e-123");
+    }
+}
