@@ -30,13 +30,13 @@ const IMAGES_FOR_ONE: usize = 3;
 /// With no more lights than this there is never a choice.
 pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 
-/// How many lights are drawn at a point, on a path that was `scattered` before or not; 0 where each is sampled: where few are, and where
-/// it is asked what each of them gives.
-pub(crate) fn light_draws(plan: &RenderPlan, scattered: bool) -> u32 {
-    let Thrift { all, draws } = THRIFT[usize::from(scattered)];
+/// How many lights are drawn at a point that is seen from the eye, and at one on a path that was scattered before; 0 where each is sampled: where few
+/// are, and where it is asked what each of them gives.
+pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     let real = plan.lights.partition_point(|light| light.relays.is_empty());
-    let few = plan.light_tree.is_none() || real + (plan.lights.len() - real) / IMAGES_FOR_ONE <= all;
-    if few || !plan.options.tracked_modifiers.is_empty() { 0 } else { draws }
+    let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
+    let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty();
+    THRIFT.map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }
 
 /// The direct light at one point.

@@ -59,6 +59,15 @@ pub(crate) struct Look<'h> {
     pub(crate) number: u64,
 }
 
+/// A ray that looks through a cell.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// Unit, in the frame of the place, and in the scene.
+    pub(crate) local: DVec3,
+    pub(crate) direction: DVec3,
+    sampler: RaySampler,
+}
+
 /// Records are not nearer to each other than so many widths of the rays that see them.
 const LEAST_WIDTHS: f64 = 1.5;
 
@@ -134,18 +143,19 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
         let limits = Limits { least: limits.least.max(LEAST_WIDTHS * place.width), ..*limits };
-        let seen: Vec<Gathered<BANDS>> = (0..look.hemisphere.len())
+        let ways: Vec<Way> = (0..look.hemisphere.len())
             .map(|cell| {
                 let (local, sampler) = self.cell_direction(look, cell);
-                self.look(place, (x * local.x + y * local.y + z * local.z).normalize(), sampler)
+                Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
             })
             .collect();
-        let seen = self.look_out(place, look, seen);
+        let seen: Vec<Gathered<BANDS>> = ways.iter().map(|way| self.look(place, way.direction, way.sampler)).collect();
+        let seen = self.look_out(place, look, &ways, seen);
         Record::new(place.point, place.normal, look.hemisphere, &seen, &limits)
     }
 
     /// Where the ray in a cell of the hemisphere goes, in the frame of the place, and its sample point.
-    pub(crate) fn cell_direction(&self, look: &Look<'_>, cell: usize) -> (DVec3, RaySampler) {
+    fn cell_direction(&self, look: &Look<'_>, cell: usize) -> (DVec3, RaySampler) {
         let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));

@@ -225,11 +225,7 @@ impl LightForm {
                 (*inner_squared..=*outer_squared).contains(&point.distance_squared(*center))
             }
             LightForm::Parallelogram { corner, x, y, .. } => {
-                let across = x.cross(*y);
-                let from_corner = point - *corner;
-                let share = |part: DVec3| part.dot(across) / across.length_squared();
-                let within = 0.0..=1.0;
-                within.contains(&share(from_corner.cross(*y))) && within.contains(&share(x.cross(from_corner)))
+                coordinates(*x, *y, point - *corner).iter().all(|share| (0.0..=1.0).contains(share))
             }
             LightForm::Triangles { triangles, .. } => triangles.iter().any(|triangle| is_in(triangle, point)),
             _ => false,
@@ -348,6 +344,12 @@ fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_density: f64) -> Opti
     let direction = offset / distance;
     let cosine = -direction.dot(normal);
     (cosine > 0.0).then(|| LightSample { direction, distance, density: squared * area_density / cosine, normal })
+}
+
+/// The two numbers whose multiples of `x` and `y` add up to a vector in their plane.
+pub(crate) fn coordinates(x: DVec3, y: DVec3, vector: DVec3) -> [f64; 2] {
+    let across = x.cross(y);
+    [vector.cross(y), x.cross(vector)].map(|part| part.dot(across) / across.length_squared())
 }
 
 /// Whether a point of a triangle's plane is in the triangle.

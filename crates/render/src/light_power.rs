@@ -24,8 +24,7 @@ impl RenderPlan {
             return radiance.into_iter().fold(0.0, f64::max);
         }
         // What a mirror shows shines as it does itself.
-        let first = self.lights_of.partition_point(|(surface, _)| *surface < light.surface);
-        let light = self.lights_of.get(first).map_or(light, |(_, id)| &self.lights[id.0 as usize]);
+        let light = self.lights_of(light.surface).next().map_or(light, |id| &self.lights[id.0 as usize]);
         let look = |index: u32| {
             let encounter =
                 self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);

@@ -112,9 +112,7 @@ impl Link {
 
     /// How much of the emission of a surface counts that was found after another `distance` under `cosine`: what light sampling leaves.
     pub(crate) fn share(&self, plan: &RenderPlan, surface: SurfaceHandle, distance: f64, cosine: f64) -> f64 {
-        let first = plan.lights_of.partition_point(|(handle, _)| *handle < surface);
-        let lights = plan.lights_of[first..].iter().take_while(|(handle, _)| *handle == surface).map(|(_, id)| *id);
-        let mut lights = lights.peekable();
+        let mut lights = plan.lights_of(surface).peekable();
         if lights.peek().is_none() {
             return 1.0;
         }

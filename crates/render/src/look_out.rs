@@ -1,6 +1,6 @@
 //! Sending rays that look for diffuse surroundings towards openings.
 
-use crate::gather::{Look, Place};
+use crate::gather::{Look, Place, Way};
 use crate::openings::Outlook;
 use crate::plan::RenderPlan;
 use crate::surface_light::{Drawn, LitPoint};
@@ -54,11 +54,12 @@ impl<const BANDS: usize> LitPoint<'_, BANDS> {
 }
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
-    /// Adds rays towards openings to those that have looked around from a place, each in the cell of the hemisphere into which it goes.
+    /// Adds rays towards openings to those that have looked around from a place by these ways, each in the cell of the hemisphere into which it goes.
     pub(crate) fn look_out(
         &mut self,
         place: &Place<BANDS>,
         look: &Look<'_>,
+        ways: &[Way],
         mut seen: Vec<Gathered<BANDS>>,
     ) -> Vec<Gathered<BANDS>> {
         let Some(outlook) = self.plan.openings.seen_from(place.point, place.normal) else { return seen };
@@ -67,10 +68,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let outward = (OUTWARD_SHARE * around).ceil();
         let density =
             |local: DVec3, direction: DVec3| around * local.z * FRAC_1_PI + outward * outlook.density(direction);
-        for (cell, gathered) in seen.iter_mut().enumerate() {
-            let local = self.cell_direction(look, cell).0;
-            let direction = (x * local.x + y * local.y + z * local.z).normalize();
-            let share = around * local.z * FRAC_1_PI / density(local, direction);
+        for (way, gathered) in ways.iter().zip(&mut seen) {
+            let share = around * way.local.z * FRAC_1_PI / density(way.local, way.direction);
             gathered.radiance = gathered.radiance.map(|band| band * share);
         }
         let seed = self.plan.options.seed ^ OUTWARD_SEED;

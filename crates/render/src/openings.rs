@@ -197,7 +197,7 @@ impl Outlook<'_> {
 }
 
 fn is_sampled(plan: &RenderPlan, surface: SurfaceHandle) -> bool {
-    plan.lights_of.binary_search_by_key(&surface, |(handle, _)| *handle).is_ok()
+    plan.lights_of(surface).next().is_some()
 }
 
 /// Whether light that is no light's may come through a surface or from it.

@@ -34,9 +34,11 @@ pub struct RenderPlan {
     pub(crate) shader_table: ShaderTable,
     pub(crate) lights: Vec<Light>,
     /// The lights, real and mirrored, of each surface that has any, sorted by surface.
-    pub(crate) lights_of: Vec<(SurfaceHandle, LightId)>,
+    lights_of: Vec<(SurfaceHandle, LightId)>,
     /// From which some of them are drawn where they are many.
     pub(crate) light_tree: Option<LightTree>,
+    /// How many: at points that are seen from the eye, and on paths that were scattered before; 0 where each light is sampled.
+    pub(crate) light_draws: [u32; 2],
     /// Where light that is no light's comes in; none where no interreflection is followed.
     pub(crate) openings: Openings,
     /// Distant sources in the order in which a ray that leaves the scene tries them.
@@ -142,6 +144,7 @@ impl RenderPlan {
             lights,
             lights_of,
             light_tree: None,
+            light_draws: [0; 2],
             openings: Openings::default(),
             sky,
             reach,
@@ -161,6 +164,7 @@ impl RenderPlan {
         if plan.lights.len() > ALWAYS_ALL {
             plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
         }
+        plan.light_draws = light_draws(&plan);
         if plan.options.ambient_bounces > 0 {
             plan.openings = Openings::new(&plan);
         }
@@ -313,6 +317,12 @@ impl RenderPlan {
         None
     }
 
+    /// The lights, real and mirrored, of a surface.
+    pub(crate) fn lights_of(&self, surface: SurfaceHandle) -> impl Iterator<Item = LightId> {
+        let first = self.lights_of.partition_point(|(handle, _)| *handle < surface);
+        self.lights_of[first..].iter().take_while(move |(handle, _)| *handle == surface).map(|(_, id)| *id)
+    }
+
     pub(crate) fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         self.reach.receiver(primitive)
     }
@@ -341,7 +351,7 @@ impl RenderPlan {
             decisions
                 .say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
         }
-        let [drawn, again] = [false, true].map(|scattered| light_draws(self, scattered));
+        let [drawn, again] = self.light_draws;
         if drawn > 0 {
             let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
             decisions.say(what, "they are many; a hierarchy of lights tells what they promise");

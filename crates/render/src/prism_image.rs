@@ -4,7 +4,7 @@
 //! source arrives from all directions that the prism sends into the source's cone. They are found from the other end: rays from the source's rim
 //! are sent back through the prism.
 
-use crate::light::{LightForm, Redirection};
+use crate::light::{LightForm, Redirection, coordinates};
 use crate::prism::PrismKind;
 use crate::ray::Ray;
 use crate::view::Encounter;
@@ -65,12 +65,13 @@ impl Met<'_> {
             image_x += *place * (2.0 * cos / f64::from(RIM));
             image_y += *place * (2.0 * sin / f64::from(RIM));
         }
-        let across = image_x.cross(image_y);
-        if across.length_squared() <= 0.0 {
+        if image_x.cross(image_y).length_squared() <= 0.0 {
             return None;
         }
-        let share = |part: DVec3| part.dot(across) / across.length_squared();
-        let radius = |place: &DVec3| share(place.cross(image_y)).hypot(share(image_x.cross(*place)));
+        let radius = |place: &DVec3| {
+            let [a, b] = coordinates(image_x, image_y, *place);
+            a.hypot(b)
+        };
         let scale = MARGIN * rim.iter().map(radius).fold(1.0, f64::max);
         (scale <= LARGEST).then_some(LightForm::DistantImage { direction, x: image_x * scale, y: image_y * scale })
     }

@@ -3,7 +3,7 @@
 use crate::contribution::Contribution;
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
-use crate::survey::{Gathering, gather};
+use crate::survey::{GatheredIrradiance, gather};
 use crate::trace::{Traced, Tracer};
 use rayon::prelude::*;
 
@@ -17,8 +17,8 @@ pub struct Renderer {
 /// Irradiance that was gathered before the rays are answered, in as many bands as are traced.
 #[derive(Debug, Default)]
 struct SharedIrradiance {
-    grey: Option<Gathering<1>>,
-    color: Option<Gathering<3>>,
+    grey: Option<GatheredIrradiance<1>>,
+    color: Option<GatheredIrradiance<3>>,
 }
 
 /// The memory with which one thread answers rays.

@@ -62,36 +62,36 @@ impl RenderPlan {
 /// threads only share the work of a group.
 pub(crate) fn gather<const BANDS: usize>(
     plan: &RenderPlan,
-    cache: &mut Option<Gathering<BANDS>>,
+    gathered: &mut Option<GatheredIrradiance<BANDS>>,
     rays: &[Option<Ray>],
     spread: Spread,
 ) -> usize {
-    let gathering = cache.get_or_insert_with(|| Gathering::new(plan));
-    let before = gathering.cache.len();
-    gathering.budget = gathering.rays + MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
+    let gathered = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    let before = gathered.cache.len();
+    gathered.budget = gathered.rays + MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
     for survey in 0..SURVEYS {
         if survey > 0 {
-            gathering.cache.shorten_reaches();
+            gathered.cache.shorten_reaches();
         }
-        let known = gathering.cache.len();
-        gathering.fill(plan, rays, spread);
-        if gathering.cache.len() == known {
+        let known = gathered.cache.len();
+        gathered.fill(plan, rays, spread);
+        if gathered.cache.len() == known {
             break;
         }
-        gathering.settle();
+        gathered.settle();
     }
     for _ in 0..FURTHER_ROUNDS {
-        if gathering.look_again(plan, before) == 0 {
+        if gathered.look_again(plan, before) == 0 {
             break;
         }
-        gathering.settle();
+        gathered.settle();
     }
-    gathering.cache.len() - before
+    gathered.cache.len() - before
 }
 
 /// Irradiance that is shared, and what it was gathered from.
 #[derive(Debug)]
-pub(crate) struct Gathering<const BANDS: usize> {
+pub(crate) struct GatheredIrradiance<const BANDS: usize> {
     pub(crate) cache: Cache<BANDS>,
     /// Where each record looked around.
     places: Vec<Place<BANDS>>,
@@ -104,12 +104,12 @@ pub(crate) struct Gathering<const BANDS: usize> {
     looks: u64,
 }
 
-impl<const BANDS: usize> Gathering<BANDS> {
+impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     fn new(plan: &RenderPlan) -> Self {
         let wanted = plan.options.gathering.rays();
         let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
         let cache = Cache::new(plan.gathering_limits());
-        Gathering { cache, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: 0 }
+        GatheredIrradiance { cache, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: 0 }
     }
 
     /// Looks around where these rays want irradiance that is not there.

@@ -10,7 +10,7 @@ use crate::antimatter::{Cut, CutId, Meeting};
 use crate::bands::BandValues;
 use crate::beyond::luminance;
 use crate::contribution::Contributions;
-use crate::direct::{DirectSampler, light_draws};
+use crate::direct::DirectSampler;
 use crate::gather::Survey;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
@@ -659,7 +659,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         };
         let set = self.next_set;
         self.next_set += highlight_draws.max(1);
-        let reception = point.reception(light_draws(self.plan, segment.is_scattered()));
+        let reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
         let outlook = if follow_diffuse { point.outlook(self.plan, at) } else { None };

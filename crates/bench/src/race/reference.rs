@@ -98,9 +98,7 @@ impl Halves {
         let half = (self.pictures % 2) as usize;
         let share = f64::from(rays) / (self.rays[half] + u64::from(rays)) as f64;
         let mean = self.means[half].get_or_insert_with(|| picture.clone());
-        for (mean, value) in mean.data_mut().iter_mut().zip(picture.data()) {
-            *mean = (f64::from(*mean) + share * (f64::from(*value) - f64::from(*mean))) as f32;
-        }
+        blend(mean, picture, share);
         self.rays[half] += u64::from(rays);
         self.pictures += 1;
     }
@@ -118,9 +116,7 @@ impl Halves {
         };
         let share = self.rays[1] as f64 / (self.rays[0] + self.rays[1]) as f64;
         let mut mean = first.clone();
-        for (mean, value) in mean.data_mut().iter_mut().zip(second.data()) {
-            *mean = (f64::from(*mean) + share * (f64::from(*value) - f64::from(*mean))) as f32;
-        }
+        blend(&mut mean, second, share);
         Ok(mean)
     }
 
@@ -170,6 +166,13 @@ fn compare(
     let rays = TRIAL * affordable.clamp(1, MOST_TRACED / TRIAL);
     let traced = if rays > TRIAL { real.trace(scene, &options, rays, folder)? } else { trial };
     Ok(agreement(reference, &traced, rays))
+}
+
+/// Moves each value of an image towards that of another by a share of the way.
+fn blend(image: &mut Image<f32>, other: &Image<f32>, share: f64) {
+    for (own, other) in image.data_mut().iter_mut().zip(other.data()) {
+        *own = (f64::from(*own) + share * (f64::from(*other) - f64::from(*own))) as f32;
+    }
 }
 
 /// Blocks that agree within three standard errors, unless the difference is this share or less.
