@@ -28,18 +28,22 @@ impl OutputFormat {
         letters.next().is_none().then_some((input, output))
     }
 
-    /// Ends a header with the order of bytes and the format; `pixels` is the name of that of pixels.
-    pub(crate) fn end_header(self, header: &mut Header, pixels: &str) {
-        let format = match self {
+    /// What a header calls the format; `pixels` is the name of that of pixels.
+    pub(crate) fn name(self, pixels: &str) -> &str {
+        match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => "ascii",
             OutputFormat::Numbers(NumberFormat::Float) => "float",
             OutputFormat::Numbers(NumberFormat::Double) => "double",
             OutputFormat::Pixels => pixels,
-        };
+        }
+    }
+
+    /// Ends a header with the order of bytes and the format; `pixels` is the name of that of pixels.
+    pub(crate) fn end_header(self, header: &mut Header, pixels: &str) {
         if matches!(self, OutputFormat::Numbers(NumberFormat::Float | NumberFormat::Double)) {
             header.push_variable("BigEndian", if cfg!(target_endian = "big") { "1" } else { "0" });
         }
-        header.push_variable("FORMAT", format);
+        header.push_variable("FORMAT", self.name(pixels));
     }
 
     /// Appends numbers, in text each with a tab after it; nothing of pixels.

@@ -111,7 +111,9 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             name_surfaces(options, word == "-ai", name);
             Ok(2)
         }
-        "-am" => no_photon_map(words),
+        // The radius of photon maps, which without one means nothing.
+        "-am" => number::<f64>(words, word, "a number").map(|_| 2),
+        "-ap" => Err(Failure::usage("option \"-ap\": photon maps are not supported")),
         _ if WITHOUT_EFFECT.contains(&word) || word == AMBIENT_WEIGHT => {
             let _: f64 = number(words, word, "a number")?;
             Ok(2)
@@ -137,14 +139,6 @@ fn path_limit(limit: i32) -> PathLimit {
         Ordering::Equal => PathLimit::Roulette,
         Ordering::Less => PathLimit::RouletteUpTo(limit.unsigned_abs()),
     }
-}
-
-fn no_photon_map(words: &[String]) -> Result<usize, Failure> {
-    let value: f64 = number(words, &words[0], "a number")?;
-    if value == 0.0 {
-        return Ok(2);
-    }
-    Err(Failure::usage(format!("option \"-am\" with {value}: a photon map is not supported")))
 }
 
 /// Three numbers after an option.

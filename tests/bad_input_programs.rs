@@ -73,7 +73,7 @@ fn options_that_are_wrong() {
         ("rpict -pc 1 0 0 1 0 0 .3 .3 scene.rad", &[]),
         ("rpict -pc .1 .1 .2 .2 .3 .3 .3 .3 scene.rad", &["impossible primaries"]),
         ("rpict -P it scene.rad", &["stays alive is not supported"]),
-        ("rpict -am 3 scene.rad", &["a photon map is not supported"]),
+        ("rpict -ap map.pm scene.rad", &["photon maps are not supported"]),
         ("rpict -qq scene.rad", &["rpict: option \"-qq\" is not supported"]),
         ("rpict @missing scene.rad", &["@missing"]),
         ("rpict $NO_SUCH_VARIABLE_HERE scene.rad", &["no such environment variable"]),

@@ -199,6 +199,134 @@ fn files_have_the_names_and_headers_of_the_real_program() {
 }
 
 #[test]
+fn an_interrupted_run_is_gone_on_with() {
+    let folder = Folder::new();
+    folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let rays: Vec<String> = (0..6).map(|ray| format!("{} 3 1 0 0 1\n", 0.5 * f64::from(ray))).collect();
+    let words = "-I+ -ab 2 -ad 64 -m groundglow -m skyglow scene.rad";
+    for (format, size) in [("-faf", 24), ("-fad -c 2", 48), ("-fac -x 3 -y 2", 4)] {
+        let name = if size == 4 { "%s.dat" } else { "both.dat" };
+        let run_once =
+            |recovering: &str, input: &str| run(&folder, &format!("{recovering} {format} -o {name} {words}"), input);
+        run_once("-fo+", &rays.concat()).done();
+        let names: Vec<String> = folder.names().into_iter().filter(|name| name.ends_with(".dat")).collect();
+        let whole: Vec<Vec<u8>> = names.iter().map(|name| folder.read(name)).collect();
+        // The file ends within its third record; or an interrupted run of ours has left it beside.
+        for place in ["", "."] {
+            for (name, whole) in names.iter().zip(&whole) {
+                let records = if size == 48 { 3 } else { 6 };
+                let end = whole.len() - records * size + 2 * size + 3;
+                std::fs::remove_file(folder.path(name)).expect("the file is removed");
+                let part = if place == "." { format!(".{name}.part") } else { name.clone() };
+                folder.file(&part, &whole[..end]);
+            }
+            run_once("-r+", &rays.concat()).done();
+            assert!(names.iter().zip(&whole).all(|(name, whole)| folder.read(name) == *whole), "{format} {place}");
+        }
+        let complete = run_once("-r+ -y 2", &rays.concat());
+        assert!(complete.messages.contains("appears to be complete"), "{}", complete.messages);
+        for name in &names {
+            std::fs::remove_file(folder.path(name)).expect("the file is removed");
+        }
+        let fresh = run_once("-r+", &rays.concat());
+        assert!(fresh.messages.contains("no previous data to recover"), "{}", fresh.messages);
+        for (name, whole) in names.iter().zip(&whole) {
+            let records = size * if size == 48 { 3 } else { 6 };
+            assert!(folder.read(name).ends_with(&whole[whole.len() - records..]), "{format}");
+            std::fs::remove_file(folder.path(name)).expect("the file is removed");
+        }
+    }
+    // One record of all rays takes up the sums of an earlier one.
+    for (recovering, half) in [("-fo+", &rays[..3]), ("-r+", &rays[3..])] {
+        run(&folder, &format!("{recovering} -c 0 -faf -o sum.dat {words}"), &half.concat()).done();
+    }
+    let sums = folder.read("sum.dat");
+    let parts = numbers(&run(&folder, &format!("-h -c 0 {words}"), &rays.concat()).done());
+    for (sum, expected) in sums[sums.len() - 24..].as_chunks().0.iter().zip(&parts[0]) {
+        near(f64::from(f32::from_ne_bytes(*sum)), *expected, 0.15);
+    }
+}
+
+#[test]
+fn rays_end_where_their_direction_does() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let scene = folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let octree = radiance.octree(&folder, &[&scene]);
+    // To the wall and not so far; through the window to the sky; to the window, and through it and not to the sky.
+    let rays = "2 1 1.5 0 4.1 0\n2 1 1.5 0 3.9 0\n2 1 1.5 0 -.9 0\n2 1 1.5 0 -3 0\n2 1 1.5 0 0 -2\n";
+    for on in ["-ld+", "-ld-"] {
+        let words = ["-h", "-ab", "0", on, "-m", "skyglow", "-m", "white", "-m", "grey", "-m", "pane", &octree];
+        let real = numbers(&run_with(&mut radiance.command("rcontrib", &words), rays.as_bytes()).done());
+        let ours: Vec<&str> = std::iter::once("rcontrib").chain(words).collect();
+        let ours = numbers(&run_with(&mut command(&ours), rays.as_bytes()).done());
+        for (ours, real) in ours.iter().flatten().zip(real.iter().flatten()) {
+            assert!((ours - real).abs() < 2e-3, "{on}: {ours} here, {real} there");
+        }
+    }
+}
+
+#[test]
+fn spectra_agree_with_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let sky = "void spectrum blue 0 0 6 380 780 3 2 1 .5\nblue glow skyglow 0 0 4 1 1 1 0\nskyglow source sky 0 0 4 0 0 1 180\n";
+    let green = "void spectrum green 0 0 6 380 780 .1 .6 .3 .2\ngreen plastic paint 0 0 5 1 1 1 0 0\n";
+    let wall = "paint polygon wall 0 0 12 -9 1 0  9 1 0  9 1 9  -9 1 9\n";
+    let scene = folder.file("scene.rad", format!("{sky}{green}{wall}"));
+    radiance.octree(&folder, &[&scene]);
+    for words in ["-cs 9 -V-", "-cs 9 -V+", "-cs 4 -cw 400 700 -V+", "-cs 9 -faf -V+"] {
+        let words = format!("rcontrib -u- -w- {words} -ab 2 -ad 3000 -o out%d.dat -m skyglow scene.oct");
+        let words: Vec<&str> = words.split(' ').collect();
+        let mut found = Vec::new();
+        for is_real in [true, false] {
+            let mut program = if is_real { radiance.command(words[0], &words[1..]) } else { command(&words) };
+            run_with(program.current_dir(folder.path("")), b"0 0 1 0 1 0\n").done();
+            let bytes = folder.read("out0.dat");
+            let (header, start) = Header::read(&bytes).expect("a header");
+            let lines = ["NCOMP=", "WAVELENGTH_SPLITS=", "FORMAT="].map(|name| {
+                let text = header.to_text();
+                text.lines().find(|line| line.starts_with(name)).map(|line| line.trim_end().to_owned())
+            });
+            let record = match words.contains(&"-faf") {
+                true => {
+                    bytes[start..].as_chunks().0.iter().map(|value| f64::from(f32::from_ne_bytes(*value))).collect()
+                }
+                false => numbers(&bytes[start..])[0].clone(),
+            };
+            found.push((lines, record));
+            std::fs::remove_file(folder.path("out0.dat")).expect("the file is removed");
+        }
+        let [(real_lines, real), (lines, ours)] = &found[..] else { panic!("two runs") };
+        assert_eq!((lines, ours.len()), (real_lines, real.len()), "{words:?}");
+        for (ours, real) in ours.iter().zip(real) {
+            near(*ours, *real, 0.04);
+        }
+    }
+}
+
+#[test]
+fn surfaces_that_emit_nothing_have_contributions_too() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let scene = folder.file("scene.rad", format!("{SKY}{ROOM}"));
+    let octree = radiance.octree(&folder, &[&scene]);
+    // The floor itself, the ceiling with its highlight, the sky by way of the window.
+    for ray in ["2 4 1 0 0 -1", "2 4 1 0 .2 1", "2 4 2 0 -1 0"] {
+        let rays = format!("{ray}\n");
+        let words = "-h -u- -w- -V+ -ab 3 -ad 20000 -lw 1e-5 -m grey -m white -m pane -m skyglow";
+        let words: Vec<&str> = words.split(' ').chain([octree.as_str()]).collect();
+        let real = &numbers(&run_with(&mut radiance.command("rcontrib", &words), rays.as_bytes()).done())[0];
+        let ours: Vec<&str> = std::iter::once("rcontrib").chain(words).collect();
+        let ours = &numbers(&run_with(&mut command(&ours), rays.as_bytes()).done())[0];
+        let largest = real.iter().copied().fold(0.0, f64::max);
+        for (ours, real) in ours.iter().zip(real) {
+            assert!((ours - real).abs() < 0.03 * largest, "{ray}: {ours} here, {real} there");
+        }
+    }
+}
+
+#[test]
 fn a_command_gets_the_records_that_are_sent_to_it() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{FAR}"));
@@ -222,7 +350,6 @@ fn wrong_command_lines_and_input_are_told() {
     check("-m sun", "", 2, "no scene is named");
     check("-m sun -m sun scene.rad", "", 2, "modifier \"sun\" is named twice");
     check("-m void scene.rad", "", 2, "\"void\" cannot be tracked");
-    check("-V+ -m grey scene.rad", "", 2, "modifier \"grey\" emits no light");
     check("-b Dx -m sun scene.rad", "", 2, "number of bins of \"sun\" is missing");
     check("-b 1 -bn 2 -m sun scene.rad", "", 2, "always 1, expected 0");
     check("-bn 0 -m sun scene.rad", "", 2, "expected 1 to");
@@ -236,9 +363,11 @@ fn wrong_command_lines_and_input_are_told() {
     check("-o nowhere/x.dat -m sun scene.rad", "", 3, "cannot write \"nowhere/x.dat\"");
     check("-o %s%s -m sun scene.rad", "", 2, "holds an unknown %");
     check("-fxa -m sun scene.rad", "", 2, "format \"-fxa\" is unknown");
-    check("-r+ -m sun scene.rad", "", 2, "option \"-r\" (recovery of an earlier output) is not supported");
-    check("-ld+ -m sun scene.rad", "", 2, "is not supported");
-    check("-cs 9 -m sun scene.rad", "", 2, "is not supported");
+    check("-r+ -m sun scene.rad", "", 2, "standard output cannot be recovered (-r)");
+    check("-r+ -o sun.dat -m sun scene.rad", "", 2, "text cannot be recovered (-r)");
+    check("-r+ -o !cat -m sun scene.rad", "", 2, "output of \"!cat\" cannot be recovered (-r)");
+    check("-r+ -ff -o broken.cal -m sun scene.rad", "", 1, "cannot recover \"broken.cal\"");
+    check("-ap map.pm 9 -m sun scene.rad", "", 2, "photon maps are not supported");
     check("-zz -m sun scene.rad", "", 2, "option \"-zz\" is not supported");
     check("-m sun scene.rad", "1 2 3", 1, "standard input, ray 1: the stream ends after 3 of 6 numbers");
     check("-x 2 -y 2 -m sun scene.rad", "1 1 1 0 0 1\n", 1, "standard input ends 3 rays early");

@@ -70,7 +70,7 @@ pub use pfm::{read_pfm, write_pfm};
 pub use picture::{Encoding, PartialPicture, Picture, mean_of_spectrum};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};
 pub use resolution::{Orientation, Resolution};
-pub use rgbe::{decode_rgbe, encode_rgbe, mantissa_step};
+pub use rgbe::{decode_rgbe, decode_spectrum, encode_rgbe, encode_spectrum, mantissa_step};
 pub use scanline::write_rgbe_scanline;
 pub use stream::{PictureReader, PictureWriter};
 #[cfg(feature = "tiff")]

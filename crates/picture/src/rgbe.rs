@@ -48,8 +48,8 @@ pub fn encode_rgbe([red, green, blue]: [f32; 3]) -> [u8; 4] {
     [(red * scale) as u8, (green * scale) as u8, (blue * scale) as u8, exponent]
 }
 
-/// Any number of values: `pixel` has the mantissas and then the exponent.
-pub(crate) fn decode_spectrum(pixel: &[u8], values: &mut [f32]) {
+/// Any number of values: `pixel`, which has one byte more, has the mantissas and then the exponent.
+pub fn decode_spectrum(pixel: &[u8], values: &mut [f32]) {
     let Some((exponent, mantissas)) = pixel.split_last() else { return };
     let step = mantissa_step(*exponent);
     for (value, mantissa) in values.iter_mut().zip(mantissas) {
@@ -57,8 +57,8 @@ pub(crate) fn decode_spectrum(pixel: &[u8], values: &mut [f32]) {
     }
 }
 
-/// Any number of values: `pixel` gets the mantissas and then the exponent.
-pub(crate) fn encode_spectrum(values: &[f32], pixel: &mut [u8]) {
+/// Any number of values: `pixel`, which has one byte more, gets the mantissas and then the exponent.
+pub fn encode_spectrum(values: &[f32], pixel: &mut [u8]) {
     let Some((last, mantissas)) = pixel.split_last_mut() else { return };
     let Some((scale, exponent)) = scale_of(values.iter().copied().fold(0.0, f32::max)) else {
         pixel.fill(0);

@@ -2,7 +2,8 @@
 //!
 //! Where no modifier is tracked, all of this is one pointer that is null.
 
-use crate::options::RenderOptions;
+use crate::bands::BandValues;
+use crate::options::{RenderOptions, TrackedValue};
 use crate::ray::Hit;
 use crate::shader::Shader;
 use crate::trace::{Segment, Tracer, product};
@@ -12,15 +13,16 @@ use radsight_ir::Scene;
 use std::collections::HashMap;
 
 /// What a ray owes to one surface: emitted light that has come along the ray, or, of a surface that emits none, the share of the radiance
-/// there that would come.
+/// there that would come or the radiance that has come from there.
 ///
 /// It is the [`Host`] of functions that look at the ray where it met the surface, in scene coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct Contribution {
     /// Which of the tracked modifiers, in the order of the options.
     pub modifier: usize,
-    /// Red, green, blue. Of an emitter W/(sr·m²), or W/m² where irradiance is asked for; else a share.
-    pub value: [f64; 3],
+    /// Red, green, blue, or the bands that are traced. Of an emitter W/(sr·m²), or W/m² where irradiance is asked for; else as
+    /// [`TrackedValue`] says.
+    pub value: BandValues,
     encounter: Encounter,
 }
 
@@ -33,9 +35,30 @@ impl Host for Contribution {
 /// What the present ray owes.
 #[derive(Debug, Default)]
 pub(crate) struct Contributions<const BANDS: usize> {
-    settled: Vec<Contribution>,
+    settled: Vec<Debt<BANDS>>,
     /// What light sampling has found at a point whose share of the ray is not yet known.
-    owed: Vec<(u32, Encounter, [f64; BANDS])>,
+    owed: Vec<Debt<BANDS>>,
+    /// Surfaces whose radiance is wanted and that the ray has met, until all is followed that begins there.
+    open: Vec<Open<BANDS>>,
+}
+
+/// What is owed to one modifier.
+#[derive(Clone, Copy, Debug)]
+struct Debt<const BANDS: usize> {
+    modifier: u32,
+    encounter: Encounter,
+    value: [f64; BANDS],
+}
+
+/// A surface that emits nothing and whose radiance is wanted.
+#[derive(Clone, Copy, Debug)]
+struct Open<const BANDS: usize> {
+    modifier: u32,
+    encounter: Encounter,
+    /// What the ray had brought before.
+    before: [f64; BANDS],
+    /// How many other rays waited; those beyond begin there.
+    waiting: usize,
 }
 
 impl<const BANDS: usize> Contributions<BANDS> {
@@ -54,25 +77,32 @@ impl<const BANDS: usize> Contributions<BANDS> {
     /// Adds what a light gives to a point on the way, until [`Contributions::settle`].
     pub(crate) fn owe(&mut self, shader: &Shader, encounter: &Encounter, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
-            self.owed.push((modifier, *encounter, value));
+            self.owed.push(Debt { modifier, encounter: *encounter, value });
         }
     }
 
     /// Tells the share that the point has in the ray.
     pub(crate) fn settle(&mut self, throughput: [f64; BANDS]) {
         let mut owed = std::mem::take(&mut self.owed);
-        for (modifier, encounter, value) in owed.drain(..) {
-            self.push(modifier, &encounter, product(throughput, value));
+        for debt in owed.drain(..) {
+            self.push(debt.modifier, &debt.encounter, product(throughput, debt.value));
         }
         self.owed = owed;
     }
 
+    /// Tells what the ray has brought, now that no more than so many rays wait: what began at a surface and is followed to its end is
+    /// the radiance from there.
+    pub(crate) fn close(&mut self, radiance: [f64; BANDS], waiting: usize) {
+        while let Some(open) = self.open.pop_if(|open| waiting < open.waiting) {
+            let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
+            self.push(open.modifier, &open.encounter, value);
+        }
+    }
+
     fn push(&mut self, modifier: u32, encounter: &Encounter, value: [f64; BANDS]) {
         if value.iter().any(|band| *band > 0.0) {
-            let value = std::array::from_fn(|band| value[band.min(BANDS - 1)]);
             // Functions of the ray see it in the coordinates of the scene.
-            let encounter = Encounter { placed: None, ..*encounter };
-            self.settled.push(Contribution { modifier: modifier as usize, value, encounter });
+            self.settled.push(Debt { modifier, encounter: Encounter { placed: None, ..*encounter }, value });
         }
     }
 }
@@ -80,19 +110,36 @@ impl<const BANDS: usize> Contributions<BANDS> {
 impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// Notes that a ray has met a surface that emits nothing.
     pub(crate) fn note_met(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) {
-        if shader.tracked.is_none() || shader.kind.emitter().is_some() {
-            return;
-        }
+        let (Some(modifier), None) = (shader.tracked, shader.kind.emitter()) else { return };
         let encounter = Encounter::at(&segment.ray, hit, segment.travelled + hit.distance);
-        if let Some(contributions) = &mut self.contributions {
-            contributions.add(shader, &encounter, segment.throughput);
+        let (before, waiting) = (self.radiance, self.waiting());
+        let Some(contributions) = &mut self.contributions else { return };
+        match self.plan.options.tracked_value {
+            TrackedValue::Share => contributions.add(shader, &encounter, segment.throughput),
+            TrackedValue::Radiance => contributions.open.push(Open { modifier, encounter, before, waiting }),
         }
     }
 
     /// What the last ray owes.
     pub(crate) fn take_contributions(&mut self) -> Vec<Contribution> {
-        let taken = self.contributions.as_mut().map(|contributions| std::mem::take(&mut contributions.settled));
-        taken.unwrap_or_default()
+        let Some(contributions) = &mut self.contributions else { return Vec::new() };
+        // Nothing waits any more, not even what began before the first ray.
+        contributions.open.iter_mut().for_each(|open| open.waiting += 1);
+        contributions.close(self.radiance, 0);
+        let layout = &self.plan.layout;
+        let values = |value: [f64; BANDS]| {
+            if BANDS > 3 {
+                BandValues::new(layout.collect(&value))
+            } else {
+                BandValues::new((0..3).map(|band| value[band.min(BANDS - 1)]))
+            }
+        };
+        let told = |debt: Debt<BANDS>| Contribution {
+            modifier: debt.modifier as usize,
+            value: values(debt.value),
+            encounter: debt.encounter,
+        };
+        contributions.settled.drain(..).map(told).collect()
     }
 }
 

@@ -62,7 +62,7 @@ pub use bands::BandValues;
 pub use contribution::Contribution;
 pub use options::{
     AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skip, Skipping,
-    Unshared,
+    TrackedValue, Unshared,
 };
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use radsight_spectrum::Sampling;

@@ -39,6 +39,8 @@ pub struct RenderOptions {
     pub quantity: Quantity,
     /// Modifiers whose contributions are wanted, by name (`rcontrib -m`). Default none.
     pub tracked_modifiers: Vec<String>,
+    /// What is told of those that emit nothing (`rcontrib -V`).
+    pub tracked_value: TrackedValue,
     /// Which work the plan may leave out where it cannot change the picture. Less than all only to test that it does not, and to measure it.
     pub skipping: Skipping,
 }
@@ -62,6 +64,7 @@ impl Default for RenderOptions {
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
             tracked_modifiers: Vec::new(),
+            tracked_value: TrackedValue::Share,
             skipping: Skipping::ALLOWED,
         }
     }
@@ -122,6 +125,15 @@ pub enum AmbientSurfaces {
     Except(Vec<String>),
     /// On those of these modifiers (`-ai`).
     Only(Vec<String>),
+}
+
+/// What is told of tracked modifiers that emit nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TrackedValue {
+    /// The share of the radiance there that would come (`-V-`).
+    Share,
+    /// The radiance that has come from there (`-V+`).
+    Radiance,
 }
 
 /// Where paths end.

@@ -106,6 +106,17 @@ impl RayWorker<'_> {
         }
     }
 
+    /// Sees nothing of the rays that follow beyond a distance, scene units, before they are reflected.
+    pub fn limit_distance(&mut self, distance: f64) {
+        match &mut self.0 {
+            Bands::Grey(tracer) => tracer.limit = distance,
+            Bands::Color(tracer) => tracer.limit = distance,
+            Bands::NarrowSpectrum(tracer) => tracer.limit = distance,
+            Bands::Spectrum(tracer) => tracer.limit = distance,
+            Bands::WideSpectrum(tracer) => tracer.limit = distance,
+        }
+    }
+
     /// Answers ray number `index` of its stream.
     #[must_use]
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {

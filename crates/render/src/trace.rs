@@ -153,6 +153,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) survey: Option<Survey<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
+    /// How far the rays are followed before they are reflected, scene units.
+    pub(crate) limit: f64,
 }
 
 /// A ray that was put aside.
@@ -188,6 +190,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cache,
             survey: None,
             contributions: Contributions::wanted(&plan.options),
+            limit: f64::INFINITY,
         }
     }
 
@@ -260,8 +263,16 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     fn follow_waiting(&mut self) {
         while let Some(segment) = self.waiting.pop() {
+            if let Some(contributions) = &mut self.contributions {
+                contributions.close(self.radiance, self.waiting.len());
+            }
             self.follow(segment);
         }
+    }
+
+    /// How many rays wait to be followed.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting.len()
     }
 
     /// How far away the first surface was; infinite for none.
@@ -337,7 +348,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     fn follow(&mut self, mut segment: Segment<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let Some(mut hit) = self.plan.first_hit(&segment.ray, segment.from) else {
+            let met = self.plan.first_hit(&segment.ray, segment.from);
+            let distance = met.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
+            if segment.reflections == 0 && segment.travelled + distance > self.limit {
+                return;
+            }
+            let Some(mut hit) = met else {
                 return self.leave(&segment);
             };
             if self.plan.has_antimatter {

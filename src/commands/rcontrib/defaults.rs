@@ -15,6 +15,7 @@ pub(super) fn text(options: &Options) -> String {
         format!("-V{sign}\t\t\t\t# output {what}"),
         format!("-x {columns:<9}\t\t\t# flush interval"),
         format!("-y {rows:<9}\t\t\t# y resolution"),
+        format!("-ld{}\t\t\t\t# limit distance", if options.limits_distance { "+" } else { "-" }),
         format!("-h{}\t\t\t\t# output header", if options.header { "+" } else { "-" }),
         "-faa\t\t\t\t# format input/output = ascii/ascii".to_owned(),
         format!("-ad {:<9}\t\t\t# paths for each ray", options.render.gathering.divisions),

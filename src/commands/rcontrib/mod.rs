@@ -7,18 +7,20 @@ mod bins;
 mod defaults;
 mod options;
 mod record;
+mod recover;
 mod streams;
 mod tracked;
 
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, plan_changed, use_threads};
 use crate::output::write_standard_output;
-use crate::ray_input::RayReader;
+use crate::ray_input::{InputRay, RayReader};
 use bins::Bins;
-use options::Options;
-use radsight_render::Renderer;
-use record::{Batch, Records};
-use std::io;
+use options::{Options, Wanted};
+use radsight_render::{Renderer, TrackedValue};
+use record::{Batch, Earlier, Records};
+use recover::Reopened;
+use std::io::{self, Read};
 use streams::Streams;
 
 /// Runs the program; `words[0]` is its name.
@@ -31,20 +33,42 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     let bins = options.bins()?;
     let mut render = options.render.clone();
     render.tracked_modifiers = options.tracked.iter().map(|tracked| tracked.name.clone()).collect();
-    let change = |scene: &mut _| tracked::prepare(scene, &options);
+    render.tracked_value = match options.wanted {
+        Wanted::Coefficients => TrackedValue::Share,
+        Wanted::Contributions => TrackedValue::Radiance,
+    };
+    let change = |scene: &mut _| {
+        tracked::prepare(scene, &options);
+        Ok(())
+    };
     let Planned { plan, registry, sources } = plan_changed(&options.scenes, None, &options.reading, render, change)?;
     let renderer = Renderer::new(plan);
-    let mut streams = Streams::open(&options, &bins)?;
-    trace(&options, &renderer, &bins, &mut streams)?;
+    let reopened = if options.recovers { recover::reopen(&options, &bins)? } else { Reopened::Nothing };
+    let (mut streams, earlier) = match reopened {
+        Reopened::Nothing => (Streams::open(&options, &bins)?, Earlier::Nothing),
+        Reopened::Everything => return Ok(()),
+        Reopened::Some(streams, earlier) => (streams, earlier),
+    };
+    trace(&options, &renderer, &bins, (&mut streams, earlier))?;
     streams.finish()?;
     conclude(renderer.plan(), registry.as_ref(), &sources)
 }
 
-fn trace(options: &Options, renderer: &Renderer, bins: &Bins, streams: &mut Streams<'_>) -> Outcome {
+fn trace(
+    options: &Options,
+    renderer: &Renderer,
+    bins: &Bins,
+    (streams, earlier): (&mut Streams<'_>, Earlier),
+) -> Outcome {
     let mut reader = RayReader::new("rcontrib", io::stdin().lock(), options.input_format);
     let mut records = Records::new(options, bins.len());
     let mut left = options.expected_rays();
     let mut rays = Vec::new();
+    if let Earlier::Rays(answered) = earlier {
+        pass_over(&mut reader, answered, &mut rays)?;
+        left = left.map(|left| left.saturating_sub(answered));
+    }
+    records.go_on(earlier);
     loop {
         let at_a_time = records.rays_at_a_time();
         let most = left.map_or(at_a_time, |left| left.min(at_a_time as u64) as usize);
@@ -82,4 +106,19 @@ fn trace(options: &Options, renderer: &Renderer, bins: &Bins, streams: &mut Stre
         }
         _ => Ok(()),
     }
+}
+
+/// Reads rays that an earlier run has answered.
+fn pass_over<R: Read>(reader: &mut RayReader<R>, count: u64, rays: &mut Vec<InputRay>) -> Outcome {
+    let mut left = count;
+    while left > 0 {
+        reader.read(left.min(1 << 15) as usize, rays)?;
+        if rays.is_empty() {
+            return Err(Failure::input(format!(
+                "rcontrib: standard input ends {left} rays before the {count} that are in the output already"
+            )));
+        }
+        left -= rays.len() as u64;
+    }
+    Ok(())
 }

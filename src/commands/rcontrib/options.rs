@@ -41,6 +41,10 @@ pub(super) struct Options {
     pub(super) accumulate: u64,
     pub(super) header: bool,
     pub(super) overwrites: bool,
+    /// Whether records that are in the files already are kept.
+    pub(super) recovers: bool,
+    /// Whether rays end where their direction does.
+    pub(super) limits_distance: bool,
     pub(super) input_format: NumberFormat,
     pub(super) output_format: OutputFormat,
     pub(super) size: [u64; 2],
@@ -77,6 +81,8 @@ impl Default for Options {
             accumulate: 1,
             header: true,
             overwrites: false,
+            recovers: false,
+            limits_distance: false,
             input_format: NumberFormat::Ascii,
             output_format: OutputFormat::Numbers(NumberFormat::Ascii),
             size: [0, 0],
@@ -113,9 +119,6 @@ impl Options {
             return Err(Failure::usage(
                 "rcontrib: no scene is named, expected an octree or scene files after the options",
             ));
-        }
-        if !self.render.sampling.is_rgb() {
-            return Err(Failure::usage("rcontrib: option \"-cs\" with more than 3 bands is not supported"));
         }
         if self.accumulate == 0 {
             self.size = [0, 0];
@@ -192,10 +195,10 @@ impl Options {
             self.header = on;
         } else if let Some(on) = switched(word, "-w", !self.reading.no_warnings) {
             self.reading.no_warnings = !on;
-        } else if let Some(on) = switched(word, "-r", false) {
-            return refused(on, "-r", "recovery of an earlier output");
-        } else if let Some(on) = switched(word, "-ld", false) {
-            return refused(on, "-ld", "a limit of distance");
+        } else if let Some(on) = switched(word, "-r", self.recovers) {
+            self.recovers = on;
+        } else if let Some(on) = switched(word, "-ld", self.limits_distance) {
+            self.limits_distance = on;
         } else if let Some(letters) = word.strip_prefix("-f") {
             self.formats(letters)?;
         } else {
@@ -255,6 +258,11 @@ impl Options {
         }
     }
 
+    /// How many numbers a value has.
+    pub(super) fn components(&self) -> usize {
+        self.render.sampling.bands()
+    }
+
     /// How many rays standard input has; `None` for all there are.
     pub(super) fn expected_rays(&self) -> Option<u64> {
         let [columns, rows] = self.size;
@@ -267,11 +275,4 @@ impl Options {
         let [columns, rows] = self.size;
         (columns > 0 && (rows == 0 || columns == 1)).then_some(columns)
     }
-}
-
-fn refused(on: bool, option: &str, what: &str) -> Result<usize, Failure> {
-    if on {
-        return Err(Failure::usage(format!("rcontrib: option \"{option}\" ({what}) is not supported")));
-    }
-    Ok(1)
 }

@@ -5,7 +5,7 @@ use super::options::Options;
 use crate::failure::Outcome;
 use crate::ray_input::InputRay;
 use radsight_cal::Scratch;
-use radsight_render::{Ray, RayWorker, Renderer};
+use radsight_render::{Quantity, Ray, RayWorker, Renderer};
 use rayon::prelude::*;
 
 /// Paths that one thread follows at a time.
@@ -14,6 +14,16 @@ const PATHS_AT_A_TIME: u64 = 1024;
 const PATHS_IN_A_BATCH: u64 = 1 << 17;
 /// Bytes that the sums of a batch may take.
 const MOST_BYTES: usize = 1 << 28;
+
+/// What an earlier run has left.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Earlier {
+    Nothing,
+    /// So many rays are answered.
+    Rays(u64),
+    /// The one record that takes all rays has these values.
+    Sums(Vec<f64>),
+}
 
 /// Rays that are answered together.
 pub(super) struct Batch<'b> {
@@ -27,12 +37,15 @@ pub(super) struct Records {
     /// Rays in a record; 0 for all.
     accumulate: u64,
     samples: u64,
+    limits_distance: bool,
     rays_at_a_time: usize,
     /// Rays of the record in hand, and of all.
     rays: u64,
     rays_in_all: u64,
-    /// Red, green, blue of each bin.
-    sums: Vec<[f64; 3]>,
+    /// Red, green, blue, or all bands, of each bin.
+    sums: Vec<f64>,
+    /// What an earlier run had found where one record takes all rays.
+    earlier: Vec<f64>,
 }
 
 /// Some paths of rays of one record. Records are the same whatever the number of threads, since these are.
@@ -47,17 +60,29 @@ struct Work {
 impl Records {
     pub(super) fn new(options: &Options, bins: usize) -> Records {
         let samples = options.samples();
+        let values = bins * options.components();
         let most = (PATHS_IN_A_BATCH / samples).clamp(1, 1 << 15) as usize;
-        let fitting = (MOST_BYTES / (24 * bins.max(1))).max(1);
+        let fitting = (MOST_BYTES / (size_of::<f64>() * values.max(1))).max(1);
         let until_flush = options.flush_interval().map(|records| records.saturating_mul(options.accumulate.max(1)));
         let rays_at_a_time = until_flush.map_or(most, |rays| most.min(rays.min(1 << 15) as usize)).min(fitting);
         Records {
             accumulate: options.accumulate,
             samples,
+            limits_distance: options.limits_distance && options.render.quantity != Quantity::Irradiance,
             rays_at_a_time,
             rays: 0,
             rays_in_all: 0,
-            sums: vec![[0.0; 3]; bins],
+            sums: vec![0.0; values],
+            earlier: Vec::new(),
+        }
+    }
+
+    /// Goes on after rays that an earlier run has answered, or adds to the sums that it has found.
+    pub(super) fn go_on(&mut self, earlier: Earlier) {
+        match earlier {
+            Earlier::Nothing => {}
+            Earlier::Rays(rays) => self.rays_in_all = rays,
+            Earlier::Sums(sums) => self.earlier = sums,
         }
     }
 
@@ -66,20 +91,23 @@ impl Records {
     }
 
     /// Adds rays, and gives the means of each record that they finish.
-    pub(super) fn add(&mut self, batch: &Batch<'_>, mut put: impl FnMut(&[[f64; 3]]) -> Outcome) -> Outcome {
+    pub(super) fn add(&mut self, batch: &Batch<'_>, mut put: impl FnMut(&[f64]) -> Outcome) -> Outcome {
         let work = self.work(batch.rays.len());
         let (first, samples) = (self.rays_in_all, self.samples);
         // Numbers of paths are aligned, so that each ray's points are evenly spread.
         let stride = samples.next_power_of_two();
-        let bins = self.sums.len();
-        let sums: Vec<Vec<[f64; 3]>> = work
+        let (values, limits_distance) = (self.sums.len(), self.limits_distance);
+        let sums: Vec<Vec<f64>> = work
             .par_iter()
             .map_init(
                 || (batch.renderer.worker(), Scratch::new()),
                 |(worker, scratch), work| {
-                    let mut sums = vec![[0.0; 3]; bins];
+                    let mut sums = vec![0.0; values];
                     for place in work.rays.clone() {
                         let Some(ray) = batch.rays[place].ray else { continue };
+                        if limits_distance {
+                            worker.limit_distance(batch.rays[place].length);
+                        }
                         let number = (first + place as u64) * stride;
                         for sample in work.samples.clone() {
                             add_path(batch.bins, worker, scratch, (number + sample, &ray), &mut sums);
@@ -91,7 +119,7 @@ impl Records {
             .collect();
         for (work, part) in work.iter().zip(sums) {
             for (sum, part) in self.sums.iter_mut().zip(part) {
-                (0..3).for_each(|band| sum[band] += part[band]);
+                *sum += part;
             }
             self.rays += work.finished;
             if self.accumulate > 0 && self.rays == self.accumulate {
@@ -124,17 +152,20 @@ impl Records {
     }
 
     /// The means of the record in hand, which begins anew; sums where one record takes all rays.
-    fn take(&mut self) -> Vec<[f64; 3]> {
+    fn take(&mut self) -> Vec<f64> {
         let rays = if self.accumulate > 0 { self.rays } else { 1 };
         let scale = 1.0 / (rays as f64 * self.samples as f64);
-        let values = self.sums.iter().map(|sum| sum.map(|band| band * scale)).collect();
-        self.sums.fill([0.0; 3]);
+        let mut values: Vec<f64> = self.sums.iter().map(|sum| sum * scale).collect();
+        for (value, earlier) in values.iter_mut().zip(self.earlier.drain(..)) {
+            *value += earlier;
+        }
+        self.sums.fill(0.0);
         self.rays = 0;
         values
     }
 
     /// The means of a record that has not got all its rays.
-    pub(super) fn rest(&mut self) -> Option<Vec<[f64; 3]>> {
+    pub(super) fn rest(&mut self) -> Option<Vec<f64>> {
         (self.rays > 0 || self.accumulate == 0).then(|| self.take())
     }
 }
@@ -144,11 +175,14 @@ fn add_path(
     worker: &mut RayWorker<'_>,
     scratch: &mut Scratch,
     (number, ray): (u64, &Ray),
-    sums: &mut [[f64; 3]],
+    sums: &mut [f64],
 ) {
     for contribution in worker.contributions(number, ray) {
         if let Some(bin) = bins.of(&contribution, scratch) {
-            (0..3).for_each(|band| sums[bin][band] += contribution.value[band]);
+            let value = contribution.value.as_slice();
+            for (sum, band) in sums[bin * value.len()..].iter_mut().zip(value) {
+                *sum += f64::from(*band);
+            }
         }
     }
 }

@@ -5,18 +5,18 @@ use super::options::Options;
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
 use crate::input::program_history;
-use crate::output::beside;
 use crate::output_format::OutputFormat;
-use radsight_picture::{Resolution, encode_rgbe};
+use radsight_picture::{Resolution, encode_spectrum};
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// Bytes that all files together hold back.
 const MOST_HELD: usize = 1 << 24;
+
 /// All that is written to.
 pub(super) struct Streams<'o> {
     options: &'o Options,
@@ -46,24 +46,31 @@ enum Target {
 }
 
 /// A stream in the making.
-struct Planned {
-    name: Option<String>,
+pub(super) struct Planned {
+    /// A file's name, or a command after `!`; `None` for standard output.
+    pub(super) name: Option<String>,
     /// The modifier and the bin that its name holds.
     modifier: Option<String>,
     bin: Option<usize>,
     /// Values in a record.
-    values: usize,
+    pub(super) values: usize,
+}
+
+/// The streams, and which of them each bin goes to.
+pub(super) struct Layout {
+    pub(super) planned: Vec<Planned>,
+    pub(super) of_bin: Vec<usize>,
 }
 
 impl<'o> Streams<'o> {
     /// Opens all of them and writes their headers.
     pub(super) fn open(options: &'o Options, bins: &Bins) -> Result<Streams<'o>, Failure> {
-        let (planned, of_bin) = plan(options, bins)?;
+        let Layout { planned, of_bin } = Layout::new(options, bins)?;
         let mut streams = Vec::new();
         for planned in &planned {
             let target = match &planned.name {
                 None => Target::StandardOutput,
-                Some(name) => Target::open(name, options.overwrites)?,
+                Some(name) => Target::open(name, options.overwrites || options.recovers)?,
             };
             streams.push(Stream { target, held: head(options, planned) });
         }
@@ -72,10 +79,18 @@ impl<'o> Streams<'o> {
         Ok(streams)
     }
 
+    /// Goes on with files that hold records already, in the places where they are written aside.
+    pub(super) fn go_on(options: &'o Options, layout: Layout) -> Streams<'o> {
+        let names = layout.planned.into_iter().filter_map(|planned| planned.name);
+        let target = |name: String| Target::File { aside: aside(Path::new(&name)), name };
+        let streams = names.map(|name| Stream { target: target(name), held: Vec::new() }).collect();
+        Streams { options, streams, of_bin: layout.of_bin, held: 0 }
+    }
+
     /// Writes a record: a value for each bin of each modifier.
-    pub(super) fn put(&mut self, values: &[[f64; 3]]) -> Outcome {
-        for (value, stream) in values.iter().zip(&self.of_bin) {
-            encode(*value, self.options.output_format, &mut self.streams[*stream].held);
+    pub(super) fn put(&mut self, values: &[f64]) -> Outcome {
+        for (value, stream) in values.chunks_exact(self.options.components()).zip(&self.of_bin) {
+            encode(value, self.options.output_format, &mut self.streams[*stream].held);
         }
         if self.options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
             self.streams.iter_mut().for_each(|stream| stream.held.push(b'\n'));
@@ -165,49 +180,66 @@ impl Target {
         if path.exists() && !overwrites {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
-        let aside = beside(&path);
+        let aside = aside(&path);
         File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
         Ok(Target::File { name: name.to_owned(), aside })
     }
 }
 
-/// The streams, and which of them each bin goes to.
-fn plan(options: &Options, all_bins: &Bins) -> Result<(Vec<Planned>, Vec<usize>), Failure> {
-    let mut planned: Vec<Planned> = Vec::new();
-    let mut by_name: HashMap<Option<String>, usize> = HashMap::new();
-    let mut of_bin = Vec::new();
-    for (index, tracked) in options.tracked.iter().enumerate() {
-        let bins = all_bins.of_modifier(index);
-        // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
-        let mut first = 0;
-        if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
-            while pattern_holds_bin(pattern) && by_name.contains_key(&Some(named(pattern, &tracked.name, first)?.0)) {
-                first += 1;
-            }
-        }
-        for bin in 0..bins {
-            let (name, modifier, number) = match &tracked.output {
-                None => (None, None, None),
-                Some(pattern) => {
-                    let (name, has_modifier, has_bin) = named(pattern, &tracked.name, first + bin)?;
-                    (Some(name), has_modifier.then(|| tracked.name.clone()), has_bin.then_some(first + bin))
+impl Layout {
+    /// Where the bins of all modifiers go.
+    pub(super) fn new(options: &Options, all_bins: &Bins) -> Result<Layout, Failure> {
+        let mut planned: Vec<Planned> = Vec::new();
+        let mut by_name: HashMap<Option<String>, usize> = HashMap::new();
+        let mut of_bin = Vec::new();
+        for (index, tracked) in options.tracked.iter().enumerate() {
+            let bins = all_bins.of_modifier(index);
+            // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
+            let mut first = 0;
+            if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
+                while pattern_holds_bin(pattern) && by_name.contains_key(&Some(named(pattern, &tracked.name, first)?.0))
+                {
+                    first += 1;
                 }
-            };
-            let stream = *by_name.entry(name.clone()).or_insert_with(|| {
-                planned.push(Planned { name, modifier, bin: number, values: 0 });
-                planned.len() - 1
-            });
-            if planned[stream].values == 0 && planned[stream].modifier.is_none() {
-                planned[stream].modifier = Some(tracked.name.clone()).filter(|_| bins == 1 || number.is_some());
-            } else if planned[stream].values > 0 && !matches!(&tracked.output, Some(pattern) if pattern.contains("%s"))
-            {
-                planned[stream].modifier = None;
             }
-            planned[stream].values += 1;
-            of_bin.push(stream);
+            for bin in 0..bins {
+                let (name, modifier, number) = match &tracked.output {
+                    None => (None, None, None),
+                    Some(pattern) => {
+                        let (name, has_modifier, has_bin) = named(pattern, &tracked.name, first + bin)?;
+                        (Some(name), has_modifier.then(|| tracked.name.clone()), has_bin.then_some(first + bin))
+                    }
+                };
+                let stream = *by_name.entry(name.clone()).or_insert_with(|| {
+                    planned.push(Planned { name, modifier, bin: number, values: 0 });
+                    planned.len() - 1
+                });
+                if planned[stream].values == 0 && planned[stream].modifier.is_none() {
+                    planned[stream].modifier = Some(tracked.name.clone()).filter(|_| bins == 1 || number.is_some());
+                } else if planned[stream].values > 0
+                    && !matches!(&tracked.output, Some(pattern) if pattern.contains("%s"))
+                {
+                    planned[stream].modifier = None;
+                }
+                planned[stream].values += 1;
+                of_bin.push(stream);
+            }
         }
+        Ok(Layout { planned, of_bin })
     }
-    Ok((planned, of_bin))
+}
+
+/// Where a file is written until it is whole: a place that a later run finds.
+pub(super) fn aside(path: &Path) -> PathBuf {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    path.with_file_name(format!(".{name}.part"))
+}
+
+impl Planned {
+    /// Whether it has a value a pixel, and so a line with its size.
+    pub(super) fn is_picture(&self, options: &Options) -> bool {
+        self.values == 1 && options.size.iter().all(|size| *size > 0)
+    }
 }
 
 fn pattern_holds_bin(pattern: &str) -> bool {
@@ -255,7 +287,7 @@ fn named(pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, boo
 fn head(options: &Options, planned: &Planned) -> Vec<u8> {
     let mut bytes = if options.header { header(options, planned) } else { Vec::new() };
     let [columns, rows] = options.size;
-    if planned.values == 1 && columns > 0 && rows > 0 {
+    if planned.is_picture(options) {
         bytes.extend_from_slice(format!("{}\n", Resolution::standard(columns as usize, rows as usize)).as_bytes());
     }
     bytes
@@ -264,7 +296,11 @@ fn head(options: &Options, planned: &Planned) -> Vec<u8> {
 fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
-    header.push_variable("NCOMP", "3");
+    header.push_variable("NCOMP", &options.components().to_string());
+    if options.components() > 3 {
+        let splits = options.render.sampling.splits_nm().map(|split| split.to_string());
+        header.push_variable("WAVELENGTH_SPLITS", &format!(" {}", splits.join(" ")));
+    }
     if planned.name.is_some() {
         if let Some(modifier) = &planned.modifier {
             header.push_variable("MODIFIER", modifier);
@@ -280,13 +316,23 @@ fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     if columns == 0 || planned.values > 1 {
         header.push_variable("NCOLS", &planned.values.to_string());
     }
-    options.output_format.end_header(&mut header, "32-bit_rle_rgbe");
+    options.output_format.end_header(&mut header, pixel_format(options));
     header.to_bytes()
 }
 
-fn encode(value: [f64; 3], format: OutputFormat, out: &mut Vec<u8>) {
+/// What the format of pixels is called.
+pub(super) fn pixel_format(options: &Options) -> &'static str {
+    if options.components() > 3 { "Radiance_spectra" } else { "32-bit_rle_rgbe" }
+}
+
+fn encode(value: &[f64], format: OutputFormat, out: &mut Vec<u8>) {
     match format {
-        OutputFormat::Numbers(_) => format.put_numbers(&value, out),
-        OutputFormat::Pixels => out.extend_from_slice(&encode_rgbe(value.map(|band| band as f32))),
+        OutputFormat::Numbers(_) => format.put_numbers(value, out),
+        OutputFormat::Pixels => {
+            let single: Vec<f32> = value.iter().map(|band| *band as f32).collect();
+            let start = out.len();
+            out.resize(start + value.len() + 1, 0);
+            encode_spectrum(&single, &mut out[start..]);
+        }
     }
 }

@@ -1,16 +1,16 @@
 //! Makes the scene ready: tracked emitters shine with a radiance of 1 where coefficients are wanted.
 
 use super::options::{Options, Wanted};
-use crate::failure::{Failure, Outcome, say};
+use crate::failure::say;
 use radsight_ir::{Material, Modifier, ModifierKind, Rgb, Scene};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Changes the scene, and checks that it has what is asked for.
-pub(super) fn prepare(scene: &mut Scene, options: &Options) -> Outcome {
+pub(super) fn prepare(scene: &mut Scene, options: &Options) {
     let wanted: HashSet<&str> = options.tracked.iter().map(|tracked| tracked.name.as_str()).collect();
     let mut met = HashSet::new();
-    change(scene, &wanted, options.wanted, &mut met)?;
+    change(scene, &wanted, options.wanted, &mut met);
     let mut missing = options.tracked.iter().map(|tracked| &tracked.name).filter(|name| !met.contains(*name));
     if let Some(first) = missing.next()
         && !options.reading.no_warnings
@@ -21,34 +21,24 @@ pub(super) fn prepare(scene: &mut Scene, options: &Options) -> Outcome {
         };
         say(&format!("rcontrib: warning - the scene has no modifier \"{first}\"{more}\n"));
     }
-    Ok(())
 }
 
-fn change(scene: &mut Scene, names: &HashSet<&str>, wanted: Wanted, met: &mut HashSet<String>) -> Outcome {
+fn change(scene: &mut Scene, names: &HashSet<&str>, wanted: Wanted, met: &mut HashSet<String>) {
     for modifier in scene.modifiers.items_mut() {
         let name = scene.names.get(modifier.name);
         if !names.contains(name) {
             continue;
         }
         met.insert(name.to_owned());
-        match (wanted, radiance(modifier)) {
-            (Wanted::Coefficients, Some(radiance)) => {
-                *radiance = Rgb::WHITE;
-                // Its patterns are part of its radiance.
-                modifier.modifier = None;
-            }
-            (Wanted::Coefficients, None) | (Wanted::Contributions, Some(_)) => {}
-            (Wanted::Contributions, None) => {
-                return Err(Failure::usage(format!(
-                    "rcontrib: modifier \"{name}\" emits no light, expected a light, glow, spotlight or illum for -V+"
-                )));
-            }
+        if let (Wanted::Coefficients, Some(radiance)) = (wanted, radiance(modifier)) {
+            *radiance = Rgb::WHITE;
+            // Its patterns are part of its radiance.
+            modifier.modifier = None;
         }
     }
     for octree in scene.octrees.items_mut() {
-        change(Arc::make_mut(&mut octree.scene), names, wanted, met)?;
+        change(Arc::make_mut(&mut octree.scene), names, wanted, met);
     }
-    Ok(())
 }
 
 /// The radiance of an emitter.

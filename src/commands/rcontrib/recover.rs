@@ -1,0 +1,216 @@
+//! `-r`: going on with the output of a run that was interrupted.
+
+use super::bins::Bins;
+use super::options::Options;
+use super::record::Earlier;
+use super::streams::{Layout, Planned, Streams, aside, pixel_format};
+use crate::failure::{Failure, reason, say};
+use crate::output_format::OutputFormat;
+use radsight_picture::{Header, Resolution, decode_spectrum, leading_number};
+use radsight_pinhole::stream::NumberFormat;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+/// What there is to go on with.
+pub(super) enum Reopened<'o> {
+    /// Nothing: the work begins anew.
+    Nothing,
+    /// All that was asked for.
+    Everything,
+    /// Something.
+    Some(Streams<'o>, Earlier),
+}
+
+/// A file that an earlier run has written.
+struct Written {
+    path: PathBuf,
+    /// Bytes before the records.
+    start: u64,
+    records: u64,
+}
+
+/// No header is longer.
+const LONGEST_HEADER: u64 = 1 << 16;
+
+/// Finds the whole records that all files have, and opens the files behind them.
+pub(super) fn reopen<'o>(options: &'o Options, bins: &Bins) -> Result<Reopened<'o>, Failure> {
+    let layout = Layout::new(options, bins)?;
+    for planned in &layout.planned {
+        file_name(planned)?;
+    }
+    if options.accumulate == 0 {
+        let sums = reload(options, &layout)?;
+        return Ok(Reopened::Some(Streams::open(options, bins)?, Earlier::Sums(sums)));
+    }
+    if options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
+        return Err(Failure::usage("rcontrib: text cannot be recovered (-r), expected -ff, -fd or -fc"));
+    }
+    let mut found = Vec::new();
+    for planned in &layout.planned {
+        found.extend(find(options, planned)?);
+    }
+    let records = found.iter().map(|written| written.records).min().unwrap_or(0);
+    if records == 0 || found.len() < layout.planned.len() {
+        warn(options, "no previous data to recover");
+        return Ok(Reopened::Nothing);
+    }
+    let rays = records.saturating_mul(options.accumulate);
+    if options.expected_rays().is_some_and(|expected| rays >= expected) {
+        warn(options, "output appears to be complete");
+        return Ok(Reopened::Everything);
+    }
+    for (planned, written) in layout.planned.iter().zip(&found) {
+        let length = written.start + records * record_size(options, planned);
+        let name = file_name(planned)?;
+        shorten(written, &aside(Path::new(name)), length)
+            .map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+    }
+    Ok(Reopened::Some(Streams::go_on(options, layout), Earlier::Rays(rays)))
+}
+
+fn warn(options: &Options, what: &str) {
+    if !options.reading.no_warnings {
+        say(&format!("rcontrib: warning - {what}\n"));
+    }
+}
+
+fn file_name(planned: &Planned) -> Result<&str, Failure> {
+    match planned.name.as_deref() {
+        None => Err(Failure::usage("rcontrib: standard output cannot be recovered (-r), expected files (-o)")),
+        Some(name) if name.starts_with('!') => {
+            Err(Failure::usage(format!("rcontrib: the output of \"{name}\" cannot be recovered (-r), expected files")))
+        }
+        Some(name) => Ok(name),
+    }
+}
+
+/// Bytes of a record.
+fn record_size(options: &Options, planned: &Planned) -> u64 {
+    let components = options.components();
+    let value = match options.output_format {
+        OutputFormat::Numbers(NumberFormat::Double) => size_of::<f64>() * components,
+        OutputFormat::Numbers(_) => size_of::<f32>() * components,
+        OutputFormat::Pixels => components + 1,
+    };
+    (value * planned.values) as u64
+}
+
+/// The longer of the file and of what an interrupted run has left beside it.
+fn find(options: &Options, planned: &Planned) -> Result<Option<Written>, Failure> {
+    let name = file_name(planned)?;
+    let mut longest: Option<Written> = None;
+    for path in [PathBuf::from(name), aside(Path::new(name))] {
+        let failed = |error: io::Error| Failure::input(format!("cannot read \"{name}\": {}", reason(&error)));
+        let (file, size) = match File::open(&path).and_then(|file| file.metadata().map(|found| (file, found.len()))) {
+            Err(error) if error.kind() == ErrorKind::NotFound => continue,
+            opened => opened.map_err(failed)?,
+        };
+        let mut head = Vec::new();
+        file.take(LONGEST_HEADER).read_to_end(&mut head).map_err(failed)?;
+        if head.is_empty() {
+            continue;
+        }
+        let start = check_head(options, planned, &head)? as u64;
+        let records = (size - start) / record_size(options, planned);
+        if longest.as_ref().is_none_or(|longest| records > longest.records) {
+            longest = Some(Written { path, start, records });
+        }
+    }
+    if longest.is_none() {
+        warn(options, &format!("missing recover file \"{name}\""));
+    }
+    Ok(longest)
+}
+
+/// Checks that a file is of the kind that is asked for; gives where its records begin.
+fn check_head(options: &Options, planned: &Planned, bytes: &[u8]) -> Result<usize, Failure> {
+    let wrong =
+        |what: String| Failure::input(format!("cannot recover \"{}\": {what}", planned.name.as_deref().unwrap_or("-")));
+    let mut start = 0;
+    if options.header {
+        let (header, length) = Header::read(bytes).map_err(|error| wrong(error.to_string()))?;
+        let expected = options.output_format.name(pixel_format(options));
+        let format = header.format().unwrap_or_default();
+        if format != expected {
+            return Err(wrong(format!("its format is \"{format}\", expected \"{expected}\"")));
+        }
+        start = length;
+    }
+    if planned.is_picture(options) {
+        let (found, end) = Resolution::read(bytes, start).map_err(|error| wrong(error.to_string()))?;
+        let [columns, rows] = options.size.map(|size| size as usize);
+        if found != Resolution::standard(columns, rows) {
+            return Err(wrong(format!("its size is \"{found}\", expected \"-Y {rows} +X {columns}\"")));
+        }
+        start = end;
+    }
+    Ok(start)
+}
+
+/// Puts the start of a file aside.
+fn shorten(written: &Written, aside: &Path, length: u64) -> io::Result<()> {
+    if written.path != aside {
+        fs::copy(&written.path, aside)?;
+    }
+    File::options().write(true).open(aside)?.set_len(length)
+}
+
+/// The one record of an earlier run; zeros of files that are not there.
+fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {
+    let components = options.components();
+    let mut numbers = Vec::new();
+    for planned in &layout.planned {
+        let name = file_name(planned)?;
+        let expected = planned.values * components;
+        let values = match fs::read(name) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                warn(options, &format!("missing reload file \"{name}\""));
+                vec![0.0; expected]
+            }
+            Err(error) => return Err(Failure::input(format!("cannot read \"{name}\": {}", reason(&error)))),
+            Ok(bytes) if bytes.is_empty() => vec![0.0; expected],
+            Ok(bytes) => {
+                let start = check_head(options, planned, &bytes)?;
+                values(&bytes[start..], options, expected)
+            }
+        };
+        if values.len() != expected {
+            let found = values.len();
+            return Err(Failure::input(format!(
+                "cannot recover \"{name}\": it has {found} numbers, expected {expected}"
+            )));
+        }
+        numbers.push(values.into_iter());
+    }
+    let of_bins = layout.of_bin.iter().map(|stream| (*stream, components));
+    Ok(of_bins.flat_map(|(stream, count)| numbers[stream].by_ref().take(count).collect::<Vec<f64>>()).collect())
+}
+
+/// The first numbers of a record, as many as are expected if there are as many.
+fn values(bytes: &[u8], options: &Options, expected: usize) -> Vec<f64> {
+    match options.output_format {
+        OutputFormat::Numbers(NumberFormat::Ascii) => bytes
+            .split(u8::is_ascii_whitespace)
+            .filter(|word| !word.is_empty())
+            .map(|word| leading_number(word).0)
+            .take(expected)
+            .collect(),
+        OutputFormat::Numbers(NumberFormat::Float) => {
+            bytes.as_chunks().0.iter().map(|value| f64::from(f32::from_ne_bytes(*value))).take(expected).collect()
+        }
+        OutputFormat::Numbers(NumberFormat::Double) => {
+            bytes.as_chunks().0.iter().map(|value| f64::from_ne_bytes(*value)).take(expected).collect()
+        }
+        OutputFormat::Pixels => {
+            let components = options.components();
+            let mut pixel = vec![0.0; components];
+            let mut numbers = Vec::new();
+            for stored in bytes.chunks_exact(components + 1).take(expected / components) {
+                decode_spectrum(stored, &mut pixel);
+                numbers.extend(pixel.iter().map(|value| f64::from(*value)));
+            }
+            numbers
+        }
+    }
+}
