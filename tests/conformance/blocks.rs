@@ -12,6 +12,17 @@ const STANDARD_ERRORS: f64 = 3.0;
 /// Blocks darker than this share of the mean are compared with it instead.
 const DARK: f64 = 0.01;
 
+/// What is known of a reference's own noise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Noise<'a> {
+    /// Nothing: what a plane through each block leaves over is taken for it.
+    Unknown,
+    /// The standard error of each value, independent of its neighbours'.
+    OfValues(&'a Image<f32>),
+    /// Other pictures by the same command.
+    Repeats(&'a [Image<f32>]),
+}
+
 /// A comparison.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Agreement {
@@ -19,47 +30,46 @@ pub(crate) struct Agreement {
     pub(crate) mean: f64,
     /// Standard error of the reference's mean, as a share of it.
     pub(crate) mean_error: f64,
-    /// Share of the blocks that agree, 0…1.
+    /// Share of the blocks that agree within 5 %, 0…1.
+    pub(crate) within: f64,
+    /// Share of the blocks that agree within 5 % or the reference's noise, 0…1.
     pub(crate) blocks: f64,
     /// The difference that 95 % of the blocks stay below, as a share.
     pub(crate) percentile_95: f64,
 }
 
 impl Agreement {
-    /// Compares two pictures of the same size in blocks of `side` pixels. `noise` is the standard error of each of the
-    /// reference's values, if it is known; else it is estimated from what a plane through each block leaves over.
+    /// Compares two pictures of the same size in blocks of `side` pixels.
     ///
     /// # Panics
     /// If the sizes differ.
-    pub(crate) fn new(
-        actual: &Image<f32>,
-        expected: &Image<f32>,
-        noise: Option<&Image<f32>>,
-        side: usize,
-    ) -> Agreement {
+    pub(crate) fn new(actual: &Image<f32>, expected: &Image<f32>, noise: Noise<'_>, side: usize) -> Agreement {
         let size = (expected.width(), expected.height());
         assert_eq!((actual.width(), actual.height()), size, "the size of the picture");
         let expected_mean = mean(expected);
         let mut differences = Vec::new();
-        let mut agreeing = 0;
+        let (mut within, mut agreeing) = (0, 0);
         let mut variance = 0.0;
-        for top in (0..size.1).step_by(side) {
-            for left in (0..size.0).step_by(side) {
-                let block = Block { left, top, right: (left + side).min(size.0), bottom: (top + side).min(size.1) };
-                let difference = (block.mean(actual) - block.mean(expected)).abs();
-                let error = noise.map_or_else(|| block.residual_error(expected), |noise| block.combined_error(noise));
-                variance += (error * block.count()).powi(2);
-                let scale = block.mean(expected).max(DARK * expected_mean);
-                let share = if difference == 0.0 { 0.0 } else { difference / scale };
-                agreeing += usize::from(share <= TOLERANCE || difference <= STANDARD_ERRORS * error);
-                differences.push(share);
-            }
+        for block in Block::all(size, side) {
+            let difference = (block.mean(actual) - block.mean(expected)).abs();
+            let scale = block.mean(expected).max(DARK * expected_mean);
+            let error = match noise {
+                Noise::Unknown => block.residual_error(expected),
+                Noise::OfValues(errors) => block.combined_error(errors),
+                Noise::Repeats(repeats) => scale * block.spread_around(expected, repeats, side),
+            };
+            variance += (error * block.count()).powi(2);
+            let share = if difference == 0.0 { 0.0 } else { difference / scale };
+            within += usize::from(share <= TOLERANCE);
+            agreeing += usize::from(share <= TOLERANCE || difference <= STANDARD_ERRORS * error);
+            differences.push(share);
         }
         differences.sort_by(f64::total_cmp);
         let count = differences.len();
         Agreement {
             mean: if expected_mean > 0.0 { mean(actual) / expected_mean - 1.0 } else { mean(actual) },
             mean_error: variance.sqrt() / (size.0 * size.1) as f64 / expected_mean.max(f64::MIN_POSITIVE),
+            within: within as f64 / count as f64,
             blocks: agreeing as f64 / count as f64,
             percentile_95: differences[(0.95 * (count - 1) as f64).ceil() as usize],
         }
@@ -89,14 +99,42 @@ fn mean(image: &Image<f32>) -> f64 {
 }
 
 /// Pixels from `left`, `top` to before `right`, `bottom`.
-struct Block {
-    left: usize,
-    top: usize,
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Block {
+    pub(crate) left: usize,
+    pub(crate) top: usize,
     right: usize,
     bottom: usize,
 }
 
 impl Block {
+    /// The block of `side` pixels that begins there, cut at the picture's edges.
+    pub(crate) fn new((left, top): (usize, usize), size: (usize, usize), side: usize) -> Block {
+        Block { left, top, right: (left + side).min(size.0), bottom: (top + side).min(size.1) }
+    }
+
+    fn all(size: (usize, usize), side: usize) -> impl Iterator<Item = Block> {
+        let row = move |top| (0..size.0).step_by(side).map(move |left| Block::new((left, top), size, side));
+        (0..size.1).step_by(side).flat_map(row)
+    }
+
+    /// Standard deviation of the block's mean among pictures by the same command, as a share of it. The pictures are few, so the variances
+    /// of the blocks around count too.
+    fn spread_around(self, expected: &Image<f32>, repeats: &[Image<f32>], side: usize) -> f64 {
+        let size = (expected.width(), expected.height());
+        let floor = (DARK * mean(expected)).max(f64::MIN_POSITIVE);
+        let near = |at: usize, end: usize| (at.saturating_sub(side)..end.min(at + side + 1)).step_by(side);
+        let (mut sum, mut count) = (0.0, 0);
+        for corner in near(self.top, size.1).flat_map(|top| near(self.left, size.0).map(move |left| (left, top))) {
+            let block = Block::new(corner, size, side);
+            let means: Vec<f64> = repeats.iter().chain([expected]).map(|image| block.mean(image)).collect();
+            let mean = means.iter().sum::<f64>() / means.len() as f64;
+            sum += means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / mean.max(floor).powi(2);
+            count += repeats.len();
+        }
+        (sum / count as f64).sqrt()
+    }
+
     fn count(&self) -> f64 {
         ((self.right - self.left) * (self.bottom - self.top)) as f64
     }
@@ -112,7 +150,7 @@ impl Block {
         })
     }
 
-    fn mean(&self, image: &Image<f32>) -> f64 {
+    pub(crate) fn mean(&self, image: &Image<f32>) -> f64 {
         self.pixels(image).map(|(_, _, value)| value).sum::<f64>() / self.count()
     }
 

@@ -13,10 +13,10 @@
 //! Files that a scene names stand in `cases/lib`. The reference is the mean of many rays a pixel of real `rtrace`, told to integrate, and the
 //! standard error of each mean.
 
-use crate::blocks::Agreement;
+use crate::blocks::{Agreement, Noise};
+use crate::commands::radiance_values;
 use crate::program::{Folder, command, finish_command, root, run_with};
 use crate::real_radiance::Radiance;
-use crate::renders::radiance_values;
 use crate::{pictures_folder, side_by_side};
 use radsight_picture::{Header, Image, Picture};
 use rayon::prelude::*;
@@ -201,7 +201,7 @@ fn compare(case: &Case) -> Result<String, String> {
     let samples: f64 = case.samples.parse().expect("a number of rays");
     let both = (1.0 + REFERENCE_RAYS as f64 / samples).sqrt() as f32;
     let noise = noise.map(|error| error * both);
-    let agreement = Agreement::new(&actual, &expected, Some(&noise), BLOCK);
+    let agreement = Agreement::new(&actual, &expected, Noise::OfValues(&noise), BLOCK);
     if agreement.is_good() {
         return Ok(format!("{name:32} {agreement}"));
     }

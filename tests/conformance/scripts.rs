@@ -1,9 +1,9 @@
 //! Scripts written for Radiance, run unchanged with radsight's links first in `PATH`, against what real Radiance made of them.
 
-use crate::blocks::Agreement;
+use crate::blocks::{Agreement, Noise};
+use crate::commands::radiance_values;
 use crate::program::{Folder, finish_command, radsight};
 use crate::real_radiance::Radiance;
-use crate::renders::radiance_values;
 use crate::{pictures_folder, shared, side_by_side};
 use std::fs;
 use std::path::Path;
@@ -69,7 +69,7 @@ fn scripts_written_for_radiance() {
                 failed.push(format!("{scene}/{name}"));
                 continue;
             };
-            let agreement = Agreement::new(&actual, &expected, None, 8);
+            let agreement = Agreement::new(&actual, &expected, Noise::Unknown, 8);
             side_by_side::write(&pictures_folder(), &format!("{scene}-{name}"), &actual, &expected);
             let good = if agreement.is_good() { "good" } else { "BAD" };
             println!("    {name:24} {agreement}  {good}");

@@ -15,8 +15,9 @@ use std::f64::consts::TAU;
 /// Places on the rim that are sent back.
 const RIM: u32 = 8;
 
-/// By how much the ellipse is larger than what the rim asks for, since prisms map cones to ellipses only about.
-const MARGIN: f64 = 1.05;
+/// By how much the ellipse is larger than the largest radius of the rim, beside as much as this is off an ellipse: what is drawn beside the image is
+/// noise.
+const MARGIN: f64 = 0.002;
 
 /// An ellipse is not larger than this many times what the rim's mean asks for.
 const LARGEST: f64 = 4.0;
@@ -72,7 +73,8 @@ impl Met<'_> {
             let [a, b] = coordinates(image_x, image_y, *place);
             a.hypot(b)
         };
-        let scale = MARGIN * rim.iter().map(radius).fold(1.0, f64::max);
+        let largest = rim.iter().map(radius).fold(1.0, f64::max);
+        let scale = largest + (largest - 1.0) + MARGIN;
         (scale <= LARGEST).then_some(LightForm::DistantImage { direction, x: image_x * scale, y: image_y * scale })
     }
 }

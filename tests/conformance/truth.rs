@@ -1,0 +1,149 @@
+//! Who is nearer to the truth where our pictures of the render tests and real Radiance's differ.
+//!
+//! Real `rpict` shares irradiance between places and interpolates between pixels, and ours shares it too. Real `rtrace -aa 0` does neither: with many rays
+//! through a block of pixels it gives the block's radiance, and how well it is known. That is no truth where Radiance approximates in another way
+//! (`docs/differences.md`).
+
+use crate::blocks::{Agreement, Block, Noise};
+use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
+use crate::real_radiance::Radiance;
+use crate::{pictures_folder, shared};
+use radsight_picture::Image;
+use std::fs;
+use std::path::Path;
+
+/// Of a block, pixels.
+const SIDE: usize = 8;
+
+/// Blocks of each picture.
+const BLOCKS: usize = 24;
+
+/// Rays through each pixel; each looks around along as many as `-ad` says here.
+const RAYS: usize = 32;
+
+/// Every light is tested, and paths go on however little they carry.
+const UNBIASED: &str = "-u+ -aa 0 -ad 64 -as 0 -lw 1e-7 -dt 0 -ss 1";
+
+/// A block's truth is known when its standard error is a smaller share than this.
+const KNOWN: f64 = 0.02;
+
+/// A block and its radiance, the mean of the bands.
+#[derive(Clone, Copy, Debug)]
+struct Truth {
+    block: Block,
+    radiance: f64,
+    error: f64,
+}
+
+impl Truth {
+    /// How far a picture is from it, as a share.
+    fn difference(&self, picture: &Image<f32>) -> f64 {
+        (self.block.mean(picture) / self.radiance - 1.0).abs()
+    }
+}
+
+/// Reads a block's truth, or has real Radiance find it: one line for each, left, top, radiance, standard error.
+fn truths(folder: &Path, scenes: &mut Scenes<'_>, reference: &Reference) -> Vec<Truth> {
+    let path = folder.join(format!("{}-truth.tsv", reference.name));
+    let text = fs::read_to_string(&path).unwrap_or_else(|_| {
+        scenes.build(reference);
+        let text = find_truths(scenes, reference);
+        fs::write(&path, &text).expect("the truth is written");
+        text
+    });
+    let read = |line: &str| {
+        let numbers: Vec<f64> = line.split('\t').map(|word| word.parse().expect("a number")).collect();
+        let corner = (numbers[0] as usize, numbers[1] as usize);
+        Truth { block: Block::new(corner, reference.size(), SIDE), radiance: numbers[2], error: numbers[3] }
+    };
+    text.lines().map(read).collect()
+}
+
+fn find_truths(scenes: &Scenes<'_>, reference: &Reference) -> String {
+    let (width, height) = reference.size();
+    let mut random = Random(0x5eed);
+    let corners: Vec<(usize, usize)> =
+        (0..BLOCKS).map(|_| (random.below(width / SIDE) * SIDE, random.below(height / SIDE) * SIDE)).collect();
+    let mut places = Vec::new();
+    for (left, top) in &corners {
+        for _ in 0..RAYS {
+            for pixel in 0..SIDE * SIDE {
+                let (x, y) = (left + pixel % SIDE, top + pixel / SIDE);
+                places.push((x as f64 + random.unit(), y as f64 + random.unit()));
+            }
+        }
+    }
+    let values = scenes.radiance_at(reference, &places, UNBIASED);
+    let mut text = String::new();
+    for ((left, top), values) in corners.iter().zip(values.chunks_exact(RAYS * SIDE * SIDE)) {
+        let means: Vec<f64> =
+            values.chunks_exact(SIDE * SIDE).map(|pass| pass.iter().sum::<f64>() / pass.len() as f64).collect();
+        let mean = means.iter().sum::<f64>() / RAYS as f64;
+        let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
+        let error = (squares / (RAYS * (RAYS - 1)) as f64).sqrt();
+        text.push_str(&format!("{left}\t{top}\t{mean:e}\t{error:e}\n"));
+    }
+    text
+}
+
+/// Places of blocks and rays: the constants of Knuth's MMIX.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.unit() * end as f64) as usize
+    }
+}
+
+/// The median of the differences from the truth, as shares of it.
+fn median_difference(picture: &Image<f32>, truths: &[Truth]) -> f64 {
+    let mut differences: Vec<f64> = truths.iter().map(|truth| truth.difference(picture)).collect();
+    differences.sort_by(f64::total_cmp);
+    differences.get(differences.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// A line of the table.
+fn row(reference: &Reference, ours: &Image<f32>, again: &[Image<f32>], truths: &[Truth]) -> String {
+    let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(again) };
+    let agreement = Agreement::new(ours, &reference.picture, noise, SIDE);
+    let itself = again.first().map_or_else(
+        || "| |".to_owned(),
+        |again| {
+            let itself = Agreement::new(again, &reference.picture, noise, SIDE);
+            format!("| {:+.1} % | {:.1} %", 100.0 * itself.mean, 100.0 * itself.within)
+        },
+    );
+    let known: Vec<Truth> = truths.iter().filter(|truth| truth.error < KNOWN * truth.radiance).copied().collect();
+    let nearer = known.iter().filter(|truth| truth.difference(ours) < truth.difference(&reference.picture)).count();
+    format!(
+        "| `{}` | {:+.1} % | {:.1} % | {:.1} % {itself} | {:.1} % | {:.1} % | {nearer} of {} |",
+        reference.name,
+        100.0 * agreement.mean,
+        100.0 * agreement.within,
+        100.0 * agreement.blocks,
+        100.0 * median_difference(ours, &known),
+        100.0 * median_difference(&reference.picture, &known),
+        known.len()
+    )
+}
+
+/// Prints the table of `docs/render-tests.md`: how our pictures (of the last run of `radiance_render_tests`) agree with the references, and how far both are
+/// from the truth. `RADSIGHT_ORACLE` names the folder where what real Radiance finds is kept.
+#[test]
+#[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
+fn blocks_against_their_truth() {
+    let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
+    let mut scenes = Scenes::new(&shared, &radiance);
+    for reference in Reference::all(&shared) {
+        let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
+        let Ok(picture) = fs::read(path) else { continue };
+        let again = repeats(&folder, &reference);
+        let truths = truths(&folder, &mut scenes, &reference);
+        println!("{}", row(&reference, &radiance_values(&picture), &again, &truths));
+    }
+}
