@@ -151,3 +151,60 @@ fn paths_end_where_radiance_ends_them() {
 fn irradiance_is_measured_where_radiance_measures_it() {
     agrees(&["irradiance"]);
 }
+
+/// The sun of the render tests behind `prism2`, found by rays through the prism: a glow that is no light is seen by those alone.
+#[test]
+fn the_sun_lights_through_a_prism_what_rays_through_it_find() {
+    let Some(radiance) = Radiance::find() else { return };
+    let shared =
+        std::env::var_os("RADSIGHT_SHARED").map(|folder| Path::new(&folder).join("radiance/renders/prism.cal"));
+    let Some(functions) = shared.and_then(|path| std::fs::read(path).ok()) else {
+        println!("skipped: RADSIGHT_SHARED names no folder with prism.cal");
+        return;
+    };
+    let folder = Folder::new();
+    folder.file("prism.cal", functions);
+    let prism = "void prism2 prism 11 coef1 dx1 dy1 dz1 coef2 dx2 dy2 dz2 prism.cal -rz 90 0 4 1.52 .2 .1 .2\n\
+                 prism polygon window 0 0 12 -8.1 1 1 -8.1 4 1 -8.1 4 2 -8.1 1 2\n\
+                 void plastic black 0 0 5 0 0 0 0 0\n\
+                 black polygon wall 0 0 30 -8 -9 -9 -8 9 -9 -8 9 9 -8 -9 9 -8 -9 -9\n\
+                 -8 1 1 -8 1 2 -8 4 2 -8 4 1 -8 1 1\n";
+    let sun = |radiance: &str| format!("{prism}void {radiance}\nsun source disk 0 0 4 -.9338 -.35 1e-3 1\n");
+    folder.file("light.rad", sun("light sun 0 0 3 2.5e4 2.5e4 2.5e4"));
+    folder.file("glow.rad", sun("glow sun 0 0 4 2.5e4 2.5e4 2.5e4 0"));
+    let octree = radiance.octree(&folder, &["glow.rad"]);
+    // On the floor and on the ceiling, each with the direction of the sun's image.
+    for (place, normal, image) in
+        [("-6.31 4.22 0", 1.0, [-0.6478, -0.35097, 0.67615]), ("-5.23 2.6 3", -1.0, [-0.82476, -0.35096, -0.4434])]
+    {
+        let words = ["rtrace", "-h", "-I+", "-ab", "0", "-dr", "1", "--samples", "1024", "light.rad"];
+        let input = format!("{place} 0 0 {normal}\n");
+        let ours = run_with(command(&words).current_dir(folder.path("")), input.as_bytes()).text();
+        let ours = means(&ours, 1)[0][0];
+        let found = through_the_prism(&radiance, &octree, place, image, &folder);
+        println!("{place}: {ours} here, {found} by rays through the prism");
+        assert!((ours / found - 1.0).abs() < 0.005, "{place}: {ours} here, {found} by rays through the prism");
+    }
+}
+
+/// Irradiance on a level surface from the directions about `image`, by rays of real `rtrace` on a grid over the plane that touches the sphere there.
+fn through_the_prism(radiance: &Radiance, octree: &str, place: &str, image: [f64; 3], folder: &Folder) -> f64 {
+    const SIDE: usize = 300;
+    const WIDTH: f64 = 0.04;
+    let [x, y, z] = image;
+    let level = x.hypot(y);
+    let mut rays = String::new();
+    let mut solid_angles = Vec::new();
+    for index in 0..SIDE * SIDE {
+        let [a, b] = [index % SIDE, index / SIDE].map(|step| WIDTH * ((step as f64 + 0.5) / SIDE as f64 - 0.5));
+        let beside = [-y / level * a - x * z / level * b, x / level * a - y * z / level * b, level * b];
+        let towards = [x + beside[0], y + beside[1], z + beside[2]];
+        let length = (1.0 + a * a + b * b).sqrt();
+        rays += &format!("{place} {} {} {}\n", towards[0], towards[1], towards[2]);
+        solid_angles.push((WIDTH / SIDE as f64).powi(2) / length.powi(3) * (towards[2] / length).abs());
+    }
+    let words = ["-h", "-w", "-ab", "0", "-lr", "8", "-lw", "1e-6", octree];
+    let mut rtrace = radiance.command("rtrace", &words);
+    let seen = means(&run_with(rtrace.current_dir(folder.path("")), rays.as_bytes()).text(), 1);
+    seen.iter().zip(&solid_angles).map(|(radiance, projected)| radiance[0] * projected).sum()
+}
