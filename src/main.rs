@@ -8,6 +8,7 @@ mod disk;
 mod effort_args;
 mod expand;
 mod failure;
+mod file_pattern;
 mod input;
 mod output;
 mod output_color;

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::render_args::number;
 use glam::{DMat3, DVec3};
 use radsight_picture::{RgbPrimaries, WHITE_EFFICACY, xyz_to_rgb};
+use radsight_spectrum::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB};
 
 /// The components of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,13 +21,6 @@ pub(crate) enum OutputColor {
     Weighted([f64; 3]),
 }
 
-/// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
-/// with 412 lm/W for white: CIE 1951 V'(λ).
-const SCOTOPIC: [f64; 3] = [4.652_171, 292.074_6, 115.273_2];
-
-/// The same for melanopic response with 179 lm/W for white: CIE S 026.
-const MELANOPIC: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
-
 impl OutputColor {
     /// The components that an option asks for and how many words it uses; `None` for another option.
     pub(crate) fn from_option(words: &[String]) -> Result<Option<(OutputColor, usize)>, Failure> {
@@ -37,8 +31,8 @@ impl OutputColor {
             "-pRGB" => OutputColor::Rgb,
             "-pXYZ" => OutputColor::Xyz(to_xyz * WHITE_EFFICACY),
             "-pY" => OutputColor::Weighted(to_xyz.row(1).to_array().map(|weight| weight * WHITE_EFFICACY)),
-            "-pS" => OutputColor::Weighted(SCOTOPIC),
-            "-pM" => OutputColor::Weighted(MELANOPIC),
+            "-pS" => OutputColor::Weighted(SCOTOPIC_OF_RGB),
+            "-pM" => OutputColor::Weighted(MELANOPIC_OF_RGB),
             "-co" | "-co+" => OutputColor::Bands,
             "-co-" => OutputColor::Rgb,
             "-pA" => OutputColor::Weighted([1.0 / 3.0; 3]),

@@ -111,6 +111,13 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             name_surfaces(options, word == "-ai", name);
             Ok(2)
         }
+        "-aE" | "-aI" => {
+            let file: String = number(words, word, "a file of modifiers' names")?;
+            for name in names_in_file(word, &file)? {
+                name_surfaces(options, word == "-aI", name);
+            }
+            Ok(2)
+        }
         // The radius of photon maps, which without one means nothing.
         "-am" => number::<f64>(words, word, "a number").map(|_| 2),
         "-ap" => Err(Failure::usage("option \"-ap\": photon maps are not supported")),
@@ -162,6 +169,14 @@ fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
         other if only => *other = AmbientSurfaces::Only(vec![name]),
         other => *other = AmbientSurfaces::Except(vec![name]),
     }
+}
+
+/// The words of a file, which is looked for in `RAYPATH`.
+fn names_in_file(option: &str, file: &str) -> Result<Vec<String>, Failure> {
+    let loaded = DiskLoader::new(Commands::Refused).load(file, FileKind::Other);
+    let loaded = loaded.map_err(|error| Failure::input(format!("option \"{option}\": {error}")))?;
+    let text = String::from_utf8_lossy(&loaded.bytes).into_owned();
+    Ok(text.split_whitespace().map(|name| name.trim_matches(['"', '\'']).to_owned()).collect())
 }
 
 /// Takes `-i` from the front: whether the irradiance of the surfaces is wanted; gives how many words it used.

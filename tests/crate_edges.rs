@@ -40,6 +40,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("ir", &["bsdf", "cal", "diag"]),
     ("irradiance", &[]),
     ("loader", &[]),
+    ("matrix", &["bsdf", "cal", "diag", "picture", "spectrum"]),
     ("octree", &["formats", "ir"]),
     ("parse", &["bsdf", "cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),

@@ -13,8 +13,8 @@ const MISSING: [(&[&str], &str); 11] = [
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
     (&["obj2mesh", "tmesh2rad", "robjutil"], "expected obj2rad, or Radiance's own: its meshes (.rtm) are read"),
     (
-        &["dctimestep", "rmtxop", "rcomb", "rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
-        "expected Radiance's own: it takes the matrices that rcontrib writes here, and pcomb adds pictures",
+        &["rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
+        "expected Radiance's own: rcontrib, rmtxop, rcomb and dctimestep here take and write the same matrices",
     ),
     (
         &["pinterp", "pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],

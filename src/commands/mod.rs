@@ -6,6 +6,7 @@ mod check;
 mod explain;
 mod features;
 mod install_links;
+mod matrix;
 mod missing;
 pub(crate) mod mksource;
 mod oconv;
@@ -28,7 +29,7 @@ use radsight_render::RenderOptions;
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
     let own = ["mksource", "oconv", "rad", "rcontrib", "rpict", "rtrace", "vwrays"];
-    own.into_iter().chain(scene_program::names()).chain(picture::names())
+    own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
@@ -47,7 +48,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         "vwrays" => return Some(vwrays::run(&words[1..])),
         _ => {}
     }
-    if let Some(outcome) = picture::run(words) {
+    if let Some(outcome) = picture::run(words).or_else(|| matrix::run(words)) {
         return Some(outcome);
     }
     if scene_program::names().any(|known| known == name) {

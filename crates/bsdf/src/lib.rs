@@ -44,6 +44,7 @@ mod tree_text;
 mod xml;
 
 pub use data::{Bsdf, Side};
+pub use matrix::Patches;
 pub use mistake::{Mistake, Place};
 pub use read::Reading;
 pub use scattering::{Resolution, Sample, Scattering};

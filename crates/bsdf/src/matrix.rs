@@ -6,6 +6,29 @@ use crate::scattering::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting}
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
+/// Values of a scattering function between the patches of angle bases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patches {
+    /// Patches into which light leaves.
+    pub rows: usize,
+    /// Patches from which light comes.
+    pub columns: usize,
+    /// Red, green and blue, row by row: value times the projected solid angle of the patch from which light comes.
+    pub values: Vec<[f64; 3]>,
+}
+
+impl Patches {
+    /// What scatters into all directions alike, by its reflectance or transmittance, between the patches of Klems' full basis.
+    #[must_use]
+    pub fn lambertian(diffuse: [f64; 3]) -> Patches {
+        let basis = &AngleBasis::known()[0];
+        let count = basis.len();
+        let row = (0..count).map(|patch| diffuse.map(|band| band / PI * basis.projected_solid_angle(patch)));
+        let row: Vec<[f64; 3]> = row.collect();
+        Patches { rows: count, columns: count, values: row.repeat(count) }
+    }
+}
+
 /// A value for each pair of an incident and an exit patch.
 #[derive(Debug)]
 pub(crate) struct Matrix {
@@ -62,6 +85,43 @@ impl Matrix {
 
     pub(crate) fn is_grey(&self) -> bool {
         self.colors.is_none()
+    }
+
+    /// The values of all pairs of patches with a Lambertian part (1/sr), times the projected solid angle of the patch from which light comes; against the
+    /// way of the data by reciprocity, each patch being that of the opposite direction.
+    pub(crate) fn patches(&self, way: Way, lambertian: [f64; 3]) -> Patches {
+        let opposite = |from: &AngleBasis, to: &AngleBasis| -> Vec<usize> {
+            let middle = |patch| from.point(patch, [0.5, 0.5]).map(|coordinate| -coordinate);
+            (0..from.len()).map(|patch| to.patch(middle(patch)).unwrap_or(0)).collect()
+        };
+        let value = |exit: usize, incident: usize| -> [f64; 3] {
+            let at = exit * self.incident.len() + incident;
+            match &self.colors {
+                Some(colors) => colors[at].map(|band| f64::from(band).max(0.0)),
+                None => lambertian.map(|band| band + f64::from(self.values[at]).max(0.0)),
+            }
+        };
+        let scaled = |value: [f64; 3], size: f64| value.map(|band| band * size);
+        let mut values = Vec::with_capacity(self.values.len());
+        let (rows, columns) = match way {
+            Way::Forward => (self.exit.len(), self.incident.len()),
+            Way::Backward => (self.incident.len(), self.exit.len()),
+        };
+        let exit_of = opposite(&self.incident, &self.exit);
+        let incident_of = opposite(&self.exit, &self.incident);
+        for row in 0..rows {
+            for column in 0..columns {
+                values.push(match way {
+                    Way::Forward => scaled(value(row, column), self.incident.projected_solid_angle(column)),
+                    Way::Backward => {
+                        let exit = exit_of.get(column).copied().unwrap_or(column).min(self.exit.len() - 1);
+                        let incident = incident_of.get(row).copied().unwrap_or(row).min(self.incident.len() - 1);
+                        scaled(value(exit, incident), self.exit.projected_solid_angle(exit))
+                    }
+                });
+            }
+        }
+        Patches { rows, columns, values }
     }
 
     /// The largest share of light from one direction that is scattered.

@@ -1,7 +1,7 @@
 //! One scattering function of a BSDF: one side's reflection, or transmission.
 
 use crate::Side;
-use crate::matrix::Matrix;
+use crate::matrix::{Matrix, Patches};
 use crate::tensor::Tensor;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -116,6 +116,16 @@ impl Scattering {
     #[must_use]
     pub fn largest_total(&self) -> f64 {
         self.largest_total
+    }
+
+    /// The values between all patches, of light that arrives on a side, with the Lambertian part; `None` of tensor trees.
+    #[must_use]
+    pub fn patches(&self, arriving: Side) -> Option<Patches> {
+        let way = if arriving == self.incident { Way::Forward } else { Way::Backward };
+        match &self.data {
+            Data::Matrix(matrix) => Some(matrix.patches(way, self.lambertian)),
+            Data::Tensor(_) => None,
+        }
     }
 
     /// The value for two directions, 1/sr, in red, green and blue; zero on sides that it does not speak of.

@@ -225,6 +225,9 @@ fn begin(header: &Header, (width, height, components): (usize, usize, usize), fo
     described.push_variable("NROWS", &height.to_string());
     described.push_variable("NCOLS", &width.to_string());
     described.push_variable("NCOMP", &components.to_string());
+    if let (true, Some(splits)) = (components > 3, header.variable("WAVELENGTH_SPLITS")) {
+        described.push_variable("WAVELENGTH_SPLITS", &splits);
+    }
     if format != MatrixFormat::Ascii {
         described.push_variable("BigEndian", "0");
     }

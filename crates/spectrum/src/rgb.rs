@@ -14,6 +14,13 @@ static FROM_XYZ: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| {
     unscaled.map(|row| row.map(|value| value / row.iter().sum::<f64>()))
 });
 
+/// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
+/// with 412 lm/W for white: CIE 1951 V'(λ).
+pub const SCOTOPIC_OF_RGB: [f64; 3] = [4.652_171, 292.074_6, 115.273_2];
+
+/// The same for melanopic response with 179 lm/W for white: CIE S 026.
+pub const MELANOPIC_OF_RGB: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
+
 /// The inverse by cofactors; the matrix here is regular.
 fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let cofactor = |row: usize, column: usize| {

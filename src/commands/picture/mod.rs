@@ -13,7 +13,7 @@ mod pturn;
 mod pvalue;
 mod ra_xyze;
 mod raster;
-mod words;
+pub(super) mod words;
 
 use crate::failure::Outcome;
 use words::Words;

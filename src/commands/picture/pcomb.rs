@@ -87,7 +87,8 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
             "-w" => {}
             "-h" => options.history = options.history.other(),
             "-ff" => options.floats = true,
-            _ => return Err(words.unknown(option, "-h -w -ff -x -y -f or -e")),
+            "-fc" => options.floats = false,
+            _ => return Err(words.unknown(option, "-h -w -ff -fc -x -y -f or -e")),
         }
     }
     Ok(options)

@@ -123,9 +123,9 @@ impl Options {
                 }
                 self.primaries = Some(RgbPrimaries::from_array(numbers));
             }
-            "pr" | "pR" => self.layout.part = Part::Component(0),
-            "pg" | "pG" => self.layout.part = Part::Component(1),
-            "pb" | "pB" => self.layout.part = Part::Component(2),
+            name if name.starts_with("pr") || name.starts_with("pR") => self.layout.part = Part::Component(0),
+            name if name.starts_with("pg") || name.starts_with("pG") => self.layout.part = Part::Component(1),
+            name if name.starts_with("pb") || name.starts_with("pB") => self.layout.part = Part::Component(2),
             name if name.starts_with(['x', 'X', 'y', 'Y']) => {
                 self.take_size(name.starts_with(['x', 'X']), on, words.integer(option)?.max(0) as usize);
             }

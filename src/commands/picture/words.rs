@@ -5,35 +5,35 @@ use radsight_picture::leading_number;
 
 /// The words of a command line, taken one after another.
 #[derive(Clone, Debug)]
-pub(super) struct Words<'a> {
+pub(crate) struct Words<'a> {
     all: &'a [String],
     at: usize,
 }
 
 impl<'a> Words<'a> {
     /// `all[0]` is the program's name.
-    pub(super) fn new(all: &'a [String]) -> Words<'a> {
+    pub(crate) fn new(all: &'a [String]) -> Words<'a> {
         Words { all, at: 1 }
     }
 
-    pub(super) fn program(&self) -> &'a str {
+    pub(crate) fn program(&self) -> &'a str {
         &self.all[0]
     }
 
     /// The next word if it is an option: `-` with something after it.
-    pub(super) fn option(&mut self) -> Option<&'a str> {
+    pub(crate) fn option(&mut self) -> Option<&'a str> {
         self.next_if(|word| word.len() > 1 && word.starts_with('-'))
     }
 
     /// The next word if it is one that is wanted.
-    pub(super) fn next_if(&mut self, wanted: impl Fn(&str) -> bool) -> Option<&'a str> {
+    pub(crate) fn next_if(&mut self, wanted: impl Fn(&str) -> bool) -> Option<&'a str> {
         let word = self.all.get(self.at).filter(|word| wanted(word))?;
         self.at += 1;
         Some(word)
     }
 
     /// The value of an option.
-    pub(super) fn value(&mut self, option: &str, expected: &str) -> Result<&'a str, Failure> {
+    pub(crate) fn value(&mut self, option: &str, expected: &str) -> Result<&'a str, Failure> {
         let missing = || {
             let program = self.program();
             Failure::usage(format!(
@@ -46,18 +46,18 @@ impl<'a> Words<'a> {
     }
 
     /// The number after an option.
-    pub(super) fn number(&mut self, option: &str) -> Result<f64, Failure> {
+    pub(crate) fn number(&mut self, option: &str) -> Result<f64, Failure> {
         let word = self.value(option, "a number")?;
         self.number_in(word, option)
     }
 
     /// The whole number after an option; a fraction is cut off.
-    pub(super) fn integer(&mut self, option: &str) -> Result<i64, Failure> {
+    pub(crate) fn integer(&mut self, option: &str) -> Result<i64, Failure> {
         Ok(self.number(option)? as i64)
     }
 
     /// The number that a word is.
-    pub(super) fn number_in(&self, word: &str, option: &str) -> Result<f64, Failure> {
+    pub(crate) fn number_in(&self, word: &str, option: &str) -> Result<f64, Failure> {
         let (number, used) = leading_number(word.as_bytes());
         if used > 0 && word[used..].trim().is_empty() && number.is_finite() {
             return Ok(number);
@@ -67,22 +67,22 @@ impl<'a> Words<'a> {
     }
 
     /// The words that are left.
-    pub(super) fn rest(&self) -> &'a [String] {
+    pub(crate) fn rest(&self) -> &'a [String] {
         &self.all[self.at..]
     }
 
     /// All words.
-    pub(super) fn all(&self) -> Vec<&'a str> {
+    pub(crate) fn all(&self) -> Vec<&'a str> {
         self.all.iter().map(String::as_str).collect()
     }
 
     /// The name and the words that were taken: what goes to a header.
-    pub(super) fn taken(&self) -> Vec<&'a str> {
+    pub(crate) fn taken(&self) -> Vec<&'a str> {
         self.all[..self.at].iter().map(String::as_str).collect()
     }
 
     /// The one file that is named after the options; `-` for none.
-    pub(super) fn one_file(&self) -> Result<&'a str, Failure> {
+    pub(crate) fn one_file(&self) -> Result<&'a str, Failure> {
         match self.rest() {
             [] => Ok("-"),
             [file] => Ok(file),
@@ -91,7 +91,7 @@ impl<'a> Words<'a> {
     }
 
     /// The files to read and to write; `-` for what is not named.
-    pub(super) fn input_and_output(&self) -> Result<(&'a str, &'a str), Failure> {
+    pub(crate) fn input_and_output(&self) -> Result<(&'a str, &'a str), Failure> {
         match self.rest() {
             [] => Ok(("-", "-")),
             [input] => Ok((input, "-")),
@@ -100,11 +100,11 @@ impl<'a> Words<'a> {
         }
     }
 
-    pub(super) fn too_many(&self, word: &str) -> Failure {
+    pub(crate) fn too_many(&self, word: &str) -> Failure {
         Failure::usage(format!("{}: \"{word}\" is one file too many", self.program()))
     }
 
-    pub(super) fn unknown(&self, option: &str, expected: &str) -> Failure {
+    pub(crate) fn unknown(&self, option: &str, expected: &str) -> Failure {
         Failure::usage(format!("{}: option \"{option}\" is unknown, expected {expected}", self.program()))
     }
 }

@@ -4,6 +4,7 @@ use super::bins::Bins;
 use super::options::Options;
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
+use crate::file_pattern::named;
 use crate::input::program_history;
 use crate::output_format::OutputFormat;
 use radsight_picture::{Resolution, encode_spectrum};
@@ -197,7 +198,8 @@ impl Layout {
             // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
             let mut first = 0;
             if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
-                while pattern_holds_bin(pattern) && by_name.contains_key(&Some(named(pattern, &tracked.name, first)?.0))
+                while pattern_holds_bin(pattern)
+                    && by_name.contains_key(&Some(named("rcontrib", pattern, &tracked.name, first)?.0))
                 {
                     first += 1;
                 }
@@ -206,7 +208,7 @@ impl Layout {
                 let (name, modifier, number) = match &tracked.output {
                     None => (None, None, None),
                     Some(pattern) => {
-                        let (name, has_modifier, has_bin) = named(pattern, &tracked.name, first + bin)?;
+                        let (name, has_modifier, has_bin) = named("rcontrib", pattern, &tracked.name, first + bin)?;
                         (Some(name), has_modifier.then(|| tracked.name.clone()), has_bin.then_some(first + bin))
                     }
                 };
@@ -243,44 +245,7 @@ impl Planned {
 }
 
 fn pattern_holds_bin(pattern: &str) -> bool {
-    named(pattern, "", 0).is_ok_and(|(_, _, holds_bin)| holds_bin)
-}
-
-/// A file's name, and whether it holds the modifier's name and the bin's number: `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
-fn named(pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
-    let wrong =
-        || Failure::usage(format!("rcontrib: output \"{pattern}\" holds an unknown %, expected %s once and %d once"));
-    let (mut name, mut has_modifier, mut has_bin) = (String::new(), false, false);
-    let mut rest = pattern;
-    while let Some(at) = rest.find('%') {
-        name.push_str(&rest[..at]);
-        rest = &rest[at + 1..];
-        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-        let width: usize = if digits == 0 { 0 } else { rest[..digits].parse().map_err(|_| wrong())? };
-        const WIDEST: usize = 255;
-        if width > WIDEST {
-            return Err(wrong());
-        }
-        let zeros = rest.starts_with('0');
-        let letter = rest[digits..].chars().next().ok_or_else(wrong)?;
-        let number = match letter {
-            '%' => "%".to_owned(),
-            's' if !has_modifier => modifier.to_owned(),
-            'd' | 'i' if !has_bin => bin.to_string(),
-            'o' if !has_bin => format!("{bin:o}"),
-            'x' if !has_bin => format!("{bin:x}"),
-            'X' if !has_bin => format!("{bin:X}"),
-            _ => return Err(wrong()),
-        };
-        has_modifier |= letter == 's';
-        has_bin |= !matches!(letter, 's' | '%');
-        let padding = if zeros && letter != 's' { '0' } else { ' ' };
-        (number.chars().count()..width).for_each(|_| name.push(padding));
-        name.push_str(&number);
-        rest = &rest[digits + letter.len_utf8()..];
-    }
-    name.push_str(rest);
-    Ok((name, has_modifier, has_bin))
+    named("rcontrib", pattern, "", 0).is_ok_and(|(_, _, holds_bin)| holds_bin)
 }
 
 /// What stands before the records.

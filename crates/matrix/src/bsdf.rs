@@ -1,0 +1,41 @@
+//! BSDF files as matrices.
+
+use crate::{Matrix, MatrixError, Stored};
+use radsight_bsdf::{Bsdf, Side};
+
+/// Which way of the light is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// Through, from the back to the front: from the sky into the room.
+    Transmission,
+    /// Back from a side.
+    Reflection(Side),
+}
+
+/// The matrix of a BSDF file between angle bases: rows are the patches into which light leaves, columns those from which it comes. Values are those of the
+/// BSDF times the projected solid angle of the patch from which light comes. What is Lambertian throughout is a matrix of Klems' full basis.
+///
+/// # Errors
+/// When the file is malformed, or holds no matrix.
+pub fn bsdf_matrix(bytes: &[u8], wanted: Wanted) -> Result<Matrix, MatrixError> {
+    let bsdf = Bsdf::read(bytes).map_err(|mistake| MatrixError::Bsdf(mistake.to_string()))?.bsdf;
+    let (scattering, diffuse) = match wanted {
+        Wanted::Transmission => (bsdf.transmission(Side::Back), bsdf.diffuse_transmittance(Side::Back)),
+        Wanted::Reflection(side) => (bsdf.reflection(side), bsdf.diffuse_reflectance(side)),
+    };
+    let arriving = match wanted {
+        Wanted::Transmission => Side::Back,
+        Wanted::Reflection(side) => side,
+    };
+    let patches = match scattering {
+        Some(scattering) => scattering.patches(arriving),
+        None => Some(radsight_bsdf::Patches::lambertian(diffuse)),
+    };
+    let Some(patches) = patches else {
+        return Err(MatrixError::Bsdf("a tensor tree is no matrix, expected data between angle bases".to_owned()));
+    };
+    let values = patches.values.iter().flatten().map(|value| *value as f32).collect();
+    let mut matrix = Matrix::new([patches.rows, patches.columns], 3, values)?;
+    matrix.stored = Stored::Ascii;
+    Ok(matrix)
+}

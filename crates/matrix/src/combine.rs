@@ -1,0 +1,188 @@
+//! `rcomb`: matrices combined by functions of their elements.
+
+use crate::{Matrix, MatrixError};
+use radsight_cal::{Environment, Host};
+use radsight_diag::SourceMap;
+use std::f64::consts::PI;
+
+/// Matrices of one size and number of components, and the functions that combine them.
+pub struct Combination {
+    inputs: Vec<Matrix>,
+    environment: Environment,
+    /// The numbers of `ci` and `wl`.
+    functions: [u32; 2],
+}
+
+/// What an element of the result is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Defined {
+    /// The sum of all inputs.
+    Sum,
+    /// `co(component)`.
+    Function,
+    /// `co`.
+    Variable,
+}
+
+/// The element and the component that is being computed.
+struct Site<'a> {
+    inputs: &'a [Matrix],
+    row: usize,
+    column: usize,
+    component: usize,
+    /// The numbers of `ci` and `wl`.
+    functions: [u32; 2],
+}
+
+impl Combination {
+    /// Takes matrices, and prepares an environment for the definitions: `ci(input,component) ri(input) gi bi wl(component) nfiles nrows ncols ncomp R G B PI`.
+    ///
+    /// # Errors
+    /// When they differ in size or components.
+    pub fn new(inputs: Vec<Matrix>) -> Result<Combination, (usize, MatrixError)> {
+        let mut environment = Environment::new();
+        if let Some(first) = inputs.first() {
+            for (index, other) in inputs.iter().enumerate() {
+                if other.size() != first.size() {
+                    return Err((index, MatrixError::Size { found: other.size(), expected: first.size() }));
+                }
+                let [found, expected] = [other.components(), first.components()];
+                if found != expected {
+                    return Err((index, MatrixError::Components { found, expected }));
+                }
+            }
+            let numbers = [inputs.len(), first.rows(), first.columns(), first.components()].map(|count| count as f64);
+            for (name, value) in ["nfiles", "nrows", "ncols", "ncomp"].into_iter().zip(numbers) {
+                environment.set_constant(name, value);
+            }
+        }
+        for (name, value) in [("PI", PI), ("R", 1.0), ("G", 2.0), ("B", 3.0)] {
+            environment.set_constant(name, value);
+        }
+        let functions = ["ci", "wl"].map(|name| environment.offer_function(name, 1));
+        if let Err(error) = define(&mut environment, "ri(i)=ci(i,R);gi(i)=ci(i,G);bi(i)=ci(i,B);") {
+            return Err((0, error));
+        }
+        Ok(Combination { inputs, environment, functions })
+    }
+
+    /// Where definitions go.
+    pub fn environment(&mut self) -> &mut Environment {
+        &mut self.environment
+    }
+
+    /// Computes all elements: `co(component)`, `co`, or `ro go bo` where they are defined, else sums.
+    ///
+    /// # Errors
+    /// When a definition cannot be computed.
+    pub fn compute(self) -> Result<Matrix, MatrixError> {
+        let Combination { inputs, mut environment, functions } = self;
+        let Some(first) = inputs.first() else { return Err(MatrixError::TooLarge { size: [0, 0], components: 0 }) };
+        let defined = defined(&mut environment, first.components())?;
+        let mut stored = first.stored;
+        inputs.iter().for_each(|input| stored = stored.with(input.stored).unwrap_or(stored));
+        let mut result = first.clone();
+        result.stored = stored;
+        if defined == Defined::Sum {
+            for input in &inputs[1..] {
+                result.add(input)?;
+            }
+            return Ok(result);
+        }
+        let handle = match defined {
+            Defined::Function => environment.function("co", 1),
+            _ => environment.variable("co"),
+        };
+        let set = |environment: &Environment, name| environment.is_mentioned(name) && !environment.is_variable(name);
+        let [sets_row, sets_column] = ["r", "c"].map(|name| set(&environment, name));
+        let (columns, components) = (first.columns(), first.components());
+        for (element, values) in result.values_mut().chunks_exact_mut(components).enumerate() {
+            let (row, column) = (element / columns, element % columns);
+            if sets_row && column == 0 {
+                environment.set_variable("r", row as f64);
+            }
+            if sets_column {
+                environment.set_variable("c", column as f64);
+            }
+            for (component, value) in values.iter_mut().enumerate() {
+                let site = Site { inputs: &inputs, row, column, component, functions };
+                let arguments = [component as f64 + 1.0];
+                let arguments = if defined == Defined::Function { &arguments[..] } else { &[] };
+                let found = environment.eval(handle, arguments, &site);
+                *value = found.map_err(MatrixError::Definition)? as f32;
+            }
+        }
+        Ok(result)
+    }
+}
+
+fn define(environment: &mut Environment, text: &str) -> Result<(), MatrixError> {
+    let source = SourceMap::default().add("rcomb", text.as_bytes(), None);
+    environment.define(source, text.as_bytes()).map_err(MatrixError::Definition)
+}
+
+fn defined(environment: &mut Environment, components: usize) -> Result<Defined, MatrixError> {
+    if environment.function_arity("co").is_some() {
+        return Ok(Defined::Function);
+    }
+    if environment.is_variable("co") {
+        return Ok(Defined::Variable);
+    }
+    if components == 3 && ["ro", "go", "bo"].iter().all(|name| environment.is_variable(name)) {
+        define(environment, "co(p)=select(p,ro,go,bo);")?;
+        return Ok(Defined::Function);
+    }
+    Ok(Defined::Sum)
+}
+
+impl Site<'_> {
+    /// The value of an input, numbered from 1; of 0 their number.
+    fn input(&self, arguments: &[f64]) -> f64 {
+        let number = arguments.first().copied().unwrap_or(f64::NAN);
+        let count = self.inputs.len();
+        if !(number > -0.5 && number < count as f64 + 0.5) {
+            return 0.0;
+        }
+        if number < 0.5 {
+            return count as f64;
+        }
+        let input = &self.inputs[(number - 0.5) as usize];
+        let component = match arguments.get(1) {
+            None => self.component,
+            Some(wanted) if *wanted >= 0.5 && *wanted < input.components() as f64 + 0.5 => (*wanted - 0.5) as usize,
+            Some(_) => return 0.0,
+        };
+        f64::from(input.row(self.row)[self.column * input.components() + component])
+    }
+
+    /// The wavelength in the middle of a component, nm; of 0 their number.
+    fn wavelength(&self, arguments: &[f64]) -> f64 {
+        let (component, input) = (arguments.first().copied().unwrap_or(f64::NAN), &self.inputs[0]);
+        let (count, splits) = (input.components(), input.splits.map(f64::from));
+        if !(component >= -0.5 && component < count as f64 + 0.5) {
+            return 0.0;
+        }
+        if component < 0.5 {
+            return count as f64;
+        }
+        if count == 3 {
+            let part = (component - 0.5) as usize;
+            return splits[part] + (component - 0.5) * (splits[part + 1] - splits[part]);
+        }
+        splits[0] + (component - 0.5) / count as f64 * (splits[3] - splits[0])
+    }
+}
+
+impl Host for Site<'_> {
+    fn channel(&self, _channel: u32) -> f64 {
+        0.0
+    }
+
+    fn call(&self, function: u32, arguments: &[f64]) -> f64 {
+        match self.functions.iter().position(|known| *known == function) {
+            Some(0) => self.input(arguments),
+            Some(_) => self.wavelength(arguments),
+            None => 0.0,
+        }
+    }
+}

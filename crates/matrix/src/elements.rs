@@ -1,0 +1,100 @@
+//! Element by element.
+
+use crate::{Matrix, MatrixError};
+
+impl Matrix {
+    /// Adds another one of the same size and components.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn add(&mut self, other: &Matrix) -> Result<(), MatrixError> {
+        self.check_size(other)?;
+        if self.components() != other.components() {
+            return Err(MatrixError::Components { found: other.components(), expected: self.components() });
+        }
+        self.stored = self.stored.with(other.stored).unwrap_or(self.stored);
+        self.values_mut().iter_mut().zip(other.values()).for_each(|(value, other)| *value += other);
+        Ok(())
+    }
+
+    /// Multiplies by another one of the same size, with as many components or one.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn multiply(&mut self, other: &Matrix) -> Result<(), MatrixError> {
+        self.change_by(other, |value, other| *value *= other)
+    }
+
+    /// Divides by another one of the same size, with as many components or one; what would be divided by zero is zero. Says how often that was so.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn divide(&mut self, other: &Matrix) -> Result<usize, MatrixError> {
+        let mut zeros = 0;
+        self.change_by(other, |value, other| {
+            zeros += usize::from(other == 0.0);
+            *value = if other == 0.0 { 0.0 } else { *value / other };
+        })?;
+        Ok(zeros)
+    }
+
+    fn check_size(&self, other: &Matrix) -> Result<(), MatrixError> {
+        if self.size() != other.size() {
+            return Err(MatrixError::Size { found: other.size(), expected: self.size() });
+        }
+        Ok(())
+    }
+
+    fn change_by(&mut self, other: &Matrix, mut change: impl FnMut(&mut f32, f32)) -> Result<(), MatrixError> {
+        self.check_size(other)?;
+        let (components, of_other) = (self.components(), other.components());
+        if of_other != 1 && of_other != components {
+            return Err(MatrixError::Components { found: of_other, expected: components });
+        }
+        self.stored = self.stored.with(other.stored).unwrap_or(self.stored);
+        let elements = self.values_mut().chunks_exact_mut(components).zip(other.values().chunks_exact(of_other));
+        for (element, by) in elements {
+            for (component, value) in element.iter_mut().enumerate() {
+                change(value, by[component.min(of_other - 1)]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Multiplies all elements by one factor, or each component by its own.
+    ///
+    /// # Errors
+    /// [`MatrixError::Factors`] for another number of them.
+    pub fn scale(&mut self, factors: &[f64]) -> Result<(), MatrixError> {
+        let components = self.components();
+        if factors.len() != 1 && factors.len() != components {
+            return Err(MatrixError::Factors { found: factors.len(), components });
+        }
+        for element in self.values_mut().chunks_exact_mut(components) {
+            for (component, value) in element.iter_mut().enumerate() {
+                *value *= factors[component.min(factors.len() - 1)] as f32;
+            }
+        }
+        Ok(())
+    }
+
+    /// Other values under the same description.
+    pub(crate) fn with_values(&self, size: [usize; 2], components: usize, values: Vec<f32>) -> Matrix {
+        let made = Matrix::new(size, components, values).expect("as many values as the size takes");
+        made.described_as(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_divided_by_zero_is_zero() {
+        let mut matrix = Matrix::new([1, 2], 2, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
+        let by = Matrix::new([1, 2], 1, vec![2.0, 0.0]).unwrap();
+        assert_eq!(matrix.divide(&by), Ok(2));
+        assert_eq!(matrix.values(), [0.5, 1.0, 0.0, 0.0]);
+        assert!(matrix.add(&by).is_err() && matrix.scale(&[1.0; 3]).is_err());
+    }
+}

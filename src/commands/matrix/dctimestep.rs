@@ -1,0 +1,299 @@
+//! `dctimestep`: daylight coefficients times skies, one moment or many.
+//!
+//! `dctimestep [-h] [-n steps] [-i[fd]] [-o[fdc]] [-o files] [-x columns] [-y rows] coefficients [sky]`, or `… view BSDF daylight [sky]`, which multiplies all four. Coefficients
+//! are a matrix, or pictures with their number in the name (`dc%03d.hdr`), one for each direction of the sky; the view may be either, too. A sky has a column for each
+//! moment, as `gendaymtx` writes it; with `-n` it is text without a header. `-o` with a number in the name (`%04d`) makes a file of each moment. `-N -m` change nothing.
+
+use super::input::{format, read_bytes, read_matrix, wrong};
+use crate::clock::greenwich_time;
+use crate::commands::picture::words::Words;
+use crate::failure::{Failure, Outcome, say};
+use crate::file_pattern::named;
+use crate::output::{write_file, write_standard_output};
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, bsdf_matrix};
+use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scientific};
+
+/// The command line.
+struct Request {
+    /// Moments; 0 for as many as the header of the sky says.
+    steps: usize,
+    sky_format: Option<Stored>,
+    format: Stored,
+    files: Option<String>,
+    header: bool,
+    /// Rows and columns of what is written; 0 for what comes out.
+    size: [usize; 2],
+    sources: Vec<String>,
+    command: Vec<String>,
+}
+
+/// Bytes that the pictures of several moments may take while they are summed.
+const MOST_BYTES: usize = 1 << 29;
+
+/// Digits after the point of a number in text.
+const DIGITS: usize = 6;
+
+const PROGRAM: &str = "dctimestep";
+
+/// Runs the program.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let request = Request::read(&mut words)?;
+    let sources: Vec<&str> = request.sources.iter().map(String::as_str).collect();
+    let (view, factors, sky_source) = match sources[..] {
+        [view] => (view, None, "-"),
+        [view, sky] => (view, None, sky),
+        [view, bsdf, daylight] => (view, Some([bsdf, daylight]), "-"),
+        [view, bsdf, daylight, sky, ..] => (view, Some([bsdf, daylight]), sky),
+        [] => return Err(Failure::usage("dctimestep: no coefficients are named")),
+    };
+    let mut result = request.sky(sky_source)?;
+    for source in factors.into_iter().flatten().rev() {
+        result = times(source, &factor(source)?, &result)?;
+    }
+    if holds_number(view) {
+        return request.sum_pictures(view, &result);
+    }
+    request.write(times(view, &color_matrix(view)?, &result)?)
+}
+
+fn times(source: &str, left: &Matrix, right: &Matrix) -> Result<Matrix, Failure> {
+    left.times(right).map_err(|error| wrong(PROGRAM, source, &error))
+}
+
+/// A BSDF or a matrix.
+fn factor(source: &str) -> Result<Matrix, Failure> {
+    if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
+        return color_matrix(source);
+    }
+    bsdf_matrix(&read_bytes(PROGRAM, source)?, Wanted::Transmission).map_err(|error| wrong(PROGRAM, source, &error))
+}
+
+fn color_matrix(source: &str) -> Result<Matrix, Failure> {
+    in_color(source, read_matrix(PROGRAM, source)?)
+}
+
+fn in_color(source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
+    match matrix.components() {
+        3 => Ok(matrix),
+        found => Err(wrong(PROGRAM, source, &MatrixError::Components { found, expected: 3 })),
+    }
+}
+
+/// Whether a name has a place for a number.
+fn holds_number(name: &str) -> bool {
+    named(PROGRAM, name, "", 0).is_ok_and(|(_, _, holds_number)| holds_number)
+}
+
+impl Request {
+    fn read(words: &mut Words<'_>) -> Result<Request, Failure> {
+        let mut request = Request {
+            steps: 0,
+            sky_format: None,
+            format: Stored::Ascii,
+            files: None,
+            header: true,
+            size: [0, 0],
+            sources: Vec::new(),
+            command: words.all().into_iter().map(str::to_owned).collect(),
+        };
+        while let Some(option) = words.option() {
+            let count = |words: &mut Words<'_>| Ok::<usize, Failure>(words.integer(option)?.max(0) as usize);
+            match option {
+                "-n" => request.steps = count(words)?,
+                "-N" | "-m" => drop(words.number(option)?),
+                "-h" => request.header = !request.header,
+                "-o" => request.files = Some(words.value(option, "a file")?.to_owned()),
+                "-x" => request.size[1] = count(words)?,
+                "-y" => request.size[0] = count(words)?,
+                "-ia" | "-if" | "-id" => request.sky_format = format(&option[2..]),
+                "-oa" | "-of" | "-od" | "-oc" => request.format = format(&option[2..]).unwrap_or(request.format),
+                _ => return Err(words.unknown(option, "-n -h -i -o -x or -y")),
+            }
+        }
+        request.sources = words.rest().to_vec();
+        match &request.sources[..] {
+            [_, _, _, _, fifth, ..] => Err(words.too_many(fifth)),
+            _ => Ok(request),
+        }
+    }
+
+    /// The sky: a column for each moment.
+    fn sky(&self, source: &str) -> Result<Matrix, Failure> {
+        let bytes = read_bytes(PROGRAM, source)?;
+        let is_text = self.sky_format.is_none_or(|format| format == Stored::Ascii);
+        if self.steps > 0 && is_text {
+            return self.sky_of_text(source, &bytes);
+        }
+        let sky = Matrix::read(&bytes).map_err(|error| wrong(PROGRAM, source, &error))?;
+        if let Some(expected) = self.sky_format.filter(|expected| *expected != sky.stored) {
+            let found = sky.stored;
+            return Err(Failure::input(
+                format!("{PROGRAM}: {source}: the format is {found:?}, expected {expected:?}").to_lowercase(),
+            ));
+        }
+        if self.steps > 0 && self.steps != sky.columns() {
+            let (found, expected) = (sky.size(), [sky.rows(), self.steps]);
+            return Err(wrong(PROGRAM, source, &MatrixError::Size { found, expected }));
+        }
+        in_color(source, sky)
+    }
+
+    fn sky_of_text(&self, source: &str, bytes: &[u8]) -> Result<Matrix, Failure> {
+        let mut values = Vec::new();
+        for word in bytes.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
+            let (value, used) = leading_number(word);
+            if used != word.len() {
+                let (word, number) = (String::from_utf8_lossy(word).into_owned(), values.len() + 1);
+                return Err(Failure::input(format!(
+                    "{PROGRAM}: {source}: \"{word}\" is no number, expected number {number} of the sky"
+                )));
+            }
+            values.push(value as f32);
+        }
+        let row = 3 * self.steps;
+        if values.is_empty() || values.len() % row != 0 {
+            let found = values.len();
+            return Err(Failure::input(format!(
+                "{PROGRAM}: {source}: {found} numbers, expected a multiple of {row} for {} moments in color",
+                self.steps
+            )));
+        }
+        let rows = values.len() / row;
+        Matrix::new([rows, self.steps], 3, values).map_err(|error| wrong(PROGRAM, source, &error))
+    }
+
+    /// The start of a header.
+    fn begin(&self, frame: Option<usize>) -> Header {
+        let mut header = Header::new("RADIANCE");
+        header.push_command(self.command.iter().map(String::as_str));
+        header.push_variable("GMT", &format!(" {}", greenwich_time()));
+        if let Some(frame) = frame {
+            header.push_variable("FRAME", &frame.to_string());
+        }
+        header
+    }
+
+    /// The name of a moment's file; `None` where all go to one.
+    fn file(&self, step: usize) -> Option<String> {
+        let files = self.files.as_ref().filter(|files| holds_number(files))?;
+        named(PROGRAM, files, "", step).ok().map(|(name, _, _)| name)
+    }
+
+    fn write(&self, result: Matrix) -> Outcome {
+        if self.file(0).is_none() {
+            let bytes = self.encoded(result, None)?;
+            return match &self.files {
+                Some(file) => write_file(file, &bytes),
+                None => write_standard_output(&bytes),
+            };
+        }
+        let frame = |step| (result.columns() > 1).then_some(step);
+        for step in 0..result.columns() {
+            let Some(file) = self.file(step) else { continue };
+            write_file(&file, &self.encoded(result.column(step), frame(step))?)?;
+        }
+        Ok(())
+    }
+
+    fn encoded(&self, matrix: Matrix, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
+        let failed = |error| wrong(PROGRAM, "the result", &error);
+        let matrix = matrix.arranged(self.size).map_err(failed)?;
+        let bytes = matrix.write(&self.begin(frame), self.format).map_err(failed)?;
+        let start = if self.header && self.format != Stored::Ascii { 0 } else { header_length(&bytes) };
+        if self.format != Stored::Ascii {
+            return Ok(bytes[start..].to_vec());
+        }
+        let mut text = if self.header { bytes[..start].to_vec() } else { Vec::new() };
+        for row in matrix.values().chunks_exact(3 * matrix.columns()) {
+            let elements = row.chunks_exact(3).map(|value| {
+                let numbers: Vec<String> = value.iter().map(|band| scientific(f64::from(*band), DIGITS)).collect();
+                numbers.join(" ")
+            });
+            text.extend_from_slice(elements.collect::<Vec<_>>().join("\t").as_bytes());
+            text.push(b'\n');
+        }
+        Ok(text)
+    }
+
+    /// The pictures of all directions, each as bright as the sky is there, for each moment.
+    fn sum_pictures(&self, pattern: &str, sky: &Matrix) -> Outcome {
+        if self.format != Stored::Rgbe {
+            say("dctimestep: warning - pictures are written (-oc)\n");
+        }
+        if sky.columns() > 1 && self.file(0).is_none() {
+            return Err(Failure::usage(format!(
+                "{PROGRAM}: pictures of {} moments need names with a number, expected -o and %04d or the like in it",
+                sky.columns()
+            )));
+        }
+        let first = read_picture(pattern, 0)?;
+        let picture_bytes = 24 * first.values().width() * first.values().height();
+        let at_a_time = (MOST_BYTES / picture_bytes.max(1)).max(1);
+        for start in (0..sky.columns()).step_by(at_a_time) {
+            let steps = start..(start + at_a_time).min(sky.columns());
+            let sums = sums(pattern, sky, steps.clone(), &first)?;
+            for (step, sum) in steps.zip(sums) {
+                self.write_picture(&first, sum, (step, sky.columns()))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_picture(&self, first: &Picture, sum: Vec<f64>, (step, steps): (usize, usize)) -> Outcome {
+        let failed = |error| wrong(PROGRAM, "the result", &MatrixError::Picture(error));
+        let size = first.values();
+        let values = sum.into_iter().map(|value| value as f32).collect();
+        let image = Image::new(size.width(), size.height(), 3, values).map_err(failed)?;
+        let header = self.begin((steps > 1).then_some(step));
+        let picture = match first.encoding() {
+            Encoding::Xyze => Picture::from_xyz(header, &image),
+            _ => Picture::from_rgb(header, &image),
+        };
+        let bytes = picture.map_err(failed)?.to_bytes();
+        match self.file(step).or_else(|| self.files.clone()) {
+            Some(file) => write_file(&file, &bytes),
+            None => write_standard_output(&bytes),
+        }
+    }
+}
+
+/// Where the data begin.
+fn header_length(bytes: &[u8]) -> usize {
+    Header::read(bytes).map_or(0, |(_, length)| length)
+}
+
+fn read_picture(pattern: &str, number: usize) -> Result<Picture, Failure> {
+    let (name, _, _) = named(PROGRAM, pattern, "", number)?;
+    let failed = |error| wrong(PROGRAM, &name, &MatrixError::Picture(error));
+    let picture = Picture::read(&read_bytes(PROGRAM, &name)?).map_err(failed)?;
+    match picture.components() {
+        3 => Ok(picture),
+        found => Err(wrong(PROGRAM, &name, &MatrixError::Components { found, expected: 3 })),
+    }
+}
+
+/// The sums for some moments. A picture is read once for all of them, and not where the sky is dark in all.
+fn sums(pattern: &str, sky: &Matrix, steps: std::ops::Range<usize>, first: &Picture) -> Result<Vec<Vec<f64>>, Failure> {
+    let expected = [first.values().height(), first.values().width()];
+    let mut sums = vec![vec![0.0; 3 * expected[0] * expected[1]]; steps.len()];
+    for direction in 0..sky.rows() {
+        let of_step = |step: usize| &sky.values()[3 * (direction * sky.columns() + step)..][..3];
+        if steps.clone().all(|step| of_step(step).iter().all(|band| *band == 0.0)) {
+            continue;
+        }
+        let picture = read_picture(pattern, direction)?;
+        let failed = |error| wrong(PROGRAM, &format!("picture {direction}"), &error);
+        let values = picture.values();
+        let found = [values.height(), values.width()];
+        if found != expected || picture.encoding() != first.encoding() {
+            return Err(failed(MatrixError::Size { found, expected }));
+        }
+        for (step, sums) in steps.clone().zip(&mut sums) {
+            let factors = of_step(step);
+            for (sum, value) in sums.chunks_exact_mut(3).zip(values.pixels()) {
+                (0..3).for_each(|band| sum[band] += f64::from(value[band]) * f64::from(factors[band]));
+            }
+        }
+    }
+    Ok(sums)
+}

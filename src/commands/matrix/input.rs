@@ -1,0 +1,135 @@
+//! Matrices from files, standard input and commands, and the options that change each of them.
+
+use crate::commands::picture::words::Words;
+use crate::failure::{Failure, reason};
+use crate::input::{read_file, read_standard_input};
+use radsight_matrix::{Matrix, MatrixError, Stored, Transform};
+use radsight_picture::leading_number;
+use std::process::{Command, Stdio};
+
+/// What is done with a matrix after it was read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Change {
+    /// `-s`
+    pub(super) factors: Vec<f64>,
+    /// `-c`, `-C`
+    pub(super) components: Option<Components>,
+    /// `-t`
+    pub(super) transposes: bool,
+}
+
+/// Which components are wanted.
+#[derive(Clone, Debug)]
+pub(super) enum Components {
+    Coefficients(Vec<f64>),
+    /// Letters, or the name of a file that has such components.
+    Named(String),
+}
+
+/// What reads bytes: a file, `-`, or a command after `!`.
+pub(super) fn read_bytes(program: &str, source: &str) -> Result<Vec<u8>, Failure> {
+    let Some(command) = source.strip_prefix('!') else {
+        return if source == "-" { read_standard_input() } else { read_file(source, "matrix") };
+    };
+    let failed = |what: String| Failure::input(format!("{program}: command \"{command}\": {what}"));
+    let output = Command::new("sh").args(["-c", command]).stderr(Stdio::inherit()).output();
+    let output = output.map_err(|error| failed(reason(&error)))?;
+    if !output.status.success() {
+        return Err(failed(output.status.to_string()));
+    }
+    Ok(output.stdout)
+}
+
+/// What is wrong with a matrix of this name.
+pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure {
+    let name = if source == "-" { "standard input" } else { source };
+    Failure::input(format!("{program}: {name}: {error}"))
+}
+
+/// Reads a picture or a float matrix.
+pub(super) fn read_matrix(program: &str, source: &str) -> Result<Matrix, Failure> {
+    Matrix::read(&read_bytes(program, source)?).map_err(|error| wrong(program, source, &error))
+}
+
+impl Change {
+    /// Applies components and factors, and then the transpose.
+    pub(super) fn apply(&self, program: &str, source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
+        let failed = |error: MatrixError| wrong(program, source, &error);
+        let mut changed = matrix;
+        if let Some(components) = &self.components {
+            let transform = match components {
+                Components::Coefficients(coefficients) => Transform::Coefficients(coefficients.clone()),
+                Components::Named(name) if name.contains('.') => read_matrix(program, name)?.kind(),
+                Components::Named(letters) => Transform::Letters(letters.clone()),
+            };
+            changed = changed.transformed(&transform, &self.factors).map_err(failed)?;
+        } else if !self.factors.is_empty() {
+            changed.scale(&self.factors).map_err(failed)?;
+        }
+        Ok(if self.transposes { changed.transposed() } else { changed })
+    }
+
+    /// Takes `-s`, `-c` or `-C`; gives whether it was one. Letters after `-C` hold for all matrices that follow, too.
+    pub(super) fn take(
+        &mut self,
+        option: &str,
+        words: &mut Words<'_>,
+        all: &mut Option<String>,
+    ) -> Result<bool, Failure> {
+        let expected = "numbers, letters of components, or a file";
+        match option {
+            "-s" => {
+                self.factors = numbers(words)?;
+                if self.factors.is_empty() {
+                    return Err(Failure::usage(format!(
+                        "{}: option \"-s\" has no factors, expected numbers after it",
+                        words.program()
+                    )));
+                }
+            }
+            "-C" => {
+                let name = words.value(option, expected)?.to_owned();
+                *all = Some(name.clone());
+                self.components = Some(Components::Named(name));
+            }
+            "-c" => {
+                let coefficients = numbers(words)?;
+                self.components = Some(match coefficients.is_empty() {
+                    true => Components::Named(words.value(option, expected)?.to_owned()),
+                    false => Components::Coefficients(coefficients),
+                });
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// All numbers that follow.
+fn numbers(words: &mut Words<'_>) -> Result<Vec<f64>, Failure> {
+    let is_number = |word: &str| {
+        let (value, used) = leading_number(word.as_bytes());
+        used > 0 && used == word.len() && value.is_finite()
+    };
+    let mut found = Vec::new();
+    while let Some(word) = words.next_if(is_number) {
+        found.push(leading_number(word.as_bytes()).0);
+    }
+    Ok(found)
+}
+
+/// The format that a letter asks for.
+pub(super) fn format(letter: &str) -> Option<Stored> {
+    Some(match letter {
+        "a" => Stored::Ascii,
+        "f" => Stored::Float,
+        "d" => Stored::Double,
+        "c" => Stored::Rgbe,
+        _ => return None,
+    })
+}
+
+/// How a result is written: as asked for, or as it is; doubles are kept in single precision.
+pub(super) fn result_format(asked: Option<Stored>, result: &Matrix) -> Stored {
+    asked.unwrap_or(if result.stored == Stored::Double { Stored::Float } else { result.stored })
+}

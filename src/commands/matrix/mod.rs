@@ -1,0 +1,28 @@
+//! Radiance's programs that combine matrices of light.
+
+mod dctimestep;
+mod input;
+mod rcomb;
+mod rmtxop;
+
+use super::picture::words::Words;
+use crate::failure::Outcome;
+
+/// What runs a program.
+type Program = fn(Words<'_>) -> Outcome;
+
+/// The programs by their names.
+const PROGRAMS: [(&str, Program); 3] =
+    [("dctimestep", dctimestep::run), ("rcomb", rcomb::run), ("rmtxop", rmtxop::run)];
+
+/// The names of the programs.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    PROGRAMS.iter().map(|(name, _)| *name)
+}
+
+/// Runs a program, if it is one of these; `words[0]` is its name.
+pub(crate) fn run(words: &[String]) -> Option<Outcome> {
+    let name = words.first()?;
+    let (_, program) = PROGRAMS.iter().find(|(known, _)| known == name)?;
+    Some(program(Words::new(words)))
+}

@@ -1,0 +1,169 @@
+//! `rmtxop`: products, sums and quotients of matrices.
+//!
+//! `rmtxop [-v] [-f[adfc]] [-t] [-s F…] [-c coefficients|letters|file] [-C letters] [-rf|-rb] matrix [.+*/ matrix]…`: options change the matrix that
+//! follows, after the last one the result. `.` is the matrix product, also where nothing is said; `+ * /` go element by element. `-t` transposes, `-s` multiplies,
+//! `-c` makes other components. A BSDF file (`.xml`) is its transmission, with `-rf` and `-rb` its reflection from the front and the back.
+
+use super::input::{Change, Components, format, read_bytes, read_matrix, result_format, wrong};
+use crate::commands::picture::words::Words;
+use crate::failure::{Failure, Outcome, say};
+use crate::output::write_standard_output;
+use radsight_bsdf::Side;
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, bsdf_matrix};
+use radsight_picture::Header;
+
+/// A matrix, and what is done with it.
+struct Operand {
+    source: String,
+    change: Change,
+    wanted: Wanted,
+    /// How it joins what is left of it.
+    operation: Operation,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Operation {
+    Product,
+    Sum,
+    Multiplication,
+    Division,
+}
+
+/// The command line.
+struct Request {
+    operands: Vec<Operand>,
+    trailing: Change,
+    format: Option<Stored>,
+}
+
+const EXPECTED: &str = "-v -f -t -s -c -C -rf or -rb";
+
+/// Runs the program.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let Request { operands, trailing, format } = Request::read(&mut words)?;
+    let program = words.program();
+    let result = if is_chain(&operands) { product(program, &operands)? } else { from_the_left(program, &operands)? };
+    let result = trailing.apply(program, "the result", result)?;
+    let mut header = Header::new("RADIANCE");
+    header.push_command(words.all());
+    for line in result.header.lines().filter(|line| !line.starts_with(b"#?")) {
+        header.push_line(&String::from_utf8_lossy(line));
+    }
+    let written = result.write(&header, result_format(format, &result));
+    write_standard_output(&written.map_err(|error| wrong(program, "the result", &error))?)
+}
+
+impl Request {
+    fn read(words: &mut Words<'_>) -> Result<Request, Failure> {
+        let usage = |what: &str| Failure::usage(format!("rmtxop: {what}"));
+        let (mut operands, mut change, mut asked): (Vec<Operand>, Change, _) = (Vec::new(), Change::default(), None);
+        let (mut wanted, mut operation, mut all) = (Wanted::Transmission, None, None);
+        while let Some(word) = words.next_if(|_| true) {
+            if let Some(found) = Operation::from_word(word) {
+                if operands.is_empty() || operation.is_some() {
+                    return Err(usage(&format!("\"{word}\" has no matrix before it")));
+                }
+                operation = Some(found);
+            } else if word.len() < 2 || !word.starts_with('-') {
+                if word == "-" && operands.iter().any(|operand| operand.source == "-") {
+                    return Err(usage("standard input is named twice"));
+                }
+                let mut own = std::mem::take(&mut change);
+                own.components = own.components.or_else(|| all.clone().map(Components::Named));
+                let joined = operation.take().unwrap_or(Operation::Product);
+                operands.push(Operand { source: word.to_owned(), change: own, wanted, operation: joined });
+                wanted = Wanted::Transmission;
+            } else if !change.take(word, words, &mut all)? {
+                match word {
+                    "-v" => {}
+                    "-t" => change.transposes = true,
+                    "-rf" => wanted = Wanted::Reflection(Side::Front),
+                    "-rb" => wanted = Wanted::Reflection(Side::Back),
+                    _ => match word.strip_prefix("-f").and_then(format) {
+                        Some(format) => asked = Some(format),
+                        None => return Err(words.unknown(word, EXPECTED)),
+                    },
+                }
+            }
+        }
+        if operands.is_empty() {
+            return Err(usage("no matrix is named"));
+        }
+        if operation.is_some() {
+            return Err(usage("the last operation has no matrix after it"));
+        }
+        Ok(Request { operands, trailing: change, format: asked })
+    }
+}
+
+impl Operation {
+    fn from_word(word: &str) -> Option<Operation> {
+        Some(match word {
+            "." => Operation::Product,
+            "+" => Operation::Sum,
+            "*" => Operation::Multiplication,
+            "/" => Operation::Division,
+            _ => return None,
+        })
+    }
+
+    fn join(self, program: &str, source: &str, mut left: Matrix, right: &Matrix) -> Result<Matrix, Failure> {
+        let done = match self {
+            Operation::Product => return left.times(right).map_err(|error| wrong(program, source, &error)),
+            Operation::Sum => left.add(right),
+            Operation::Multiplication => left.multiply(right),
+            Operation::Division => left.divide(right).map(|zeros| {
+                if zeros > 0 {
+                    say(&format!("{program}: warning - {zeros} divisions by zero in \"{source}\" give zero\n"));
+                }
+            }),
+        };
+        done.map_err(|error: MatrixError| wrong(program, source, &error))?;
+        Ok(left)
+    }
+}
+
+impl Operand {
+    fn load(&self, program: &str) -> Result<Matrix, Failure> {
+        let is_bsdf = !self.source.starts_with('!') && self.source.to_ascii_lowercase().ends_with(".xml");
+        let matrix = if is_bsdf {
+            let read = bsdf_matrix(&read_bytes(program, &self.source)?, self.wanted);
+            read.map_err(|error| wrong(program, &self.source, &error))?
+        } else {
+            read_matrix(program, &self.source)?
+        };
+        self.change.apply(program, &self.source, matrix)
+    }
+}
+
+/// Whether all is one product of several matrices.
+fn is_chain(operands: &[Operand]) -> bool {
+    operands.len() > 2 && operands[1..].iter().all(|operand| operand.operation == Operation::Product)
+}
+
+fn from_the_left(program: &str, operands: &[Operand]) -> Result<Matrix, Failure> {
+    let mut result: Option<Matrix> = None;
+    for operand in operands {
+        let matrix = operand.load(program)?;
+        result = Some(match result {
+            None => matrix,
+            Some(left) => operand.operation.join(program, &operand.source, left, &matrix)?,
+        });
+    }
+    result.ok_or_else(|| Failure::usage("rmtxop: no matrix is named"))
+}
+
+/// A product of several matrices, from the end with fewer values: a sky at one moment is a vector.
+fn product(program: &str, operands: &[Operand]) -> Result<Matrix, Failure> {
+    let mut chain = Vec::new();
+    for operand in operands {
+        chain.push((operand.source.as_str(), operand.load(program)?));
+    }
+    let from_the_right = chain[chain.len() - 1].1.columns() < chain[0].1.rows();
+    while chain.len() > 1 {
+        let at = if from_the_right { chain.len() - 2 } else { 0 };
+        let (source, right) = chain.remove(at + 1);
+        chain[at].1 = chain[at].1.times(&right).map_err(|error| wrong(program, source, &error))?;
+    }
+    Ok(chain.remove(0).1)
+}

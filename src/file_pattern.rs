@@ -1,0 +1,40 @@
+//! Names of files with a number or a word in them, as `printf` puts it there.
+
+use crate::failure::Failure;
+
+/// A file's name, and whether it holds the modifier's name and the bin's number: `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
+pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
+    let wrong =
+        || Failure::usage(format!("{program}: output \"{pattern}\" holds an unknown %, expected %s once and %d once"));
+    let (mut name, mut has_modifier, mut has_bin) = (String::new(), false, false);
+    let mut rest = pattern;
+    while let Some(at) = rest.find('%') {
+        name.push_str(&rest[..at]);
+        rest = &rest[at + 1..];
+        let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let width: usize = if digits == 0 { 0 } else { rest[..digits].parse().map_err(|_| wrong())? };
+        const WIDEST: usize = 255;
+        if width > WIDEST {
+            return Err(wrong());
+        }
+        let zeros = rest.starts_with('0');
+        let letter = rest[digits..].chars().next().ok_or_else(wrong)?;
+        let number = match letter {
+            '%' => "%".to_owned(),
+            's' if !has_modifier => modifier.to_owned(),
+            'd' | 'i' if !has_bin => bin.to_string(),
+            'o' if !has_bin => format!("{bin:o}"),
+            'x' if !has_bin => format!("{bin:x}"),
+            'X' if !has_bin => format!("{bin:X}"),
+            _ => return Err(wrong()),
+        };
+        has_modifier |= letter == 's';
+        has_bin |= !matches!(letter, 's' | '%');
+        let padding = if zeros && letter != 's' { '0' } else { ' ' };
+        (number.chars().count()..width).for_each(|_| name.push(padding));
+        name.push_str(&number);
+        rest = &rest[digits + letter.len_utf8()..];
+    }
+    name.push_str(rest);
+    Ok((name, has_modifier, has_bin))
+}
