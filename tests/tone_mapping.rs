@@ -25,8 +25,8 @@ fn lamps(width: usize, height: usize, view: &str) -> Vec<u8> {
     Picture::from_rgb(header, &scaled).expect("a picture").to_bytes()
 }
 
-/// Our picture differs from the real one in no header line, and by at most a step of the mantissa in all but a few pixels in a thousand, where luminances of many
-/// pixels fall on the border of two bins.
+/// Our picture differs from the real one in no header line, and by at most a step of the mantissa or three millionths of white: near black a pixel is the
+/// difference of its luminance and the display's least, which one glance more in the lowest bin changes by a few parts in a hundred.
 #[track_caller]
 fn same_but_for_rounding(real: &[u8], ours: &[u8], what: &str) {
     let (real, ours) = (Picture::read(real).expect("a picture"), Picture::read(ours).expect("a picture"));
@@ -34,11 +34,11 @@ fn same_but_for_rounding(real: &[u8], ours: &[u8], what: &str) {
     assert_eq!(lines(&real), lines(&ours), "{what}");
     let (real, ours) = (real.values(), ours.values());
     let differs = |(a, b): (&[f32], &[f32])| {
-        let largest = a.iter().fold(1e-6f32, |most, value| most.max(*value));
-        a.iter().zip(b).any(|(a, b)| (a - b).abs() > 0.01 * largest)
+        let largest = a.iter().fold(0.0f32, |most, value| most.max(*value));
+        a.iter().zip(b).any(|(a, b)| (a - b).abs() > f32::max(0.01 * largest, 3e-6))
     };
     let different = real.pixels().zip(ours.pixels()).filter(|pair| differs(*pair)).count();
-    assert!(different * 1000 <= 5 * real.pixels().count(), "{what}: {different} pixels differ");
+    assert_eq!(different, 0, "{what}: pixels differ");
 }
 
 #[test]
