@@ -11,7 +11,7 @@ const MISSING: [(&[&str], &str); 11] = [
         "there are no photon maps: highlights find light by way of mirrors and bodies in rpict itself",
     ),
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
-    (&["obj2mesh", "tmesh2rad", "robjutil"], "expected obj2rad, or Radiance's own: its meshes (.rtm) are read"),
+    (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
         &["rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
         "expected Radiance's own: rcontrib, rmtxop, rcomb and dctimestep here take and write the same matrices",

@@ -9,6 +9,7 @@ mod install_links;
 mod matrix;
 mod missing;
 pub(crate) mod mksource;
+mod obj2mesh;
 mod oconv;
 mod picture;
 mod pinhole;
@@ -28,7 +29,7 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = ["mksource", "oconv", "rad", "rcontrib", "rpict", "rtrace", "vwrays"];
+    let own = ["mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rpict", "rtrace", "vwrays"];
     own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
 }
 
@@ -40,6 +41,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
     }
     match name {
         "mksource" => return Some(mksource::run(words)),
+        "obj2mesh" => return Some(obj2mesh::run(words)),
         "oconv" => return Some(oconv::run(words)),
         "rad" => return Some(rad::run(&words[1..])),
         "rcontrib" => return Some(rcontrib::run(words)),

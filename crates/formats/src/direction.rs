@@ -36,7 +36,6 @@ pub(crate) fn decode(code: u32) -> Option<[f64; 3]> {
 }
 
 /// The code of a unit vector; zero for the zero vector.
-#[cfg(test)]
 pub(crate) fn encode(direction: [f64; 3]) -> u32 {
     let magnitude = direction.map(|component| (component.abs() * SCALE + 0.5) as u32);
     if magnitude == [0; 3] {

@@ -17,11 +17,14 @@ use radsight_picture::Header;
 pub const MESH_FORMAT: &str = "Radiance_tmesh";
 
 /// The number at the start, without the bytes of an object's index.
-const MAGIC: i64 = 319;
+pub(crate) const MAGIC: i64 = 319;
 
-const HAS_POSITIONS: usize = 1;
-const HAS_NORMALS: usize = 2;
-const HAS_COORDINATES: usize = 4;
+pub(crate) const HAS_POSITIONS: usize = 1;
+pub(crate) const HAS_NORMALS: usize = 2;
+pub(crate) const HAS_COORDINATES: usize = 4;
+
+/// Vertices of a patch, at most.
+pub(crate) const MOST_IN_PATCH: usize = 256;
 
 /// What 32 bits are divided by.
 const FULL: f64 = 4_294_967_296.0;

@@ -61,6 +61,7 @@ pub mod shell_words;
 mod sun;
 mod text;
 mod total;
+mod wavefront_mesh;
 mod zcat;
 
 pub use error::Error;
@@ -68,6 +69,7 @@ pub use lamps::lamp_color;
 pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
 pub use text::{General, MAX_OUTPUT_BYTES, padded};
+pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
 
 use radsight_loader::Loader;
 

@@ -5,7 +5,7 @@
 //! `-o` names faces without a group. `-n` lists the names that a mapping can use instead of converting.
 
 mod mapping;
-mod wavefront;
+pub(crate) mod wavefront;
 
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt::Write;
@@ -121,7 +121,7 @@ struct Converter<'a> {
 
 /// How the normals at a triangle's corners lie to the triangle.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Bend {
+pub(crate) enum Bend {
     Flat,
     FlatReversed,
     Bent,
@@ -306,7 +306,7 @@ impl<'a> Converter<'a> {
 }
 
 /// `None` for a triangle without area.
-fn bend(points: [[f64; 3]; 3], normals: [[f64; 3]; 3]) -> Option<Bend> {
+pub(crate) fn bend(points: [[f64; 3]; 3], normals: [[f64; 3]; 3]) -> Option<Bend> {
     let [a, b, c] = points;
     let normal = normalize(cross(subtract(b, a), subtract(c, b)))?;
     let cosines = normals.map(|corner| dot(normal, corner));

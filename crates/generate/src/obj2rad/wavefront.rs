@@ -4,23 +4,23 @@ use crate::facets::{dot, normalize};
 use crate::number_text::{leading_integer, whole_number};
 
 /// The statements of a text, with backslashes joining lines.
-pub(super) struct Statements<'a> {
+pub(crate) struct Statements<'a> {
     lines: std::str::Lines<'a>,
     line: usize,
 }
 
 impl<'a> Statements<'a> {
-    pub(super) fn new(text: &'a str) -> Self {
+    pub(crate) fn new(text: &'a str) -> Self {
         Statements { lines: text.lines(), line: 0 }
     }
 
     /// The line that was read last, from 1.
-    pub(super) fn line(&self) -> usize {
+    pub(crate) fn line(&self) -> usize {
         self.line
     }
 
     /// The words of the next statement that has any. Quotes inside of words become `^`, as Radiance cannot have them in names.
-    pub(super) fn next_statement(&mut self) -> Option<Vec<String>> {
+    pub(crate) fn next_statement(&mut self) -> Option<Vec<String>> {
         loop {
             let mut words = Vec::new();
             loop {
@@ -47,24 +47,26 @@ impl<'a> Statements<'a> {
 
 /// A corner of a face.
 #[derive(Clone, Copy)]
-pub(super) struct Corner {
+pub(crate) struct Corner {
     point: usize,
-    pub(super) normal: Option<usize>,
+    pub(crate) normal: Option<usize>,
+    /// Texture coordinates.
+    pub(crate) texture: Option<usize>,
 }
 
-/// Points and normals so far; texture coordinates are only counted.
+/// Points, normals and texture coordinates so far.
 #[derive(Default)]
-pub(super) struct Vertices {
+pub(crate) struct Vertices {
     points: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
-    textures: usize,
+    textures: Vec<[f64; 2]>,
     /// How many normals have no length.
-    pub(super) zero_normals: usize,
+    pub(crate) zero_normals: usize,
 }
 
 impl Vertices {
     /// Takes a statement `v`, `vn` or `vt`; false when a `vt` makes no sense.
-    pub(super) fn add(&mut self, words: &[String]) -> Result<bool, String> {
+    pub(crate) fn add(&mut self, words: &[String]) -> Result<bool, String> {
         let numbers: Vec<f64> =
             words[1..].iter().map_while(|word| whole_number(word)).filter(|value| value.is_finite()).collect();
         match (words[0].as_str(), &numbers[..]) {
@@ -74,7 +76,7 @@ impl Vertices {
                 self.zero_normals += usize::from(normal.is_none());
                 self.normals.push(normal.unwrap_or_default());
             }
-            ("vt", [_, _, ..]) => self.textures += 1,
+            ("vt", [u, v, ..]) => self.textures.push([*u, *v]),
             ("vt", _) => return Ok(false),
             (keyword, _) => return Err(format!("{keyword} is followed by {} numbers, expected 3", numbers.len())),
         }
@@ -82,7 +84,7 @@ impl Vertices {
     }
 
     /// Reads `point`, `point/texture` or `point/texture/normal`; numbers count from 1, or back from the end.
-    pub(super) fn corner(&self, word: &str) -> Result<Corner, String> {
+    pub(crate) fn corner(&self, word: &str) -> Result<Corner, String> {
         let mut parts = word.split('/').map(|part| leading_integer(part).map_or(0, |(index, _)| index));
         let [point, texture, normal] = [0; 3].map(|_| parts.next().unwrap_or(0));
         let find = |index: i64, count: usize, what: &str| -> Result<Option<usize>, String> {
@@ -94,18 +96,22 @@ impl Vertices {
             }
         };
         let point = find(point, self.points.len(), "point")?;
-        find(texture, self.textures, "texture coordinate")?;
+        let texture = find(texture, self.textures.len(), "texture coordinate")?;
         let normal = find(normal, self.normals.len(), "normal")?;
         let point = point.ok_or_else(|| format!("\"{word}\" names no point"))?;
         let has_length = |normal: &usize| dot(self.normals[*normal], self.normals[*normal]) > 1e-6;
-        Ok(Corner { point, normal: normal.filter(has_length) })
+        Ok(Corner { point, normal: normal.filter(has_length), texture })
     }
 
-    pub(super) fn point(&self, corner: &Corner) -> [f64; 3] {
+    pub(crate) fn point(&self, corner: &Corner) -> [f64; 3] {
         self.points[corner.point]
     }
 
-    pub(super) fn normal(&self, normal: usize) -> [f64; 3] {
+    pub(crate) fn normal(&self, normal: usize) -> [f64; 3] {
         self.normals[normal]
+    }
+
+    pub(crate) fn texture(&self, texture: usize) -> [f64; 2] {
+        self.textures[texture]
     }
 }

@@ -1,0 +1,197 @@
+//! Wavefront text as triangles: what `obj2mesh` compiles.
+
+use crate::facets::{cross, dot, subtract};
+use crate::obj2rad::wavefront::{Corner, Statements, Vertices};
+use crate::obj2rad::{Bend, bend};
+use earcut::Earcut;
+use std::collections::HashMap;
+
+/// Squared lengths below the square of this count as zero, in scene units.
+const TINY: f64 = 1e-6;
+
+/// The triangles of a Wavefront file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WavefrontMesh {
+    /// In the order of the text; faces with more corners are cut.
+    pub triangles: Vec<WavefrontTriangle>,
+    /// Names of materials: those of `usemtl`, else of groups.
+    pub materials: Vec<String>,
+    /// Statements of kinds that are not known.
+    pub unknown_statements: usize,
+    /// Triangles without area, which are left out.
+    pub degenerate: usize,
+}
+
+/// A triangle, counter-clockwise seen from the side that its normals show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WavefrontTriangle {
+    /// Its corners.
+    pub points: [[f64; 3]; 3],
+    /// Unit normals at the corners, if they differ from the triangle's own.
+    pub normals: Option<[[f64; 3]; 3]>,
+    /// Texture coordinates at the corners.
+    pub textures: Option<[[f64; 2]; 3]>,
+    /// Index of its material.
+    pub material: Option<usize>,
+}
+
+impl WavefrontMesh {
+    /// Reads a text.
+    ///
+    /// # Errors
+    /// The first mistake, with its line.
+    pub fn read(text: &str) -> Result<WavefrontMesh, String> {
+        let mut reader = Reader::default();
+        let mut statements = Statements::new(text);
+        while let Some(words) = statements.next_statement() {
+            let taken = reader.statement(&words);
+            taken.map_err(|mistake| format!("line {}: {mistake}", statements.line()))?;
+        }
+        Ok(reader.mesh)
+    }
+}
+
+#[derive(Default)]
+struct Reader {
+    mesh: WavefrontMesh,
+    vertices: Vertices,
+    material: String,
+    group: String,
+    numbers: HashMap<String, usize>,
+    earcut: Earcut<f64>,
+}
+
+impl Reader {
+    fn statement(&mut self, words: &[String]) -> Result<(), String> {
+        let name = || words.get(1).cloned().unwrap_or_default();
+        match words[0].as_str() {
+            "v" | "vn" | "vt" => {
+                let is_known = self.vertices.add(words)?;
+                self.mesh.unknown_statements += usize::from(!is_known);
+            }
+            "f" => self.face(&words[1..])?,
+            "usemtl" => self.material = name(),
+            "g" => self.group = name(),
+            "usemap" | "o" => {}
+            first if first.starts_with('#') => {}
+            _ => self.mesh.unknown_statements += 1,
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, words: &[String]) -> Result<(), String> {
+        let corners: Vec<Corner> = words.iter().map(|word| self.vertices.corner(word)).collect::<Result<_, _>>()?;
+        match corners[..] {
+            [] | [_] | [_, _] => return Err(format!("a face of {} corners", corners.len())),
+            [a, b, c] => self.triangle([a, b, c]),
+            _ => {
+                for corners in self.cut(&corners) {
+                    self.triangle(corners);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The triangles of a face, as it is seen along the axis on which its first corners that make a plane are largest.
+    fn cut(&mut self, corners: &[Corner]) -> Vec<[Corner; 3]> {
+        let points: Vec<[f64; 3]> = corners.iter().map(|corner| self.vertices.point(corner)).collect();
+        let normal = points.windows(3).map(|p| cross(subtract(p[1], p[0]), subtract(p[2], p[1])));
+        let Some(normal) = normal.into_iter().rfind(|normal| dot(*normal, *normal) > TINY.powi(4)) else {
+            return Vec::new();
+        };
+        let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).unwrap_or(2);
+        let [x, y] = [(largest + 1) % 3, (largest + 2) % 3];
+        let flat: Vec<[f64; 2]> = points.iter().map(|point| [point[x], point[y]]).collect();
+        let next = |at: usize| flat[(at + 1) % flat.len()];
+        let area: f64 = (0..flat.len()).map(|at| flat[at][0] * next(at)[1] - flat[at][1] * next(at)[0]).sum();
+        let mut indices: Vec<u32> = Vec::new();
+        self.earcut.earcut(flat.iter().copied(), &[], &mut indices);
+        let triangle = |corner: &[u32; 3]| corner.map(|index| index as usize);
+        let turned = |[a, b, c]: [usize; 3]| {
+            let [a_flat, b_flat, c_flat] = [flat[a], flat[b], flat[c]];
+            let own =
+                (b_flat[0] - a_flat[0]) * (c_flat[1] - a_flat[1]) - (c_flat[0] - a_flat[0]) * (b_flat[1] - a_flat[1]);
+            if own * area < 0.0 { [c, b, a] } else { [a, b, c] }
+        };
+        let (triangles, _) = indices.as_chunks::<3>();
+        triangles.iter().map(|indices| turned(triangle(indices)).map(|index| corners[index])).collect()
+    }
+
+    fn triangle(&mut self, corners: [Corner; 3]) {
+        let mut points = corners.map(|corner| self.vertices.point(&corner));
+        let mut textures = all(corners.map(|corner| corner.texture.map(|texture| self.vertices.texture(texture))));
+        let mut normals = all(corners.map(|corner| corner.normal.map(|normal| self.vertices.normal(normal))));
+        let flat = cross(subtract(points[1], points[0]), subtract(points[2], points[1]));
+        let bent = match normals {
+            None if dot(flat, flat) > 0.0 => Some(Bend::Flat),
+            None => None,
+            Some(normals) => bend(points, normals),
+        };
+        let Some(bent) = bent else {
+            self.mesh.degenerate += 1;
+            return;
+        };
+        if matches!(bent, Bend::FlatReversed | Bend::BentReversed) {
+            points.reverse();
+            textures.iter_mut().for_each(|textures| textures.reverse());
+            normals.iter_mut().for_each(|normals| normals.reverse());
+        }
+        let normals = normals.filter(|_| matches!(bent, Bend::Bent | Bend::BentReversed));
+        let material = self.material();
+        self.mesh.triangles.push(WavefrontTriangle { points, normals, textures, material });
+    }
+
+    /// The index of the present material.
+    fn material(&mut self) -> Option<usize> {
+        let name = if self.material.is_empty() { &self.group } else { &self.material };
+        if name.is_empty() || name == "void" {
+            return None;
+        }
+        if let Some(known) = self.numbers.get(name) {
+            return Some(*known);
+        }
+        self.mesh.materials.push(name.clone());
+        self.numbers.insert(name.clone(), self.mesh.materials.len() - 1);
+        Some(self.mesh.materials.len() - 1)
+    }
+}
+
+fn all<T: Copy>([a, b, c]: [Option<T>; 3]) -> Option<[T; 3]> {
+    Some([a?, b?, c?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_that_is_not_convex_is_cut_within_its_border() {
+        // An L with its corner cut out.
+        let text = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n";
+        let mesh = WavefrontMesh::read(text).unwrap();
+        let area = |triangle: &WavefrontTriangle| {
+            let [a, b, c] = triangle.points;
+            0.5 * cross(subtract(b, a), subtract(c, b))[2]
+        };
+        assert!(mesh.triangles.iter().all(|triangle| area(triangle) > 0.0));
+        assert!((mesh.triangles.iter().map(area).sum::<f64>() - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn normals_that_look_away_turn_a_triangle_around() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nvn .6 0 -.8\nvt .25 .5\nf 1/1/1 2/1/1 3/1/2\n";
+        let mesh = WavefrontMesh::read(text).unwrap();
+        let [triangle] = mesh.triangles[..] else { panic!("one triangle") };
+        assert_eq!(triangle.points[0], [0.0, 1.0, 0.0]);
+        assert_eq!(triangle.normals.unwrap()[0], [0.6, 0.0, -0.8]);
+        assert_eq!(triangle.textures, Some([[0.25, 0.5]; 3]));
+    }
+
+    #[test]
+    fn mistakes_have_their_line() {
+        assert!(WavefrontMesh::read("v 0 0\n").unwrap_err().starts_with("line 1: "));
+        assert!(WavefrontMesh::read("v 0 0 0\n\nf 1 2 3\n").unwrap_err().starts_with("line 3: "));
+        assert!(WavefrontMesh::read("v 0 0 0\nf 1 1\n").unwrap_err().contains("2 corners"));
+    }
+}
