@@ -314,11 +314,23 @@ fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
 #[test]
 fn tristimulus_values_are_within_a_step_of_the_real_ones() {
     let Some(radiance) = Radiance::find() else { return };
-    let picture = gradient(40, 33);
-    for words in ["ra_xyze", "ra_xyze -o", "ra_xyze -e +1 -c", "ra_xyze -r"] {
+    let rgb = gradient(40, 33);
+    let value = |index: usize| ((index * 7919 % 1013) as f32 / 1013.0).powi(3) * 30.0;
+    let values = Image::new(20, 9, 7, (0..20 * 9 * 7).map(value).collect()).expect("a shape");
+    let spectra = Picture::from_spectra(Header::new("RADIANCE"), &values, [780.0, 588.0, 480.0, 380.0]);
+    let spectra = spectra.expect("a picture").to_bytes();
+    for (words, picture) in [
+        ("ra_xyze", &rgb),
+        ("ra_xyze -o", &rgb),
+        ("ra_xyze -e +1 -c", &rgb),
+        ("ra_xyze -r", &rgb),
+        ("ra_xyze", &spectra),
+        ("ra_xyze -o -c", &spectra),
+        ("ra_xyze -r", &spectra),
+    ] {
         let words: Vec<&str> = words.split(' ').collect();
-        let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
-        let ours = radsight_with(&words, &picture).done();
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), picture).done();
+        let ours = radsight_with(&words, picture).done();
         let (real, ours) = (Picture::read(&real).expect("a picture"), Picture::read(&ours).expect("a picture"));
         let lines = |picture: &Picture| picture.header().to_text();
         assert_eq!(lines(&real), lines(&ours));
@@ -330,8 +342,8 @@ fn tristimulus_values_are_within_a_step_of_the_real_ones() {
     }
     for words in [&["ra_rgbe", "-e", "+2"][..], &["ra_rgbe", "-r"]] {
         // The real one puts its path into the header.
-        let real = run_with(&mut radiance.command(words[0], &words[1..]), &picture).done();
-        let (real, ours) = (Picture::read(&real), Picture::read(&radsight_with(words, &picture).done()));
+        let real = run_with(&mut radiance.command(words[0], &words[1..]), &rgb).done();
+        let (real, ours) = (Picture::read(&real), Picture::read(&radsight_with(words, &rgb).done()));
         assert_eq!(real.expect("a picture").pixels(), ours.expect("a picture").pixels(), "{words:?}");
     }
 }

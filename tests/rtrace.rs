@@ -91,13 +91,75 @@ fn every_output_says_what_real_rtrace_says() {
 #[test]
 fn pixels_are_those_of_real_rtrace() {
     let Some(radiance) = Radiance::find() else { return };
-    for words in [&["-fac"][..], &["-fac", "-pXYZ"], &["-fac", "-x", "7", "-y", "1"]] {
+    for words in [
+        &["-fac"][..],
+        &["-fac", "-pXYZ"],
+        &["-fac", "-x", "7", "-y", "1"],
+        &["-fac", "-cs", "9", "-co+", "-x", "7", "-y", "1"],
+        &["-fac", "-cs", "9"],
+    ] {
         let [ours, theirs] = both(&radiance, words, RAYS).map(|bytes| parts(&bytes));
         assert_eq!(ours.0, theirs.0, "{words:?}");
         assert_eq!(ours.1.len(), theirs.1.len(), "{words:?}");
         let apart = ours.1.iter().zip(&theirs.1).map(|(ours, theirs)| ours.abs_diff(*theirs)).max();
         assert!(apart <= Some(1), "{words:?}: bytes differ by {apart:?}");
     }
+}
+
+#[test]
+fn rays_end_behind_glass_too() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let pane = "void glass clear 0 0 3 .9 .9 .9\nclear polygon pane 0 0 12 -9 1 -9  9 1 -9  9 1 9  -9 1 9\n";
+    folder.file(
+        "scene.rad",
+        format!("{pane}void glow sky 0 0 4 4 3 2 0\nsky polygon beyond 0 0 12 -9 3 -9  -9 3 9  9 3 9  9 3 -9\n"),
+    );
+    let octree = radiance.octree(&folder, &["scene.rad"]);
+    for direction in ["0 .5 0", "0 2 0", "0 4 0"] {
+        let input = format!("0 0 0 {direction}\n");
+        let words = ["-h", "-ld+", "-ovL", &octree];
+        let real = run_with(radiance.command("rtrace", &words).current_dir(folder.path("")), input.as_bytes()).done();
+        let ours: Vec<&str> = std::iter::once("rtrace").chain(words).collect();
+        let ours = run_with(command(&ours).current_dir(folder.path("")), input.as_bytes()).done();
+        same_words(&ours, &real, &[direction]);
+    }
+}
+
+#[test]
+fn modifiers_from_a_file_take_part_in_interreflection_or_do_not() {
+    let folder = Folder::new();
+    folder.file("scene.rad", "void glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 360\nvoid plastic grey 0 0 5 .5 .5 .5 0 0\ngrey ring floor 0 0 8 0 0 0 0 0 1 0 9\n");
+    folder.file("names.txt", "other\n\"grey\"\n");
+    let value = |option: &str| {
+        let words = ["rtrace", "-h", "-ab", "1", "-av", ".2", ".2", ".2", option, "names.txt", "scene.rad"];
+        let text = run_with(command(&words).current_dir(folder.path("")), b"0 0 1 0 0 -1\n").text();
+        text.split_whitespace().next().and_then(|word| word.parse::<f64>().ok()).expect("a number")
+    };
+    assert!((value("-aI") - 0.5).abs() < 1e-3 && (value("-aE") - 0.1).abs() < 1e-6);
+}
+
+#[test]
+fn more_samples_make_highlights_less_noisy() {
+    let folder = Folder::new();
+    let stripes = "void brightfunc stripes 2 if(sin(9*Dx)*sin(9*Dy),2,0) . 0 0\nstripes glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 180\n";
+    folder.file(
+        "scene.rad",
+        format!("{stripes}void metal rough 0 0 5 .8 .8 .8 1 .2\nrough ring floor 0 0 8 0 0 0 0 0 1 0 9\n"),
+    );
+    let rays = "0 0 1 .2 .1 -1\n".repeat(400);
+    let spread = |samples: &str| {
+        let words = ["rtrace", "-h", "-st", "0", "-ss", samples, "scene.rad"];
+        let text = run_with(command(&words).current_dir(folder.path("")), rays.as_bytes()).text();
+        let values = text.lines().filter_map(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+        let values: Vec<f64> = values.collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        (mean, variance.sqrt())
+    };
+    let [(one, one_spread), (many, many_spread)] = [spread("1"), spread("16")];
+    assert!((one - many).abs() < 0.1 * many, "{one} with one, {many} with sixteen");
+    assert!(many_spread < 0.4 * one_spread, "{one_spread} with one, {many_spread} with sixteen");
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub struct RenderOptions {
     /// Rough highlights of no more than this share are not looked into for anything but sources: their share joins the diffuse
     /// component (`-st`). Default 0, which draws from all.
     pub highlight_threshold: f64,
+    /// How many rays look into the highlight at the first surface (`-ss`); fewer where it counts less, one at least, 16 at most. Default 1.
+    pub highlight_samples: f64,
     /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
     pub ambient_surfaces: AmbientSurfaces,
     /// Where paths end (`-lr`). Default roulette, and no more than ten reflections.
@@ -53,6 +55,7 @@ impl Default for RenderOptions {
             ambient_value: Rgb::BLACK,
             gathering: Gathering::default(),
             highlight_threshold: 0.0,
+            highlight_samples: 1.0,
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
             least_weight: 1e-4,

@@ -79,6 +79,9 @@ const MAX_BRANCHES: usize = 32;
 const SPLIT_DRAWS: u32 = 8;
 const LAST_SPLIT_DEPTH: u32 = 2;
 
+/// No highlight is looked into by more rays (`-ss`): they have to wait for each other.
+const MOST_HIGHLIGHT_SAMPLES: f64 = 16.0;
+
 /// A path shorter than this is never ended by roulette.
 const ROULETTE_DEPTH: u32 = 4;
 
@@ -671,7 +674,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         } else if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
             SPLIT_DRAWS
         } else {
-            1
+            self.highlight_samples(segment)
         };
         let set = self.next_set;
         self.next_set += highlight_draws.max(1);
@@ -722,6 +725,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
                 self.scatter(segment, &direct, (drawn, Lobe::Diffuse), segment.ambient_bounces - 1);
             }
         }
+    }
+
+    /// How many rays look into a highlight: as many as are asked for, times what the path carries.
+    fn highlight_samples(&self, segment: &Segment<BANDS>) -> u32 {
+        let strongest = segment.throughput.iter().copied().fold(0.0, f64::max).min(1.0);
+        (self.plan.options.highlight_samples * strongest + 0.5).clamp(1.0, MOST_HIGHLIGHT_SAMPLES) as u32
     }
 
     /// Sends a drawn ray on from a lit point.

@@ -1,4 +1,4 @@
-//! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: between RGBE and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and
+//! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: between RGBE, spectra and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and
 //! `-u` ask for run-lengths or none. `ra_rgbe [-r] [-e ±STOPS] [input [output]]`: without run-lengths, or with them (`-r`).
 
 use super::files::{failed, open_picture, put_file};
@@ -7,6 +7,7 @@ use super::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
 use radsight_picture_tools::gamma::shifted;
+use radsight_spectrum::xyz_of_bands;
 
 /// How scanlines are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -60,12 +61,14 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
     let (path, target) = words.input_and_output()?;
     let mut reader = open_picture(path)?;
     let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
-    if reader.components() != 3 {
-        return Err(Failure::input(format!("{path}: spectral pictures are not supported, expected RGBE or XYZE")));
-    }
     let from_xyz = reader.encoding() == Encoding::Xyze;
     let primaries = reader.header().primaries().map_err(wrong)?.unwrap_or(RgbPrimaries::STANDARD);
-    let to_xyz = if from_xyz { None } else { Some(primaries.rgb_to_xyz().ok_or_else(|| impossible(path))?) };
+    let of_bands = match reader.encoding() {
+        Encoding::Spectral { splits } if reader.components() > 3 => Some(xyz_of_each(reader.components(), splits)),
+        _ => None,
+    };
+    let is_rgb = !from_xyz && of_bands.is_none();
+    let to_xyz = if is_rgb { Some(primaries.rgb_to_xyz().ok_or_else(|| impossible(path))?) } else { None };
     let to_rgb = match options.to_rgb {
         true => Some(options.primaries.xyz_to_rgb().ok_or_else(|| impossible(path))?),
         false => None,
@@ -93,7 +96,16 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
         let mut writer = PictureWriter::new(out, &header, 3, resolution).map_err(wrong)?;
         let mut values = vec![[0.0f32; 3]; resolution.scanline_length()];
         for _ in 0..resolution.scanlines() {
-            reader.read_three(&mut values).map_err(wrong)?;
+            match &of_bands {
+                None => reader.read_three(&mut values).map_err(wrong)?,
+                Some(of_bands) => {
+                    let mut spectra = vec![0.0f32; values.len() * of_bands.len()];
+                    reader.read_values(&mut spectra).map_err(wrong)?;
+                    for (value, spectrum) in values.iter_mut().zip(spectra.chunks_exact(of_bands.len())) {
+                        *value = xyz_of_spectrum(spectrum, of_bands);
+                    }
+                }
+            }
             let stored: Vec<u8> = values
                 .iter()
                 .flat_map(|value| {
@@ -109,6 +121,18 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
         }
         writer.finish().map_err(wrong)
     })
+}
+
+/// X, Y and Z of each band; its ends in whole nanometres, as Radiance takes them.
+fn xyz_of_each(bands: usize, splits: [f32; 4]) -> Vec<[f64; 3]> {
+    let [first, .., last] = splits.map(f64::from);
+    let edge = |band: usize| (first + (last - first) * band as f64 / bands as f64).trunc();
+    (0..bands).map(|band| xyz_of_bands(&[1.0], [edge(band), edge(band + 1)])).collect()
+}
+
+fn xyz_of_spectrum(spectrum: &[f32], of_bands: &[[f64; 3]]) -> [f32; 3] {
+    let part = |i: usize| spectrum.iter().zip(of_bands).map(|(value, xyz)| f64::from(*value) * xyz[i]).sum::<f64>();
+    [0, 1, 2].map(|i| part(i) as f32)
 }
 
 fn impossible(path: &str) -> Failure {

@@ -151,6 +151,12 @@ impl Options {
                 self.color = color;
                 return Ok(used);
             }
+            "-co" | "-co+" => {
+                return Err(Failure::usage(format!(
+                    "rpict: option \"{word}\" is not supported, as in Radiance: spectral pictures come from vwrays and rtrace -co -fac"
+                )));
+            }
+            "-co-" => return Ok(1),
             _ => {
                 if let Some(shown) = switched(word, "-w", !self.reading.no_warnings) {
                     self.reading.no_warnings = !shown;

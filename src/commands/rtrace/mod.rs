@@ -99,7 +99,8 @@ fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
         renderer.gather_irradiance(&to_trace, Spread::UNKNOWN);
-        trace_all(renderer, first_index, &to_trace, options.effort())
+        let limits = options.limits_distance.then(|| rays.iter().map(|ray| ray.length).collect());
+        trace_all(renderer, first_index, &to_trace, limits, options.effort())
     } else {
         let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));
         to_trace.par_iter().with_min_len(RECORDS_AT_A_TIME).map(cast).collect()
@@ -118,8 +119,15 @@ fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &
     written.collect()
 }
 
-fn trace_all(renderer: &Renderer, first_index: u64, rays: &[Option<Ray>], effort: Effort) -> Vec<Option<Found>> {
-    if effort == Effort::Samples(1) {
+/// `limits` says how far each ray goes, where that is limited.
+fn trace_all(
+    renderer: &Renderer,
+    first_index: u64,
+    rays: &[Option<Ray>],
+    limits: Option<Vec<f64>>,
+    effort: Effort,
+) -> Vec<Option<Found>> {
+    if effort == Effort::Samples(1) && limits.is_none() {
         let traced = renderer.trace_all(first_index, rays);
         return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
     }
@@ -129,6 +137,9 @@ fn trace_all(renderer: &Renderer, first_index: u64, rays: &[Option<Ray>], effort
             || renderer.worker(),
             |worker, (place, ray)| {
                 let number = first_index + place as u64;
+                if let Some(limits) = &limits {
+                    worker.limit_distance(limits[place]);
+                }
                 ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort)))
             },
         )
@@ -156,7 +167,11 @@ fn header(options: &Options) -> Vec<u8> {
     if let Some(primaries) = options.color.primaries() {
         header.push_variable("PRIMARIES", &primaries.to_header_value());
     }
-    let is_xyz = matches!(options.color, OutputColor::Xyz(_));
-    options.output_format.end_header(&mut header, if is_xyz { "32-bit_rle_xyze" } else { "32-bit_rle_rgbe" });
+    let pixels = match options.color {
+        OutputColor::Xyz(_) => "32-bit_rle_xyze",
+        OutputColor::Bands if options.components() > 3 => "Radiance_spectra",
+        _ => "32-bit_rle_rgbe",
+    };
+    options.output_format.end_header(&mut header, pixels);
     header.to_bytes()
 }

@@ -151,8 +151,10 @@ impl Options {
         if self.output_format == OutputFormat::Pixels && self.output != [Field::Value] {
             return Err(Failure::usage("rtrace: pixels (-f.c) hold the value alone, expected -ov"));
         }
-        if self.output_format == OutputFormat::Pixels && self.components() != 3 {
-            return Err(Failure::usage("rtrace: pixels (-f.c) hold three numbers, expected -pRGB, -pXYZ or -pc"));
+        if self.output_format == OutputFormat::Pixels && self.components() < 3 {
+            return Err(Failure::usage(
+                "rtrace: pixels (-f.c) hold three numbers or more, expected -pRGB, -pXYZ, -pc or -co",
+            ));
         }
         if self.render.quantity != Quantity::Radiance && !self.output.iter().any(|field| field.needs_tracing()) {
             return Err(Failure::usage("rtrace: irradiance (-I, -i) is asked for but no value, expected -ov"));
@@ -162,7 +164,10 @@ impl Options {
 
     /// Takes one option; gives how many words it used.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let mut used = take_one(words, &mut self.render)?;
+        let mut used = self.take_highlight_samples(words)?;
+        if used == 0 {
+            used = take_one(words, &mut self.render)?;
+        }
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
         }
@@ -211,6 +216,20 @@ impl Options {
                 return Err(no_persist_file(word).unwrap_or_else(unknown));
             }
         }
+        Ok(2)
+    }
+
+    /// Other programs average many rays, of which each needs one for a highlight.
+    fn take_highlight_samples(&mut self, words: &[String]) -> Result<usize, Failure> {
+        if words[0] != "-ss" {
+            return Ok(0);
+        }
+        let expected = "a number of rays for each highlight, 0 or more";
+        let samples: f64 = number(words, "-ss", expected)?;
+        if !(samples >= 0.0 && samples.is_finite()) {
+            return Err(Failure::usage(format!("option \"-ss\" with {samples}: expected {expected}")));
+        }
+        self.render.highlight_samples = samples;
         Ok(2)
     }
 

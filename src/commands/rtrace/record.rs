@@ -5,7 +5,7 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::ray_input::InputRay;
 use glam::DVec3;
-use radsight_picture::encode_rgbe;
+use radsight_picture::encode_spectrum;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BandValues, FirstHit, RenderPlan, Sampling, Traced};
 use std::io::Write;
@@ -78,8 +78,10 @@ impl<'o> Writer<'o> {
         let value = self.value(found, &mut bands);
         let format = self.options.output_format;
         if format == OutputFormat::Pixels {
-            let pixel = [0, 1, 2].map(|band| value.get(band).map_or(0.0, |value| *value as f32));
-            return out.extend_from_slice(&encode_rgbe(pixel));
+            let pixel: Vec<f32> = value.iter().map(|value| *value as f32).collect();
+            let start = out.len();
+            out.resize(start + pixel.len() + 1, 0);
+            return encode_spectrum(&pixel, &mut out[start..]);
         }
         let hit = found.and_then(Found::hit);
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
