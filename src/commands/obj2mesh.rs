@@ -160,8 +160,7 @@ fn cube(mesh: &WavefrontMesh) -> Cube {
 }
 
 fn octree(mesh: &WavefrontMesh, cube: Cube, options: &BuildOptions) -> Built {
-    let mut scene = Scene::default();
-    scene.vertices = points(mesh).collect();
+    let mut scene = Scene { vertices: points(mesh).collect(), ..Scene::default() };
     let name = scene.names.add("triangle");
     for index in 0..mesh.triangles.len() as u32 {
         let shape = Shape::Polygon { start: 3 * index, count: 3 };
