@@ -17,7 +17,7 @@ const MISSING: [(&[&str], &str); 11] = [
         "expected Radiance's own: rcontrib, rmtxop, rcomb and dctimestep here take and write the same matrices",
     ),
     (
-        &["pinterp", "pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],
+        &["pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],
         "expected Radiance's own, which reads the pictures and distances (-z) of rpict here",
     ),
     (

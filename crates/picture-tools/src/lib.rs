@@ -5,6 +5,7 @@
 //! - [`compose`] is `pcompos`: pictures side by side and over one another; [`sign`] is `psign`, text as a picture.
 //! - [`condition`](mod@condition) is `pcond`: pictures as the eye would see the scene, within what a display can show.
 //! - [`falsecolor`](mod@falsecolor) is `falsecolor`: brightness as colour, contours and bands.
+//! - [`interpolate`] is `pinterp`: views from other views and their distances.
 //! - [`extrema`](mod@extrema) is `pextrem`; [`turn`] is `pflip` and `protate`.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
 //!
@@ -37,6 +38,7 @@ pub mod extrema;
 pub mod falsecolor;
 pub mod filter;
 pub mod gamma;
+pub mod interpolate;
 pub mod sign;
 pub mod turn;
 pub mod values;

@@ -8,6 +8,7 @@ mod pcompos;
 mod pcond;
 mod pextrem;
 mod pfilt;
+mod pinterp;
 mod psign;
 mod pturn;
 mod pvalue;
@@ -22,7 +23,7 @@ use words::Words;
 type Program = fn(Words<'_>) -> Outcome;
 
 /// The programs by their names.
-const PROGRAMS: [(&str, Program); 17] = [
+const PROGRAMS: [(&str, Program); 18] = [
     ("falsecolor", falsecolor::run),
     ("getinfo", getinfo::run),
     ("pcomb", pcomb::run),
@@ -31,6 +32,7 @@ const PROGRAMS: [(&str, Program); 17] = [
     ("pextrem", pextrem::run),
     ("pfilt", pfilt::run),
     ("pflip", pturn::flip),
+    ("pinterp", pinterp::run),
     ("protate", pturn::rotate),
     ("psign", psign::run),
     ("pvalue", pvalue::run),
