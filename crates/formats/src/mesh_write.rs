@@ -316,7 +316,7 @@ mod tests {
     fn grid(steps: usize) -> MeshParts<'static> {
         let corner = |x: usize, y: usize| {
             let [u, v] = [x as f64 / steps as f64, y as f64 / steps as f64];
-            let normal = Some([0.0, 0.6, 0.8]).filter(|_| x % 7 != 0);
+            let normal = Some([0.0, 0.6, 0.8]).filter(|_| !x.is_multiple_of(7));
             Corner { position: [u, v, 0.1 * (9.0 * u).sin()], normal, coordinates: Some([u, 2.0 * v]) }
         };
         let mut facets = Vec::new();

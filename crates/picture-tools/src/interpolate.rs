@@ -282,7 +282,7 @@ impl Interpolation {
     #[must_use]
     pub fn pixels(&self) -> Vec<[f32; 3]> {
         let value = |at: usize| self.sums[at].map(|sum| (sum / self.weights[at].max(f64::MIN_POSITIVE)) as f32);
-        self.from_the_top().map(value).collect()
+        self.in_picture_order().map(value).collect()
     }
 
     /// The distances, their rows from the top.
@@ -294,10 +294,10 @@ impl Interpolation {
             let cosine = self.view.ray(self.place(at)).map_or(1.0, |ray| ray.direction.dot(self.view.direction()));
             (self.depths[at] * if is_along_view { cosine } else { 1.0 }) as f32
         };
-        self.from_the_top().map(value).collect()
+        self.in_picture_order().map(value).collect()
     }
 
-    fn from_the_top(&self) -> impl Iterator<Item = usize> + '_ {
+    fn in_picture_order(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.rows).rev().flat_map(|row| row * self.columns..(row + 1) * self.columns)
     }
 
