@@ -13,6 +13,7 @@ use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_
 use radsight_picture::Header;
 use radsight_render::{NoModels, RenderOptions, RenderPlan};
 use std::io::{self, Read as _};
+use std::process::{Command, Stdio};
 
 /// Reads a camera file and prints its warnings.
 pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
@@ -43,13 +44,25 @@ pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// The texts of scenes: files, `-` for standard input, and the light ring of a camera file.
+/// What a command of the command line writes, as Radiance's programs take one after `!` in the place of a file.
+pub(crate) fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
+    let failed = |what: String| Failure::input(format!("command \"{command}\": {what}"));
+    let output = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = output.map_err(|error| failed(reason(&error)))?;
+    if !output.status.success() {
+        return Err(failed(output.status.to_string()));
+    }
+    Ok(output.stdout)
+}
+
+/// The texts of scenes: files, `-` for standard input, commands after `!`, and the light ring of a camera file.
 pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Result<Vec<Input>, Failure> {
     let mut inputs = Vec::new();
     for path in paths {
-        let bytes = match path.as_str() {
-            "-" => read_standard_input()?,
-            path => read_file(path, "scene file")?,
+        let bytes = match (path.as_str(), path.strip_prefix('!')) {
+            ("-", _) => read_standard_input()?,
+            (_, Some(command)) => read_command(command)?,
+            (path, None) => read_file(path, "scene file")?,
         };
         let name = if path == "-" { "<standard input>" } else { path };
         inputs.push(Input::Text { name: name.to_owned(), text: bytes.into() });
@@ -193,6 +206,11 @@ pub(crate) fn program_history(scenes: &[String], command: &[String]) -> Header {
 /// What the header of an octree says of how it was made; nothing of other files.
 fn scene_history(paths: &[String]) -> Header {
     let [path] = paths else { return Header::default() };
+    if let Some(command) = path.strip_prefix('!') {
+        let mut header = Header::new("RADIANCE");
+        header.push_line(command);
+        return header;
+    }
     let mut start = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start));
     match read.ok().and_then(|_| Header::read(&start).ok()) {

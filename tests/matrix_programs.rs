@@ -263,6 +263,60 @@ fn a_view_times_a_window_times_daylight_times_a_sky() {
     assert_same(both(&radiance, &folder, "dctimestep", &words, ""), "three phases", 1e-3);
 }
 
+/// A room with a hole in the wall, and the hole as rays' receiver.
+const ROOM: &str = "\
+void plastic grey 0 0 5 .5 .4 .3 0 0
+grey polygon floor 0 0 12 0 0 0  4 0 0  4 5 0  0 5 0
+grey polygon ceiling 0 0 12 0 0 3  0 5 3  4 5 3  4 0 3
+grey polygon back 0 0 12 0 5 0  4 5 0  4 5 3  0 5 3
+grey polygon left 0 0 12 0 0 0  0 5 0  0 5 3  0 0 3
+grey polygon right 0 0 12 4 0 0  4 0 3  4 5 3  4 5 0
+grey polygon sill 0 0 12 0 0 0  0 0 1  4 0 1  4 0 0
+";
+const WINDOW: &str = "\
+#@rfluxmtx h=kf u=+Z o=view.vmx
+void glow portal 0 0 4 1 1 1 0
+portal polygon window 0 0 12 0 0 1  0 0 3  4 0 3  4 0 1
+";
+
+#[test]
+fn the_real_rfluxmtx_runs_our_rcontrib() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("room.rad", ROOM);
+    folder.file("window.rad", WINDOW);
+    let links = folder.word("links");
+    std::fs::create_dir(&links).expect("a folder");
+    run_with(&mut command(&["install-links", &links]), b"").done();
+    let words = ["-ff", "-I+", "-ab", "3", "-ad", "4000", "-lw", "1e-5", "-", "window.rad", "room.rad"];
+    let points = "2 1 .8 0 0 1\n2 3 .8 0 0 1\n1 4 .8 0 0 1\n";
+    let points: Vec<u8> =
+        points.split_whitespace().flat_map(|word| word.parse::<f32>().expect("a number").to_ne_bytes()).collect();
+    let mut found = Vec::new();
+    for is_real in [true, false] {
+        let mut program = radiance.command("rfluxmtx", &words);
+        if !is_real {
+            let path =
+                program.get_envs().find(|(name, _)| *name == "PATH").and_then(|(_, path)| path.map(ToOwned::to_owned));
+            let mut own = std::ffi::OsString::from(&links);
+            own.push(":");
+            own.push(path.or_else(|| env::var_os("PATH")).unwrap_or_default());
+            program.env("PATH", own);
+        }
+        run_with(program.current_dir(folder.path("")), &points).done();
+        found.push(Matrix::read(&folder.read("view.vmx")).expect("a matrix"));
+        std::fs::remove_file(folder.path("view.vmx")).expect("the file is removed");
+    }
+    assert_eq!((found[0].size(), found[0].components()), (found[1].size(), found[1].components()));
+    let total = |matrix: &Matrix, row: usize| -> f32 {
+        matrix.values().chunks_exact(3 * matrix.columns()).nth(row).expect("a row").iter().sum()
+    };
+    for row in 0..3 {
+        let (real, ours) = (total(&found[0], row), total(&found[1], row));
+        assert!((ours / real - 1.0).abs() < 0.05, "row {row}: {ours} here, {real} there");
+    }
+}
+
 #[test]
 fn results_are_stored_as_asked() {
     let folder = Folder::new();

@@ -127,6 +127,21 @@ fn rays_end_behind_glass_too() {
 }
 
 #[test]
+fn a_command_may_stand_for_the_scene() {
+    let folder = Folder::new();
+    folder.file("scene.rad", SCENE);
+    let run = |scene: &str| {
+        let words = ["rtrace", "-oL", scene];
+        run_with(command(&words).current_dir(folder.path("")), RAYS.as_bytes())
+    };
+    let [of_command, of_file] = ["!cat scene.rad", "scene.rad"].map(|scene| parts(&run(scene).done()));
+    assert_eq!(of_command.1, of_file.1);
+    assert!(of_command.0.contains(&"cat scene.rad".to_owned()), "{:?}", of_command.0);
+    let failed = run("!exit 3");
+    assert!(failed.code == 1 && failed.messages.contains("command \"exit 3\""), "{}", failed.messages);
+}
+
+#[test]
 fn modifiers_from_a_file_take_part_in_interreflection_or_do_not() {
     let folder = Folder::new();
     folder.file("scene.rad", "void glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 360\nvoid plastic grey 0 0 5 .5 .5 .5 0 0\ngrey ring floor 0 0 8 0 0 0 0 0 1 0 9\n");

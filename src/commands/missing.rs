@@ -14,7 +14,7 @@ const MISSING: [(&[&str], &str); 11] = [
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
         &["rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
-        "expected Radiance's own: rcontrib, rmtxop, rcomb and dctimestep here take and write the same matrices",
+        "expected Radiance's own: rfluxmtx runs the rcontrib of PATH, and rmtxop, rcomb and dctimestep here take the same matrices",
     ),
     (
         &["pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],

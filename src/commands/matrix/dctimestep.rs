@@ -65,7 +65,7 @@ fn factor(source: &str) -> Result<Matrix, Failure> {
     if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
         return color_matrix(source);
     }
-    bsdf_matrix(&read_bytes(PROGRAM, source)?, Wanted::Transmission).map_err(|error| wrong(PROGRAM, source, &error))
+    bsdf_matrix(&read_bytes(source)?, Wanted::Transmission).map_err(|error| wrong(PROGRAM, source, &error))
 }
 
 fn color_matrix(source: &str) -> Result<Matrix, Failure> {
@@ -119,7 +119,7 @@ impl Request {
 
     /// The sky: a column for each moment.
     fn sky(&self, source: &str) -> Result<Matrix, Failure> {
-        let bytes = read_bytes(PROGRAM, source)?;
+        let bytes = read_bytes(source)?;
         let is_text = self.sky_format.is_none_or(|format| format == Stored::Ascii);
         if self.steps > 0 && is_text {
             return self.sky_of_text(source, &bytes);
@@ -265,7 +265,7 @@ fn header_length(bytes: &[u8]) -> usize {
 fn read_picture(pattern: &str, number: usize) -> Result<Picture, Failure> {
     let (name, _, _) = named(PROGRAM, pattern, "", number)?;
     let failed = |error| wrong(PROGRAM, &name, &MatrixError::Picture(error));
-    let picture = Picture::read(&read_bytes(PROGRAM, &name)?).map_err(failed)?;
+    let picture = Picture::read(&read_bytes(&name)?).map_err(failed)?;
     match picture.components() {
         3 => Ok(picture),
         found => Err(wrong(PROGRAM, &name, &MatrixError::Components { found, expected: 3 })),

@@ -1,11 +1,10 @@
 //! Matrices from files, standard input and commands, and the options that change each of them.
 
 use crate::commands::picture::words::Words;
-use crate::failure::{Failure, reason};
-use crate::input::{read_file, read_standard_input};
+use crate::failure::Failure;
+use crate::input::{read_command, read_file, read_standard_input};
 use radsight_matrix::{Matrix, MatrixError, Stored, Transform};
 use radsight_picture::leading_number;
-use std::process::{Command, Stdio};
 
 /// What is done with a matrix after it was read.
 #[derive(Clone, Debug, Default)]
@@ -26,18 +25,13 @@ pub(super) enum Components {
     Named(String),
 }
 
-/// What reads bytes: a file, `-`, or a command after `!`.
-pub(super) fn read_bytes(program: &str, source: &str) -> Result<Vec<u8>, Failure> {
-    let Some(command) = source.strip_prefix('!') else {
-        return if source == "-" { read_standard_input() } else { read_file(source, "matrix") };
-    };
-    let failed = |what: String| Failure::input(format!("{program}: command \"{command}\": {what}"));
-    let output = Command::new("sh").args(["-c", command]).stderr(Stdio::inherit()).output();
-    let output = output.map_err(|error| failed(reason(&error)))?;
-    if !output.status.success() {
-        return Err(failed(output.status.to_string()));
+/// The bytes of a file, of standard input (`-`), or of what a command after `!` writes.
+pub(super) fn read_bytes(source: &str) -> Result<Vec<u8>, Failure> {
+    match (source, source.strip_prefix('!')) {
+        ("-", _) => read_standard_input(),
+        (_, Some(command)) => read_command(command),
+        (path, None) => read_file(path, "matrix"),
     }
-    Ok(output.stdout)
 }
 
 /// What is wrong with a matrix of this name.
@@ -48,7 +42,7 @@ pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure
 
 /// Reads a picture or a float matrix.
 pub(super) fn read_matrix(program: &str, source: &str) -> Result<Matrix, Failure> {
-    Matrix::read(&read_bytes(program, source)?).map_err(|error| wrong(program, source, &error))
+    Matrix::read(&read_bytes(source)?).map_err(|error| wrong(program, source, &error))
 }
 
 impl Change {

@@ -127,7 +127,7 @@ impl Operand {
     fn load(&self, program: &str) -> Result<Matrix, Failure> {
         let is_bsdf = !self.source.starts_with('!') && self.source.to_ascii_lowercase().ends_with(".xml");
         let matrix = if is_bsdf {
-            let read = bsdf_matrix(&read_bytes(program, &self.source)?, self.wanted);
+            let read = bsdf_matrix(&read_bytes(&self.source)?, self.wanted);
             read.map_err(|error| wrong(program, &self.source, &error))?
         } else {
             read_matrix(program, &self.source)?
