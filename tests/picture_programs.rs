@@ -192,6 +192,8 @@ fn pcomb_gives_the_bytes_of_the_real_one() {
         same_in(&radiance, &folder, &words, b"");
     }
     let floats = same(&radiance, &["pcomb", "-ff", a], b"");
+    same(&radiance, &["pcomb", "-ff", "-fc", a], b"");
+    same(&radiance, &["pvalue", "-pRGB", a], b"");
     same(&radiance, &["pcomb", "-e", "lo=li(1)", "-"], &floats);
 }
 

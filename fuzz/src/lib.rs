@@ -8,7 +8,9 @@
 use glam::DVec3;
 use radsight_bsdf::{Bsdf, Side};
 use radsight_formats::{Font, Mesh, Octree};
+use radsight_generate::WavefrontMesh;
 use radsight_loader::MemoryLoader;
+use radsight_matrix::{Matrix, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
 use radsight_picture::{FloatMatrix, Header, Picture, View, ViewOptions, read_image};
 
@@ -86,6 +88,25 @@ pub fn octree(bytes: &[u8]) {
     let _ = Octree::read(bytes);
     read(bytes, &MemoryLoader::default().with("scene.rad", "void sphere s 0 0 4 0 0 0 1\n"));
     read_with(&format!("void instance i 3 {NAME} -rx 30 0 0\n"), bytes);
+}
+
+/// Wavefront text, as `obj2mesh` compiles it.
+pub fn wavefront(bytes: &[u8]) {
+    let Ok(mesh) = WavefrontMesh::read(&String::from_utf8_lossy(bytes)) else { return };
+    let materials = mesh.materials.len();
+    assert!(mesh.triangles.iter().all(|triangle| triangle.material.is_none_or(|material| material < materials)));
+}
+
+/// A matrix of light, and what `rmtxop` makes of it; a BSDF file as one.
+pub fn matrix(bytes: &[u8]) {
+    let _ = bsdf_matrix(bytes, Wanted::Transmission);
+    let Ok(matrix) = Matrix::read(bytes) else { return };
+    let turned = matrix.transposed();
+    let _ = (matrix.transformed(&Transform::Letters("XYZ".to_owned()), &[2.0]), matrix.times(&turned));
+    assert_eq!(turned.transposed().values().len(), matrix.values().len());
+    if let Ok(written) = matrix.write(&matrix.header, Stored::Float) {
+        assert_eq!(Matrix::read(&written).expect("what was written can be read").size(), matrix.size());
+    }
 }
 
 /// A font.

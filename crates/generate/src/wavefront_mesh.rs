@@ -9,6 +9,9 @@ use std::collections::HashMap;
 /// Squared lengths below the square of this count as zero, in scene units.
 const TINY: f64 = 1e-6;
 
+/// The most corners of a face, as in Radiance: cutting takes the square of their number.
+const MOST_CORNERS: usize = 511;
+
 /// The triangles of a Wavefront file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WavefrontMesh {
@@ -80,6 +83,9 @@ impl Reader {
     }
 
     fn face(&mut self, words: &[String]) -> Result<(), String> {
+        if words.len() > MOST_CORNERS {
+            return Err(format!("a face of {} corners, expected at most {MOST_CORNERS}", words.len()));
+        }
         let corners: Vec<Corner> = words.iter().map(|word| self.vertices.corner(word)).collect::<Result<_, _>>()?;
         match corners[..] {
             [] | [_] | [_, _] => return Err(format!("a face of {} corners", corners.len())),
@@ -193,5 +199,7 @@ mod tests {
         assert!(WavefrontMesh::read("v 0 0\n").unwrap_err().starts_with("line 1: "));
         assert!(WavefrontMesh::read("v 0 0 0\n\nf 1 2 3\n").unwrap_err().starts_with("line 3: "));
         assert!(WavefrontMesh::read("v 0 0 0\nf 1 1\n").unwrap_err().contains("2 corners"));
+        let large = format!("v 0 0 0\nf{}\n", " 1".repeat(512));
+        assert!(WavefrontMesh::read(&large).unwrap_err().contains("a face of 512 corners, expected at most 511"));
     }
 }

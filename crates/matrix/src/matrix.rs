@@ -3,6 +3,9 @@
 use crate::MatrixError;
 use radsight_picture::{Encoding, FileFormat, FloatMatrix, Header, Image, MatrixFormat, Picture, RgbPrimaries};
 
+/// No matrix has more values: a product of two small ones could.
+const MOST_VALUES: usize = 1 << 33;
+
 /// How the values of a file are stored. Of two that are combined the result is stored as the lesser, if they go together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stored {
@@ -68,7 +71,16 @@ impl Matrix {
     pub(crate) fn length([rows, columns]: [usize; 2], components: usize) -> Result<usize, MatrixError> {
         let count = rows.checked_mul(columns).and_then(|count| count.checked_mul(components));
         let too_large = MatrixError::TooLarge { size: [rows, columns], components };
-        count.filter(|count| (1..isize::MAX as usize / 8).contains(count)).ok_or(too_large)
+        count.filter(|count| (1..=MOST_VALUES).contains(count)).ok_or(too_large)
+    }
+
+    /// As many zeros, where memory can hold them.
+    pub(crate) fn zeros(size: [usize; 2], components: usize) -> Result<Vec<f32>, MatrixError> {
+        let count = Matrix::length(size, components)?;
+        let mut values = Vec::new();
+        values.try_reserve_exact(count).map_err(|_| MatrixError::TooLarge { size, components })?;
+        values.resize(count, 0.0);
+        Ok(values)
     }
 
     /// Reads a picture or a float matrix; exposures are undone.

@@ -16,7 +16,7 @@ impl Matrix {
             return Err(MatrixError::Components { found: right.components(), expected: self.components() });
         }
         let (size, components) = ([self.rows(), right.columns()], self.components());
-        let mut values = vec![0.0; Matrix::length(size, components)?];
+        let mut values = Matrix::zeros(size, components)?;
         let length = right.columns() * components;
         values.par_chunks_exact_mut(length).enumerate().for_each_init(
             || vec![0.0f64; length],
@@ -76,6 +76,12 @@ mod tests {
         let (left, right) = (matrix([2, 2], &[1.0, 2.0, 0.0, 4.0]), matrix([2, 3], &[1.0, 0.0, 2.0, 3.0, 1.0, 0.0]));
         assert_eq!(left.times(&right).unwrap().values(), [7.0, 2.0, 2.0, 12.0, 4.0, 0.0]);
         assert!(matches!(right.times(&left), Err(MatrixError::Product { .. })));
+    }
+
+    #[test]
+    fn what_memory_cannot_hold_is_told() {
+        let (left, right) = (matrix([1 << 18, 1], &[1.0; 1 << 18]), matrix([1, 1 << 18], &[1.0; 1 << 18]));
+        assert!(matches!(left.times(&right), Err(MatrixError::TooLarge { .. })));
     }
 
     #[test]
