@@ -230,6 +230,14 @@ fn an_interrupted_run_is_gone_on_with() {
             run_once("-r+", &rays.concat()).done();
             assert!(names.iter().zip(&whole).all(|(name, whole)| folder.read(name) == *whole), "{format} {place}");
         }
+        if size == 24 {
+            // Wrong input leaves what was there.
+            folder.file(".both.dat.part", &whole[0][..whole[0].len() - 3 * size]);
+            std::fs::remove_file(folder.path("both.dat")).expect("the file is removed");
+            assert_eq!(run_once("-r+", "1 2 3").code, 1);
+            run_once("-r+", &rays.concat()).done();
+            assert!(folder.read("both.dat") == whole[0]);
+        }
         let complete = run_once("-r+ -y 2", &rays.concat());
         assert!(complete.messages.contains("appears to be complete"), "{}", complete.messages);
         for name in &names {

@@ -118,6 +118,10 @@ impl<'o> Streams<'o> {
 
 impl Drop for Streams<'_> {
     fn drop(&mut self) {
+        // What was to be gone on with is not lost when the input was wrong.
+        if self.options.recovers {
+            return;
+        }
         for stream in &mut self.streams {
             if let Target::File { aside, .. } = &stream.target {
                 let _ = fs::remove_file(aside);
