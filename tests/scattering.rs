@@ -308,23 +308,46 @@ fn scattering_functions_in_light_that_is_no_source_s() {
     compare(FUNCTIONS, SKY, BOTH, &NO_LIGHTS);
 }
 
-/// Lights that tile the sky, evenly.
-const TILES: usize = 2000;
+/// Lights of radiance 1 that tile what is within an angle of the zenith, evenly.
+fn tiles(count: usize, cos_of_edge: f64) -> String {
+    let mut tiles = String::from("void light tile 0 0 3 1 1 1\n");
+    let share = (1.0 - cos_of_edge) / count as f64;
+    let cap_degrees = (2.0 * (1.0 - share).acos()).to_degrees();
+    for tile in 0..count {
+        let at = tile as f64 + 0.5;
+        let z = 1.0 - share * at;
+        let (sin, cos) = (std::f64::consts::PI * (1.0 + 5f64.sqrt()) * at).sin_cos();
+        let level = (1.0 - z * z).sqrt();
+        let _ = writeln!(tiles, "tile source s{tile} 0 0 4 {} {} {z} {cap_degrees}", level * cos, level * sin);
+    }
+    tiles
+}
+
+/// Compares what we find along these rays under one source with what Radiance finds under small ones in its place.
+fn as_under_tiles(radiance: &Radiance, material: &str, source: &str, tiles: &str, looks: &[&str]) {
+    let folder = Folder::new();
+    let sheet = format!("void {material}\nm polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n");
+    let tiled = folder.file("tiles.rad", format!("{tiles}{sheet}"));
+    let scene = folder.file("source.rad", format!("{source}{sheet}"));
+    let octree = radiance.octree(&folder, &[&tiled]);
+    let words = ["-h", "-w", "-dt", "0", "-dc", "1", "-ds", "1e-4", &octree];
+    let mut there = radiance.command("rtrace", &words);
+    let there = statistics(&run_with(&mut there, looks.concat().as_bytes()).text(), 1);
+    let input: String = looks.iter().map(|look| look.repeat(4096)).collect();
+    let here = run_with(&mut command(&["rtrace", "-h", "-st", "0", &scene]), input.as_bytes()).text();
+    for ((look, here), there) in looks.iter().zip(&statistics(&here, 4096)).zip(&there) {
+        let ((here, noise), there) = (here[1], there[1].0);
+        let differs = (here - there).abs() > 0.01 * there + 4.0 * noise;
+        assert!(!differs, "{material}: {here} ± {noise}, small lights {there}, along {look}");
+    }
+}
 
 /// Radiance draws from these highlights as if each draw gave the same, and finds other values under a glowing sky than under lights in
 /// its place, which it puts into the formula. We give the latter for both.
 #[test]
 fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
     let Some(radiance) = Radiance::find() else { return };
-    let mut tiles = String::from("void light tile 0 0 3 1 1 1\n");
-    let cap_degrees = (2.0 * (1.0 - 1.0 / TILES as f64).acos()).to_degrees();
-    for tile in 0..TILES {
-        let at = tile as f64 + 0.5;
-        let z = at / TILES as f64;
-        let (sin, cos) = (std::f64::consts::PI * (1.0 + 5f64.sqrt()) * at).sin_cos();
-        let level = (1.0 - z * z).sqrt();
-        let _ = writeln!(tiles, "tile source s{tile} 0 0 4 {} {} {z} {cap_degrees}", level * cos, level * sin);
-    }
+    let tiles = tiles(2000, 0.0);
     let glow = "void glow sky 0 0 4 1 1 1 0\nsky source s 0 0 4 0 0 1 180\n";
     let looks = ["0 0 1 .2 0 -1\n", "0 0 1 1 0 -1\n", "0 0 1 2.7 0 -1\n"];
     // From below: what comes through.
@@ -335,19 +358,17 @@ fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
         ("trans m 0 0 7 1 1 1 0 .3 1 1", through),
         ("trans2 m 4 1 0 0 . 0 8 1 1 1 0 .3 .15 1 1", through),
     ] {
-        let folder = Folder::new();
-        let sheet = format!("void {material}\nm polygon sheet 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n");
-        let tiled = folder.file("tiles.rad", format!("{tiles}{sheet}"));
-        let scene = folder.file("glow.rad", format!("{glow}{sheet}"));
-        let octree = radiance.octree(&folder, &[&tiled]);
-        let words = ["-h", "-w", "-dt", "0", "-dc", "1", "-ds", "1e-4", &octree];
-        let mut there = radiance.command("rtrace", &words);
-        let there = statistics(&run_with(&mut there, looks.concat().as_bytes()).text(), 1);
-        let input: String = looks.iter().map(|look| look.repeat(4096)).collect();
-        let here = run_with(&mut command(&["rtrace", "-h", "-st", "0", &scene]), input.as_bytes()).text();
-        for (here, there) in statistics(&here, 4096).iter().zip(&there) {
-            let ((here, noise), there) = (here[1], there[1].0);
-            assert!((here - there).abs() < 0.01 * there + 4.0 * noise, "{material}: {here} ± {noise}, lights {there}");
-        }
+        as_under_tiles(&radiance, material, glow, &tiles, &looks);
     }
+}
+
+/// Radiance widens a lobe by the solid angle of the source: beside the sun of the `trans2` render test by a third too much.
+#[test]
+fn a_sun_beside_a_narrow_lobe_is_the_sum_of_its_parts() {
+    let Some(radiance) = Radiance::find() else { return };
+    let tiles = tiles(400, 0.5_f64.to_radians().cos());
+    let sun = "void light sun 0 0 3 1 1 1\nsun source disk 0 0 4 0 0 1 1\n";
+    let looks = ["0 0 -1 0 0 1\n", "0 0 -1 .02 .02 1\n", "0 0 -1 .055 .045 1\n"];
+    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .1 .02 .8 .9", sun, &tiles, &looks);
+    as_under_tiles(&radiance, "trans2 m 4 1 0 0 . 0 8 .9 .9 .9 .05 .02 .1 .8 .9", sun, &tiles, &looks);
 }
