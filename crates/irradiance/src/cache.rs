@@ -99,7 +99,7 @@ impl<const BANDS: usize> Cache<BANDS> {
             record.restrain(&self.records[index], self.limits.accuracy);
         }
         for index in near {
-            // A shrunken record stays in its cubes; it only reaches less of them.
+            // A shrunken record stays in its cubes until all are sorted in; it only reaches less of them.
             self.records[index].restrain(&record, self.limits.accuracy);
             self.is_stale[index] = true;
         }
@@ -157,6 +157,18 @@ impl<const BANDS: usize> Cache<BANDS> {
         for (record, fit) in self.records.iter_mut().zip(&self.fits) {
             record.shorten(fit.scale, self.limits.accuracy);
         }
+        self.sort_in();
+    }
+
+    /// Makes looking for records fast again, after many were added and restrained each other.
+    pub fn sort_in(&mut self) {
+        self.reaches = self.reaches.cleared();
+        self.neighbourhoods = self.neighbourhoods.cleared();
+        for (index, record) in (0..).zip(&self.records) {
+            let reach = record.reach(&self.limits);
+            self.reaches.insert(index, record.position, reach);
+            self.neighbourhoods.insert(index, record.position, neighbourhood(&self.limits) * reach);
+        }
     }
 
     /// The mean of the irradiance of all records and bands.
@@ -187,20 +199,41 @@ impl<const BANDS: usize> Cache<BANDS> {
     /// `None` where no record reaches.
     #[must_use]
     pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.interpolate(&self.reaches, 1.0, [position, normal, facet])
+        self.interpolate(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY)
+    }
+
+    /// The same from records that reach no farther than this; `None` where there are none.
+    #[must_use]
+    pub fn fine_irradiance(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        facet: DVec3,
+        farthest_reach: f64,
+    ) -> Option<[f64; BANDS]> {
+        self.interpolate(&self.reaches, 1.0, [position, normal, facet], farthest_reach)
     }
 
     /// The same from records that do not quite reach: for the small gaps between places that were looked around from.
     #[must_use]
     pub fn irradiance_in_gap(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.interpolate(&self.neighbourhoods, neighbourhood(&self.limits), [position, normal, facet])
+        self.interpolate(&self.neighbourhoods, neighbourhood(&self.limits), [position, normal, facet], f64::INFINITY)
     }
 
-    fn interpolate(&self, near: &Grid, farther: f64, [position, normal, facet]: [DVec3; 3]) -> Option<[f64; BANDS]> {
+    fn interpolate(
+        &self,
+        near: &Grid,
+        farther: f64,
+        [position, normal, facet]: [DVec3; 3],
+        farthest_reach: f64,
+    ) -> Option<[f64; BANDS]> {
         let mut sum = [0.0; BANDS];
         let mut weights = 0.0;
         near.visit(position, |index| {
             let record = &self.records[index as usize];
+            if record.reach(&self.limits) > farthest_reach {
+                return;
+            }
             let weight = self.weight(record, position, normal, farther);
             if weight > 0.0 {
                 weights += weight;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Numbered balls, and where to find those that a point may lie in.
+/// Numbered balls, and where to find those that a point lies in.
 ///
 /// Space is divided into cubes of several sizes, halved from one to the next. A ball stands in all cubes that it touches, of the size that is at least
 /// its diameter, so that there are at most eight; a point looks into one cube of each size.
@@ -16,7 +16,14 @@ pub(crate) struct Grid {
 #[derive(Clone, Debug)]
 struct Level {
     side: f64,
-    cubes: HashMap<[i32; 3], Vec<u32>, BuildHasherDefault<CubeHasher>>,
+    cubes: HashMap<[i32; 3], Vec<Ball>, BuildHasherDefault<CubeHasher>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    center: DVec3,
+    squared_radius: f64,
+    number: u32,
 }
 
 impl Grid {
@@ -39,22 +46,31 @@ impl Grid {
         let level = &mut self.levels[level];
         let low = cube(center - DVec3::splat(radius), level.side);
         let high = cube(center + DVec3::splat(radius), level.side);
+        let ball = Ball { center, squared_radius: radius * radius, number };
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
-                    level.cubes.entry([x, y, z]).or_default().push(number);
+                    level.cubes.entry([x, y, z]).or_default().push(ball);
                 }
             }
         }
     }
 
-    /// The numbers of all balls that the point may lie in, in an order that depends only on the order in which they were inserted.
+    /// The numbers of all balls that the point lies in, in an order that depends only on the order in which they were inserted.
     pub(crate) fn visit(&self, point: DVec3, mut visit: impl FnMut(u32)) {
         for level in self.levels.iter().filter(|level| !level.cubes.is_empty()) {
-            for number in level.cubes.get(&cube(point, level.side)).into_iter().flatten() {
-                visit(*number);
+            for ball in level.cubes.get(&cube(point, level.side)).into_iter().flatten() {
+                if ball.center.distance_squared(point) < ball.squared_radius {
+                    visit(ball.number);
+                }
             }
         }
+    }
+
+    /// The same without balls.
+    pub(crate) fn cleared(&self) -> Grid {
+        let empty = |level: &Level| Level { side: level.side, cubes: HashMap::default() };
+        Grid { levels: self.levels.iter().map(empty).collect() }
     }
 }
 

@@ -65,11 +65,23 @@ pub(crate) struct Way {
     /// Unit, in the frame of the place, and in the scene.
     pub(crate) local: DVec3,
     pub(crate) direction: DVec3,
-    sampler: RaySampler,
+    pub(crate) sampler: RaySampler,
+}
+
+impl Way {
+    /// `local` is in the frame of the place.
+    pub(crate) fn new<const BANDS: usize>(place: &Place<BANDS>, local: DVec3, sampler: RaySampler) -> Way {
+        let [x, y, z] = Record::<BANDS>::frame(place.normal);
+        Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
+    }
 }
 
 /// Records are not nearer to each other than so many widths of the rays that see them.
 const LEAST_WIDTHS: f64 = 1.5;
+
+/// What is seen after a bounce takes its irradiance from records whose reach is at most this share of the way to it: what is near fills so much of the
+/// view that it must be known better.
+const REACH_SEEN: f64 = 2.0;
 
 /// Rays that look around are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
@@ -86,11 +98,11 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         travelled: f64,
     ) -> Option<[f64; BANDS]> {
         let options = &self.plan.options;
-        let looks_around = options.gathering.unshared == Unshared::LookAround && options.gathering.rays() > 1;
-        if !(looks_around || self.cache.is_some())
-            || segment.ambient_bounces != options.ambient_bounces
-            || point.is_retroreflector()
-        {
+        let bounces_behind = options.ambient_bounces - segment.ambient_bounces;
+        let cache = self.caches.get(bounces_behind as usize).copied().flatten();
+        let looks_around =
+            bounces_behind == 0 && options.gathering.unshared == Unshared::LookAround && options.gathering.rays() > 1;
+        if !(looks_around || cache.is_some()) || point.is_retroreflector() {
             return None;
         }
         let mut radiance = [0.0; BANDS];
@@ -108,8 +120,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 bounces: segment.ambient_bounces - 1,
                 width: self.survey.as_ref().map_or(0.0, |survey| survey.spread.at(travelled)),
             };
-            let shared = self.cache.and_then(|cache| match &self.survey {
+            let shared = cache.and_then(|cache| match &self.survey {
                 Some(_) => cache.irradiance(at, normal, facet),
+                None if bounces_behind > 0 => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
                 None => cache.irradiance(at, normal, facet).or_else(|| cache.irradiance_in_gap(at, normal, facet)),
             });
             let irradiance = match shared {
@@ -141,21 +154,15 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 
     /// The irradiance of a place.
     pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
-        let [x, y, z] = Record::<BANDS>::frame(place.normal);
         let limits = Limits { least: limits.least.max(LEAST_WIDTHS * place.width), ..*limits };
-        let ways: Vec<Way> = (0..look.hemisphere.len())
-            .map(|cell| {
-                let (local, sampler) = self.cell_direction(look, cell);
-                Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
-            })
-            .collect();
+        let ways: Vec<Way> = (0..look.hemisphere.len()).map(|cell| self.way(place, look, cell)).collect();
         let seen: Vec<Gathered<BANDS>> = ways.iter().map(|way| self.look(place, way.direction, way.sampler)).collect();
         let seen = self.look_out(place, look, &ways, seen);
         Record::new(place.point, place.normal, look.hemisphere, &seen, &limits)
     }
 
-    /// Where the ray in a cell of the hemisphere goes, in the frame of the place, and its sample point.
-    fn cell_direction(&self, look: &Look<'_>, cell: usize) -> (DVec3, RaySampler) {
+    /// By which way to look through a cell of the hemisphere.
+    pub(crate) fn way(&self, place: &Place<BANDS>, look: &Look<'_>, cell: usize) -> Way {
         let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
@@ -167,7 +174,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 RaySampler::new(of_cell, stratum as u64).take(DimensionSet::CAMERA)
             }
         };
-        (look.hemisphere.direction(cell, [within[0], within[1]]), sampler)
+        Way::new(place, look.hemisphere.direction(cell, [within[0], within[1]]), sampler)
     }
 
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.

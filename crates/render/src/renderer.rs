@@ -5,6 +5,7 @@ use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::survey::{GatheredIrradiance, gather};
 use crate::trace::{Traced, Tracer};
+use radsight_irradiance::Cache;
 use rayon::prelude::*;
 
 /// Answers rays.
@@ -67,11 +68,11 @@ impl Renderer {
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
         RayWorker(match self.plan.bands {
-            1 => Bands::Grey(Tracer::new(&self.plan, self.shared.grey.as_ref().map(|gathering| &gathering.cache))),
-            3 => Bands::Color(Tracer::new(&self.plan, self.shared.color.as_ref().map(|gathering| &gathering.cache))),
-            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, None))),
-            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, None))),
-            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, None))),
+            1 => Bands::Grey(Tracer::new(&self.plan, caches(&self.shared.grey))),
+            3 => Bands::Color(Tracer::new(&self.plan, caches(&self.shared.color))),
+            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
+            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
+            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
         })
     }
 
@@ -91,6 +92,10 @@ impl Renderer {
             .flatten_iter()
             .collect()
     }
+}
+
+fn caches<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> [Option<&Cache<BANDS>>; 2] {
+    gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches)
 }
 
 impl RayWorker<'_> {

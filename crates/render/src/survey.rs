@@ -6,6 +6,7 @@ use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
 use radsight_irradiance::{Cache, Hemisphere, Limits, Record};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 /// Rays that are surveyed together at first; later more, as fewer of them find something missing.
 const FIRST_BATCH: usize = 64;
@@ -25,8 +26,11 @@ const FIRST_SHARE: usize = 8;
 /// But with at least so many, which say how far away things are.
 const FEWEST_RAYS: usize = 32;
 
-/// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise.
+/// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
+/// is usual, as many times as that is less.
 const MOST_FURTHER: f64 = 8.0;
+const USUAL_NOISE: f64 = 0.025;
+const GREATEST_RIGOUR: f64 = 16.0;
 
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
 const DARK: f64 = 0.1;
@@ -36,6 +40,23 @@ const SURVEYS: usize = 3;
 
 /// Rounds of further rays where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
+
+/// What places see is surveyed from no more than so many of them, by so many rays from each.
+const MOST_SAMPLE_PLACES: usize = 1024;
+const SAMPLE_LOOKS: usize = 16;
+
+/// With fewer rays than this it is not: their own paths cost less.
+const FEWEST_TO_GO_BEYOND: usize = 256;
+
+/// There the error may be so many times as large, and the noise.
+const COARSER: f64 = 2.0;
+const NOISIER: f64 = 8.0;
+
+/// The share, one in so many, of the rays that may be spent on it.
+const SHARE_BEYOND: usize = 4;
+
+/// Looks there are numbered apart.
+const FIRST_LOOK_BEYOND: u64 = 1 << 40;
 
 impl RenderPlan {
     /// Whether irradiance is shared between points at all.
@@ -58,41 +79,41 @@ impl RenderPlan {
     }
 }
 
-/// Fills a cache for these rays, and says how many records are new. The result is a function of the plan and all rays so far:
-/// threads only share the work of a group.
+/// Gathers for these rays, and says how many places are new. The result is a function of the plan and all rays so far: threads only share the
+/// work of a group.
 pub(crate) fn gather<const BANDS: usize>(
     plan: &RenderPlan,
     gathered: &mut Option<GatheredIrradiance<BANDS>>,
     rays: &[Option<Ray>],
     spread: Spread,
 ) -> usize {
-    let gathered = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
-    let before = gathered.cache.len();
-    gathered.budget = gathered.rays + MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
-    for survey in 0..SURVEYS {
-        if survey > 0 {
-            gathered.cache.shorten_reaches();
-        }
-        let known = gathered.cache.len();
-        gathered.fill(plan, rays, spread);
-        if gathered.cache.len() == known {
-            break;
-        }
-        gathered.settle();
+    let GatheredIrradiance { seen, beyond } = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
+        let looks = SampleLooks::new(plan, &seen.cache, rays, spread);
+        beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
+        beyond.gather(plan, [None; 2], looks.len(), |cache, order| looks.survey(plan, cache, order));
     }
-    for _ in 0..FURTHER_ROUNDS {
-        if gathered.look_again(plan, before) == 0 {
-            break;
-        }
-        gathered.settle();
-    }
-    gathered.cache.len() - before
+    let before = seen.cache.len();
+    seen.budget = seen.rays + seen.allowance(rays);
+    let caches = [None, Some(&beyond.cache)];
+    seen.gather(plan, caches, rays.len(), |cache, order| survey(plan, cache, rays, order, spread));
+    seen.cache.len() - before
 }
 
-/// Irradiance that is shared, and what it was gathered from.
+/// Irradiance that is shared: at places that are seen from the eye, and at those which they see.
 #[derive(Debug)]
 pub(crate) struct GatheredIrradiance<const BANDS: usize> {
-    pub(crate) cache: Cache<BANDS>,
+    seen: Gathering<BANDS>,
+    /// Coarser, since it counts only as a mean over many places. Paths from these places are followed ray by ray.
+    beyond: Gathering<BANDS>,
+}
+
+/// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
+#[derive(Debug)]
+struct Gathering<const BANDS: usize> {
+    cache: Cache<BANDS>,
+    /// Standard error that may remain, as a share.
+    noise: f64,
     /// Where each record looked around.
     places: Vec<Place<BANDS>>,
     /// The hemisphere of a first look.
@@ -106,26 +127,88 @@ pub(crate) struct GatheredIrradiance<const BANDS: usize> {
 
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     fn new(plan: &RenderPlan) -> Self {
-        let wanted = plan.options.gathering.rays();
-        let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
-        let cache = Cache::new(plan.gathering_limits());
-        GatheredIrradiance { cache, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: 0 }
+        let (limits, noise) = (plan.gathering_limits(), plan.options.gathering.noise);
+        let coarse = Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, ..limits };
+        GatheredIrradiance {
+            seen: Gathering::new(plan, limits, noise, 0),
+            beyond: Gathering::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
+        }
     }
 
-    /// Looks around where these rays want irradiance that is not there.
-    fn fill(&mut self, plan: &RenderPlan, rays: &[Option<Ray>], spread: Spread) {
-        let order = scattered(rays.len());
+    /// Where the eye has seen diffuse surfaces, and where these have.
+    pub(crate) fn caches(&self) -> [Option<&Cache<BANDS>>; 2] {
+        [Some(&self.seen.cache), Some(&self.beyond.cache)]
+    }
+}
+
+impl<const BANDS: usize> Gathering<BANDS> {
+    fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
+        let wanted = plan.options.gathering.rays();
+        let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
+        let cache = Cache::new(limits);
+        Gathering { cache, noise, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: first_look }
+    }
+
+    /// How many rays may look around for these.
+    fn allowance(&self, rays: &[Option<Ray>]) -> usize {
+        let usual = MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
+        (usual as f64 * self.rigour()) as usize
+    }
+
+    /// How many times as small as usual the noise shall be, at least one.
+    fn rigour(&self) -> f64 {
+        (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, GREATEST_RIGOUR)
+    }
+
+    /// Fills the cache for `count` surveyed rays; `survey` says where some of them want irradiance that it does not have.
+    fn gather(
+        &mut self,
+        plan: &RenderPlan,
+        caches: [Option<&Cache<BANDS>>; 2],
+        count: usize,
+        survey: impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
+    ) {
+        let before = self.cache.len();
+        for round in 0..SURVEYS {
+            if round > 0 {
+                self.cache.shorten_reaches();
+            }
+            let known = self.cache.len();
+            self.fill(plan, caches, count, &survey);
+            if self.cache.len() == known {
+                break;
+            }
+            self.settle();
+        }
+        for _ in 0..FURTHER_ROUNDS {
+            if self.look_again(plan, caches, before) == 0 {
+                break;
+            }
+            self.settle();
+        }
+        self.cache.sort_in();
+    }
+
+    /// Looks around where surveyed rays want irradiance that is not there.
+    fn fill(
+        &mut self,
+        plan: &RenderPlan,
+        caches: [Option<&Cache<BANDS>>; 2],
+        count: usize,
+        survey: &impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
+    ) {
+        let order = scattered(count);
         let (mut first, mut batch) = (0, FIRST_BATCH);
         while first < order.len() && self.rays < self.budget {
             let end = (first + batch).min(order.len());
-            let missing = survey(plan, &self.cache, rays, &order[first..end], spread);
+            let missing = survey(&self.cache, &order[first..end]);
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
                     .filter(|place| !place.is_covered(&self.cache))
                     .map(|place| (place.clone(), place.next_stratum(&self.cache)))
                     .collect();
-                let records = self.look_around(plan, &uncovered);
+                let records = self.look_around(plan, caches, &uncovered);
                 for ((place, stratum), record) in uncovered.into_iter().zip(records) {
                     self.cache.insert(record, stratum);
                     self.places.push(place);
@@ -137,7 +220,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
-    fn look_again(&mut self, plan: &RenderPlan, first: usize) -> usize {
+    fn look_again(&mut self, plan: &RenderPlan, caches: [Option<&Cache<BANDS>>; 2], first: usize) -> usize {
         let typical = self.cache.typical();
         let missing: Vec<usize> =
             (first..self.cache.len()).map(|index| self.looks_missing(plan, index, typical)).collect();
@@ -153,7 +236,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
                 again.push((self.places[index].clone(), self.cache.take_stratum(index)));
             }
         }
-        let records = self.look_around(plan, &again);
+        let records = self.look_around(plan, caches, &again);
         for (index, record) in weak.iter().zip(records) {
             self.cache.add(*index, &record);
         }
@@ -162,17 +245,21 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
 
     /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
     fn looks_missing(&self, plan: &RenderPlan, index: usize, typical: f64) -> usize {
-        let gathering = &plan.options.gathering;
         let (record, fit) = self.cache.fitted(index);
-        let wanted = gathering.rays() as f64;
-        let allowed = gathering.noise * fit.strength().max(DARK * typical);
+        let wanted = plan.options.gathering.rays() as f64;
+        let allowed = self.noise * fit.strength().max(DARK * typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
-        let wanted = noisy.clamp(wanted, MOST_FURTHER * wanted);
+        let wanted = noisy.clamp(wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
 
-    fn look_around(&mut self, plan: &RenderPlan, places: &[(Place<BANDS>, usize)]) -> Vec<Record<BANDS>> {
+    fn look_around(
+        &mut self,
+        plan: &RenderPlan,
+        caches: [Option<&Cache<BANDS>>; 2],
+        places: &[(Place<BANDS>, usize)],
+    ) -> Vec<Record<BANDS>> {
         let (first, limits, hemisphere) = (self.looks, self.cache.limits(), &self.hemisphere);
         self.looks += places.len() as u64;
         self.rays += places.len() * hemisphere.len();
@@ -180,7 +267,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
             .par_iter()
             .enumerate()
             .map_init(
-                || Tracer::new(plan, None),
+                || Tracer::new(plan, caches),
                 |tracer, (index, (place, stratum))| {
                     let look = Look { hemisphere, stratum: Some(*stratum), number: first + index as u64 };
                     tracer.look_around(place, &look, limits)
@@ -210,7 +297,7 @@ fn survey<const BANDS: usize>(
     order
         .par_iter()
         .map_init(
-            || Tracer::new(plan, Some(cache)),
+            || Tracer::new(plan, [Some(cache), None]),
             |tracer, index| {
                 tracer.survey = Some(Survey { places: Vec::new(), spread });
                 if let Some(ray) = &rays[*index] {
@@ -221,6 +308,48 @@ fn survey<const BANDS: usize>(
         )
         .flatten_iter()
         .collect()
+}
+
+/// Rays like those that will look around from places where irradiance is wanted.
+struct SampleLooks<const BANDS: usize> {
+    from: Vec<Place<BANDS>>,
+    hemisphere: Hemisphere,
+    /// Of the rays that places rest on in the end.
+    spread: Spread,
+}
+
+impl<const BANDS: usize> SampleLooks<BANDS> {
+    /// From where some of these rays want irradiance that is not there.
+    fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: Spread) -> Self {
+        let order = scattered(rays.len());
+        let from = survey(plan, cache, rays, &order[..order.len().min(MOST_SAMPLE_PLACES)], spread);
+        let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
+        SampleLooks { from, hemisphere: Hemisphere::with_divisions(SAMPLE_LOOKS), spread: Spread { width: 0.0, angle } }
+    }
+
+    fn len(&self) -> usize {
+        self.from.len() * self.hemisphere.len()
+    }
+
+    /// Where some of them want irradiance that the cache does not have.
+    fn survey(&self, plan: &RenderPlan, cache: &Cache<BANDS>, order: &[usize]) -> Vec<Place<BANDS>> {
+        let cells = self.hemisphere.len();
+        order
+            .par_iter()
+            .map_init(
+                || Tracer::new(plan, [None, Some(cache)]),
+                |tracer, index| {
+                    tracer.survey = Some(Survey { places: Vec::new(), spread: self.spread });
+                    let number = (index / cells) as u64;
+                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number };
+                    let way = tracer.way(&self.from[index / cells], &look, index % cells);
+                    let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
+                    tracer.survey.take().map(|survey| survey.places).unwrap_or_default()
+                },
+            )
+            .flatten_iter()
+            .collect()
+    }
 }
 
 /// All indices, so that any first part of them is spread evenly: steps by the golden section (made coprime to the count).

@@ -150,8 +150,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
-    /// Irradiance that was gathered before.
-    pub(crate) cache: Option<&'p Cache<BANDS>>,
+    /// Irradiance that was gathered before, where no diffuse bounce lies behind, and where one does.
+    pub(crate) caches: [Option<&'p Cache<BANDS>>; 2],
     /// While looking for points whose irradiance is wanted.
     pub(crate) survey: Option<Survey<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
@@ -176,7 +176,7 @@ pub(crate) struct SetAside<const BANDS: usize> {
 }
 
 impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
-    pub(crate) fn new(plan: &'p RenderPlan, cache: Option<&'p Cache<BANDS>>) -> Self {
+    pub(crate) fn new(plan: &'p RenderPlan, caches: [Option<&'p Cache<BANDS>>; 2]) -> Self {
         Tracer {
             plan,
             index: 0,
@@ -190,7 +190,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             first_hit: None,
             first_is_passed: false,
             effective_distance: f64::INFINITY,
-            cache,
+            caches,
             survey: None,
             contributions: Contributions::wanted(&plan.options),
             limit: f64::INFINITY,
