@@ -84,6 +84,31 @@ fn a_record_does_not_reach_round_an_edge() {
 }
 
 #[test]
+fn irradiance_is_fine_where_records_reach_less_far() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
+    let within = |reach: f64| cache.fine_irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, reach);
+    let reach = LIMITS.accuracy;
+    assert_eq!(within(0.9 * reach), None);
+    let fine = within(1.1 * reach).expect("the record reaches less far");
+    assert!((fine[0] / PI - 1.0).abs() < 1e-9, "{fine:?}");
+}
+
+#[test]
+fn records_that_were_sorted_in_give_the_same() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
+    cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (2.0, 0.1)), 0);
+    let mut sorted = cache.clone();
+    sorted.sort_in();
+    for x in -20..40 {
+        let place = DVec3::new(0.01 * f64::from(x), 0.0, 0.0);
+        let of = |cache: &Cache<1>| cache.irradiance(place, DVec3::Z, DVec3::Z);
+        assert_eq!(of(&cache), of(&sorted), "at {place}");
+    }
+}
+
+#[test]
 fn a_near_neighbour_shortens_the_reach() {
     let mut cache = Cache::new(LIMITS);
     cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);

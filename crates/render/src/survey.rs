@@ -29,11 +29,11 @@ const FEWEST_RAYS: usize = 32;
 /// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
 /// is usual, as many times as that is less.
 const MOST_FURTHER: f64 = 8.0;
-const USUAL_NOISE: f64 = 0.025;
+const USUAL_NOISE: f64 = 0.0125;
 const GREATEST_RIGOUR: f64 = 16.0;
 
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
-const DARK: f64 = 0.1;
+const DARK: f64 = 0.03;
 
 /// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
 const SURVEYS: usize = 3;

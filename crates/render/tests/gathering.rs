@@ -120,7 +120,7 @@ fn gathering_does_not_depend_on_threads() {
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
-            let mut renderer = renderer(&scene, options(1, 0.2));
+            let mut renderer = renderer(&scene, options(3, 0.2));
             let records = renderer.gather_irradiance(&rays, Spread::UNKNOWN);
             let values: Vec<_> =
                 renderer.trace_all(0, &rays).into_iter().flatten().map(|traced| traced.value).collect();
