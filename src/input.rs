@@ -12,8 +12,10 @@ use radsight_loader::Loader;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
 use radsight_render::{NoModels, RenderOptions, RenderPlan};
+use std::fs::File;
 use std::io::{self, Read as _};
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
 /// Reads a camera file and prints its warnings.
 pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
@@ -32,6 +34,25 @@ pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
 /// The bytes of a file that the command line names.
 pub(crate) fn read_file(path: &str, what: &str) -> Result<Vec<u8>, Failure> {
     std::fs::read(path).map_err(|error| Failure::input(format!("cannot read {what} \"{path}\": {}", reason(&error))))
+}
+
+/// The bytes of a scene file, which may be large: they are read to where they stay.
+fn read_scene_file(path: &str) -> Result<Arc<[u8]>, Failure> {
+    let read = || -> io::Result<Arc<[u8]>> {
+        let mut file = File::open(path)?;
+        let found = file.metadata()?;
+        let length = usize::try_from(found.len()).unwrap_or(0);
+        if !found.is_file() || length == 0 {
+            // A pipe, or a file that is made while it is read.
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes)?;
+            return Ok(bytes.into());
+        }
+        let mut bytes: Arc<[u8]> = std::iter::repeat_n(0, length).collect();
+        file.read_exact(Arc::get_mut(&mut bytes).expect("nobody else knows it yet"))?;
+        Ok(bytes)
+    };
+    read().map_err(|error| Failure::input(format!("cannot read scene file \"{path}\": {}", reason(&error))))
 }
 
 /// All of standard input.
@@ -60,12 +81,12 @@ pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Res
     let mut inputs = Vec::new();
     for path in paths {
         let bytes = match (path.as_str(), path.strip_prefix('!')) {
-            ("-", _) => read_standard_input()?,
-            (_, Some(command)) => read_command(command)?,
-            (path, None) => read_file(path, "scene file")?,
+            ("-", _) => read_standard_input()?.into(),
+            (_, Some(command)) => read_command(command)?.into(),
+            (path, None) => read_scene_file(path)?,
         };
         let name = if path == "-" { "<standard input>" } else { path };
-        inputs.push(Input::Text { name: name.to_owned(), text: bytes.into() });
+        inputs.push(Input::Text { name: name.to_owned(), text: bytes });
     }
     if let Some(rig) = camera.and_then(|file| file.rig.as_ref()) {
         inputs.push(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() });

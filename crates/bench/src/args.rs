@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Race(Race),
     /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
     Rays(Rays),
+    /// How time and memory grow with triangles, lights, pixels and threads, beside the other programs
+    Scaling(Scaling),
     /// Scenes of a million triangles and of nested arrays: time and memory from text to a hierarchy, beside oconv
     Load(Load),
     /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
@@ -133,6 +135,26 @@ pub(crate) struct Rays {
     /// Times that each program is run; the least time counts
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
+}
+
+/// `radsight-bench scaling`.
+#[derive(Debug, Args)]
+pub(crate) struct Scaling {
+    /// Most triangles
+    #[arg(long, value_name = "N", default_value_t = 1e7)]
+    pub(crate) triangles: f64,
+    /// Seconds of processor time that a run of another program may be expected to take: its series ends before that
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub(crate) budget: f64,
+    /// Times that each program is run; medians count
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) repeat: u32,
+    /// Leaves the other programs out
+    #[arg(long)]
+    pub(crate) alone: bool,
+    /// Where the CSV file goes; `race` makes a section of its page of it [default: as for race]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
 }
 
 /// `radsight-bench load`.

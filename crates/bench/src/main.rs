@@ -8,6 +8,8 @@
 //!
 //! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
 //!
+//! `radsight-bench scaling` says how time and memory grow with triangles, lights, pixels and threads.
+//!
 //! `radsight-bench load` writes large scenes as text and compares the way from text to a hierarchy with `oconv`'s.
 //!
 //! `radsight-bench plugin` captures with a model in the program and the same model in a plugin, and says what the plugin costs.
@@ -33,6 +35,7 @@ mod radiance;
 mod radsight;
 mod rays;
 mod run;
+mod scaling;
 mod table;
 mod taken;
 
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         args::Command::Plugin(arguments) => plugin::run(&arguments),
         args::Command::Load(arguments) => load::run(&arguments),
         args::Command::Rays(arguments) => rays::run(&arguments),
+        args::Command::Scaling(arguments) => scaling::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),
         args::Command::Cost { input, output, words } => taken::cost(&words, input.as_deref(), output.as_deref()),
     };

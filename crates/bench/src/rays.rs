@@ -11,7 +11,7 @@ use crate::table::Table;
 use crate::{generated, machine};
 use glam::DVec3;
 use radsight_diag::Diagnostic;
-use radsight_parse::{Input, ReadOptions, read_scene};
+use radsight_parse::{Input, Read, ReadOptions, read_scene};
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,9 +19,9 @@ use std::process::Command;
 const SCRIPT: &str = include_str!("with_embree.py");
 
 /// What a program answered.
-struct Answer {
+pub(crate) struct Answer {
     /// Seconds of processor time for all rays.
-    seconds: f64,
+    pub(crate) seconds: f64,
     /// Rays that met a triangle.
     hits: usize,
     /// Sum of the distances to what they met.
@@ -36,9 +36,7 @@ pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     print(&machine::describe(&Radsight::find(), &version));
     let file = folder.path().join(generated::triangles_in(folder.path(), arguments.squares)?);
     let rays = random_rays(arguments.rays as usize);
-    let path = folder.path().join("rays.f64");
-    let bytes: Vec<u8> = rays.iter().flat_map(|ray| [ray.origin, ray.direction]).flat_map(bytes_of).collect();
-    std::fs::write(&path, bytes).map_err(|reason| BenchError::Write { path: path.clone(), reason })?;
+    let path = write_rays(folder.path(), &rays)?;
 
     let plan = plan_of(&file)?;
     let own = (0..arguments.repeat).map(|_| first_hits(&plan, &rays)).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -52,7 +50,7 @@ pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
         push(&mut table, "radsight, any hit", blocked, rays.len(), rate);
     }
     match embree(&file, &path, folder.path(), arguments.repeat) {
-        Ok(answer) => push(&mut table, "Embree, first hit", &answer, rays.len(), rate),
+        Ok((answer, _)) => push(&mut table, "Embree, first hit", &answer, rays.len(), rate),
         Err(reason) => print(&format!("Embree    missing: {reason}\n")),
     }
     if let Ok(radiance) = &radiance {
@@ -75,7 +73,7 @@ fn push(table: &mut Table, program: &str, answer: &Answer, rays: usize, own_rate
 }
 
 /// Rays from anywhere in the air above and in the land, in all directions; the same in every run.
-fn random_rays(count: usize) -> Vec<Ray> {
+pub(crate) fn random_rays(count: usize) -> Vec<Ray> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     // Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.
     let mut number = || {
@@ -98,22 +96,30 @@ fn random_rays(count: usize) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
+/// Writes rays as a stream of doubles.
+pub(crate) fn write_rays(folder: &Path, rays: &[Ray]) -> Result<PathBuf, BenchError> {
+    let path = folder.join("rays.f64");
+    let bytes: Vec<u8> = rays.iter().flat_map(|ray| [ray.origin, ray.direction]).flat_map(bytes_of).collect();
+    std::fs::write(&path, bytes).map_err(|reason| BenchError::Write { path: path.clone(), reason })?;
+    Ok(path)
+}
+
 fn bytes_of(vector: DVec3) -> impl Iterator<Item = u8> {
     vector.to_array().into_iter().flat_map(f64::to_ne_bytes)
 }
 
-fn plan_of(file: &Path) -> Result<RenderPlan, BenchError> {
+pub(crate) fn plan_of(file: &Path) -> Result<RenderPlan, BenchError> {
     let name = file.to_string_lossy().into_owned();
-    let read = read_scene(&[Input::File(name)], &Disk, &ReadOptions::default());
+    let Read { scene, sources, .. } = read_scene(&[Input::File(name)], &Disk, &ReadOptions::default());
     let wrong = |errors: Vec<Diagnostic>| {
-        let reason = errors.iter().map(|error| error.render(&read.sources)).collect();
+        let reason = errors.iter().map(|error| error.render(&sources)).collect();
         BenchError::Read { path: file.to_owned(), reason }
     };
-    let valid = read.scene.clone().validate().map_err(wrong)?;
+    let valid = scene.validate().map_err(wrong)?;
     RenderPlan::new(valid.scene, RenderOptions::default(), &NoModels).map_err(wrong)
 }
 
-fn first_hits(plan: &RenderPlan, rays: &[Ray]) -> Answer {
+pub(crate) fn first_hits(plan: &RenderPlan, rays: &[Ray]) -> Answer {
     let start = processor_time();
     let distances = rays.iter().filter_map(|ray| plan.distance(ray));
     let (hits, sum) = distances.fold((0, 0.0), |(hits, sum), distance| (hits + 1, sum + distance));
@@ -126,8 +132,9 @@ fn blocked(plan: &RenderPlan, rays: &[Ray]) -> Answer {
     Answer { seconds: processor_time() - start, hits, sum: f64::NAN }
 }
 
-/// Embree through the Python package `embreex`, whose loop over single rays is compiled.
-fn embree(scene: &Path, rays: &Path, folder: &Path, repeat: u32) -> Result<Answer, String> {
+/// Embree through the Python package `embreex`, whose loop over single rays is compiled; tells also how many bytes its hierarchy has with
+/// its triangles.
+pub(crate) fn embree(scene: &Path, rays: &Path, folder: &Path, repeat: u32) -> Result<(Answer, f64), String> {
     let Some(python) = std::env::var_os("RADSIGHT_EMBREE") else {
         return Err("RADSIGHT_EMBREE names no Python with the packages embreex and numpy".to_owned());
     };
@@ -138,13 +145,13 @@ fn embree(scene: &Path, rays: &Path, folder: &Path, repeat: u32) -> Result<Answe
     let text = String::from_utf8_lossy(&told.stdout);
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     match numbers[..] {
-        [seconds, hits, sum] => Ok(Answer { seconds, hits: hits as usize, sum }),
+        [seconds, hits, sum, bytes] => Ok((Answer { seconds, hits: hits as usize, sum }, bytes)),
         _ => Err(String::from_utf8_lossy(&told.stderr).lines().last().unwrap_or_default().to_owned()),
     }
 }
 
 /// Distances by real `rtrace`; the time for a single ray is taken off, which is that of loading.
-fn traced(radiance: &Radiance, scene: &Path, rays: &[Ray], folder: &Path) -> Result<Answer, BenchError> {
+pub(crate) fn traced(radiance: &Radiance, scene: &Path, rays: &[Ray], folder: &Path) -> Result<Answer, BenchError> {
     const HINT: &str = "; RADSIGHT_RADIANCE names a folder with bin and lib";
     let [octree, input, output] = ["land.oct", "rays.f32", "distances.f32"].map(|name| folder.join(name));
     measure(radiance.command("oconv").arg(scene), None, Some(&octree), HINT)?;

@@ -275,6 +275,12 @@ impl RenderPlan {
         self.geometry.distance(&self.scene, ray)
     }
 
+    /// Memory of all hierarchies of boxes, with what the rays look up beside them, bytes.
+    #[must_use]
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.geometry.hierarchy_bytes()
+    }
+
     /// Whether any surface that has a place crosses a ray before a distance in scene units, whatever it lets through.
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, distance: f64) -> bool {

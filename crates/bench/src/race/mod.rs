@@ -14,9 +14,9 @@ mod scene;
 use crate::args::Race;
 use crate::capture::print;
 use crate::error::BenchError;
-use crate::machine;
 use crate::radiance::Radiance;
 use crate::radsight::Radsight;
+use crate::{machine, scaling};
 use accuracy::Accuracy;
 use catalog::{Places, SCENES, chosen};
 use mitsuba::{Mitsuba, VARIANTS};
@@ -62,7 +62,8 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
         // After every scene: a long run that is ended keeps what it has.
         let csv: String = results.iter().map(SceneResult::to_csv).collect();
         put(&folder.join("race.csv"), format!("{CSV_HEADING}{csv}").as_bytes())?;
-        let page = page::page(&machine, &bench.missing, &results, &Summary::new(&results, clock), clock);
+        let growth = scaling::section(&fs::read_to_string(folder.join(scaling::FILE)).unwrap_or_default());
+        let page = page::page(&machine, &bench.missing, &results, &Summary::new(&results, clock), clock, &growth);
         put(&folder.join("race.html"), page.as_bytes())?;
     }
     bench.missing.iter().for_each(|reason| print(&format!("missing: {reason}\n")));
@@ -72,7 +73,7 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
 }
 
 /// `target/bench` where this program is `target/release/radsight-bench`.
-fn beside_this_program() -> PathBuf {
+pub(crate) fn beside_this_program() -> PathBuf {
     let own = std::env::current_exe().unwrap_or_default();
     own.parent().and_then(Path::parent).unwrap_or(Path::new(".")).join("bench")
 }

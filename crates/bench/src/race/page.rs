@@ -12,13 +12,14 @@ const STYLE: &str = "body{font:14px/1.4 sans-serif;max-width:1100px;margin:2em a
 padding:.6em}figure{display:inline-block;margin:.3em;text-align:center;font-size:12px}img{width:192px;height:192px;object-fit:contain;\
 image-rendering:pixelated;background:#222}svg{font:11px sans-serif}";
 
-/// The whole page.
+/// The whole page; `growth` is a section of its own.
 pub(crate) fn page(
     machine: &str,
     missing: &[String],
     results: &[SceneResult],
     summary: &Summary,
     clock: Clock,
+    growth: &str,
 ) -> String {
     let mut page = format!(
         "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>radsight: error against time</title><style>{STYLE}</style>\n\
@@ -38,6 +39,7 @@ pub(crate) fn page(
     for result in results {
         scene(&mut page, result, clock);
     }
+    page.push_str(growth);
     page.push_str("</html>\n");
     page
 }

@@ -6,7 +6,7 @@
 use super::bounds::Bounds;
 use super::hierarchy_block::{Block, Probe};
 use super::hierarchy_build::{Built, Leaves, build};
-use super::hierarchy_node::{Node, Slabs};
+use super::hierarchy_node::{Node, Slabs, WIDTH};
 use crate::ray::Ray;
 use glam::DVec3;
 
@@ -51,18 +51,13 @@ impl Child {
         Child(LEAF | (count as u32 - 1) << COUNT_SHIFT | first as u32)
     }
 
-    /// The same child where `nodes` nodes stand before its own.
-    pub(super) fn shifted(self, nodes: usize) -> Child {
-        if self.is_leaf() || self == Child::NONE { self } else { Child(self.0 + nodes as u32) }
-    }
-
     #[inline]
     fn is_leaf(self) -> bool {
         self.0 & LEAF != 0
     }
 
     #[inline]
-    fn slots(self) -> std::ops::Range<u32> {
+    pub(super) fn slots(self) -> std::ops::Range<u32> {
         let first = self.0 & (Child::MOST_ITEMS - 1);
         first..first + (self.0 >> COUNT_SHIFT & 3) + 1
     }
@@ -99,8 +94,49 @@ impl Waiting {
     }
 }
 
+/// Children that wait, the next one last.
+struct Stack {
+    places: [Waiting; STACK],
+    count: usize,
+    overflow: Vec<Waiting>,
+}
+
 /// Children that wait before memory is asked for. More are rare: nodes below nodes to this depth and a third.
 const STACK: usize = 48;
+
+impl Default for Stack {
+    #[inline(always)]
+    fn default() -> Stack {
+        Stack { places: [Waiting::default(); STACK], count: 0, overflow: Vec::new() }
+    }
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push(&mut self, waiting: Waiting) {
+        match self.places.get_mut(self.count) {
+            Some(place) => *place = waiting,
+            None => self.overflow.push(waiting),
+        }
+        self.count += 1;
+    }
+
+    /// The next one that is entered before `farthest`.
+    #[inline(always)]
+    fn pop(&mut self, farthest: f32) -> Option<Child> {
+        while self.count > 0 {
+            self.count -= 1;
+            let next = match self.places.get(self.count) {
+                Some(place) => *place,
+                None => self.overflow.pop().unwrap_or_default(),
+            };
+            if next.entry() <= farthest {
+                return Some(next.child());
+            }
+        }
+        None
+    }
+}
 
 impl Hierarchy {
     /// Around items that are numbered from 0, of which some may be triangles; tells also which item is in which slot.
@@ -142,6 +178,11 @@ impl Hierarchy {
         self.blocks.shrink_to_fit();
     }
 
+    /// Memory of nodes and leaves.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+    }
+
     /// The box around all items.
     pub(super) fn bounds(&self) -> Bounds {
         self.bounds
@@ -161,25 +202,13 @@ impl Hierarchy {
         let (start, direction) = (start.as_vec3(), ray.direction.as_vec3());
         let slabs = Slabs::new(start, direction);
         let probe = Probe::new(start, direction, self.radius as f32);
-        let mut stack = [Waiting::default(); STACK];
-        let mut waiting = 0;
-        let mut overflow: Vec<Waiting> = Vec::new();
+        let mut stack = Stack::default();
         let mut farthest = to_single(limit);
         let mut current = self.root;
         loop {
             if !current.is_leaf() {
-                if let Some(node) = self.nodes.get(current.0 as usize)
-                    && let Some((nearest, others)) = slabs.enter(node, farthest).sorted()
-                {
-                    for other in others {
-                        self.touch(other.child());
-                        match stack.get_mut(waiting) {
-                            Some(place) => *place = *other,
-                            None => overflow.push(*other),
-                        }
-                        waiting += 1;
-                    }
-                    current = nearest.child();
+                if let Some(nearest) = self.enter(current, &slabs, farthest, &mut stack) {
+                    current = nearest;
                     continue;
                 }
             } else if let Some(block) = self.blocks.get(current.block_index()) {
@@ -201,17 +230,31 @@ impl Hierarchy {
                     farthest = to_single(limit);
                 }
             }
-            current = loop {
-                if waiting == 0 {
-                    return;
-                }
-                waiting -= 1;
-                let next = if waiting < STACK { stack[waiting] } else { overflow.pop().unwrap_or_default() };
-                if next.entry() <= farthest {
-                    break next.child();
-                }
-            };
+            let Some(next) = stack.pop(farthest) else { return };
+            current = next;
         }
+    }
+
+    /// The nearest child of a node that a ray enters; the others wait.
+    #[inline(always)]
+    fn enter(&self, node: Child, slabs: &Slabs, farthest: f32, stack: &mut Stack) -> Option<Child> {
+        let node = self.nodes.get(node.0 as usize)?;
+        let mut entered = slabs.enter(node, farthest);
+        let first = entered.next(node)?;
+        let Some(second) = entered.next(node) else { return Some(first.child()) };
+        let (near, far) = if second < first { (second, first) } else { (first, second) };
+        if entered.is_empty() {
+            self.touch(far.child());
+            stack.push(far);
+            return Some(near.child());
+        }
+        let mut places = [Waiting::default(); WIDTH];
+        let (nearest, others) = entered.sorted(node, [far, near], &mut places).split_last()?;
+        for other in others {
+            self.touch(other.child());
+            stack.push(*other);
+        }
+        Some(nearest.child())
     }
 
     /// Reads a word of what waits, so that it comes from memory while other things are looked at.

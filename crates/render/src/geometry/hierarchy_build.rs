@@ -1,10 +1,11 @@
 //! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the axes of
 //! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
+//! The cuts make a binary tree, of which [`collapse`] makes nodes of eight boxes.
 
 use super::hierarchy::{Child, LARGEST_LEAF};
-use super::hierarchy_node::{Node, WIDTH};
+use super::hierarchy_collapse::{Part, collapse};
+use super::hierarchy_node::Node;
 use glam::{Vec3, Vec4, Vec4Swizzles};
-use rayon::prelude::*;
 
 /// Nodes, and the items by slot.
 pub(super) struct Built {
@@ -39,7 +40,7 @@ pub(super) enum Leaves {
 impl Leaves {
     /// What it costs to test so many items, in tests.
     #[inline]
-    fn cost(self, count: u32) -> f32 {
+    pub(super) fn cost(self, count: u32) -> f32 {
         match self {
             Leaves::Slots => count as f32,
             Leaves::Blocks => count.div_ceil(LARGEST_LEAF as u32) as f32,
@@ -47,7 +48,13 @@ impl Leaves {
     }
 }
 
+/// Bins along an axis; few items have fewer.
 const BINS: usize = 16;
+
+/// Of more items than this only a sample of `SAMPLE` is counted to choose a cut.
+const MOST_COUNTED: usize = 4096;
+
+const SAMPLE: usize = 1024;
 
 /// An axis along which the centres reach less than this share of the widest one is not tried.
 const NARROW: f32 = 0.25;
@@ -69,194 +76,218 @@ pub(super) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec
             Item { low: low.extend(f32::from_bits(index as u32)), high: high.extend(0.0) }
         })
         .collect();
-    let mut nodes = Vec::new();
-    let root = if count == 0 { Child::node(0) } else { Range::of(&items).build(&mut items, 0, &mut nodes, leaves, 0) };
+    let mut parts = Vec::new();
+    if count > 0 {
+        Range::of(&items).build(&mut items, 0, &mut parts, leaves, 0);
+    }
     let order = items.iter().map(|item| item.low.w.to_bits()).collect();
-    nodes.shrink_to_fit();
+    drop(items);
+    let (nodes, root) = collapse(&parts, leaves);
     Built { nodes, root, order }
 }
 
-/// Items that stand together, before it is decided how they are cut.
+/// What is known of items that stand together, before it is decided how they are cut.
 #[derive(Clone, Copy)]
 struct Range {
-    start: usize,
-    end: usize,
+    count: usize,
     hull: Hull,
     /// Around the sums of the corners of each item's box.
     centers: Hull,
 }
 
 impl Range {
+    const EMPTY: Range = Range { count: 0, hull: Hull::EMPTY, centers: Hull::EMPTY };
+
     fn of(items: &[Item]) -> Range {
-        let mut range = Range { start: 0, end: items.len(), hull: Hull::EMPTY, centers: Hull::EMPTY };
-        for item in items {
-            range.hull.add(item.low, item.high);
-            range.centers.add(item.center(), item.center());
-        }
+        let mut range = Range::EMPTY;
+        items.iter().for_each(|item| range.add(item));
         range
     }
 
-    fn len(&self) -> usize {
-        self.end - self.start
+    #[inline]
+    fn add(&mut self, item: &Item) {
+        self.count += 1;
+        self.hull.add(item.low, item.high);
+        self.centers.add(item.center(), item.center());
     }
 
-    /// Makes the child of all items of the range, which have slots from `first_slot` on.
-    fn build(self, items: &mut [Item], first_slot: usize, nodes: &mut Vec<Node>, leaves: Leaves, depth: u32) -> Child {
-        let Some((left, right)) = self.cut(items, leaves, depth) else { return Child::leaf(first_slot, items.len()) };
-        let mut ranges = [left; WIDTH];
-        ranges[1] = right;
-        let mut uncut = [true; WIDTH];
-        let mut count = 2;
-        while count < WIDTH {
-            let weight = |index: usize| ranges[index].hull.half_area() * ranges[index].len() as f32;
-            let candidates = (0..count).filter(|index| uncut[*index] && ranges[*index].len() > 1);
-            let Some(widest) = candidates.max_by(|a, b| weight(*a).total_cmp(&weight(*b))) else { break };
-            match ranges[widest].cut(items, leaves, depth + 1) {
-                Some((left, right)) => {
-                    ranges.copy_within(widest + 1..count, widest + 2);
-                    uncut.copy_within(widest + 1..count, widest + 2);
-                    (ranges[widest], ranges[widest + 1]) = (left, right);
-                    (uncut[widest], uncut[widest + 1]) = (true, true);
-                    count += 1;
-                }
-                None => uncut[widest] = false,
-            }
+    /// Appends the tree over the items, which are all of the range and have slots from `first_slot` on.
+    fn build(self, items: &mut [Item], first_slot: usize, parts: &mut Vec<Part>, leaves: Leaves, depth: u32) {
+        let (low, high) = (self.hull.low.xyz(), self.hull.high.xyz());
+        let Some([left, right]) = self.cut(items, leaves, depth) else {
+            parts.push(Part::leaf(low, high, Child::leaf(first_slot, self.count)));
+            return;
+        };
+        let own = parts.len();
+        parts.push(Part::branch(low, high));
+        let (left_items, right_items) = items.split_at_mut(left.count);
+        let middle = first_slot + left.count;
+        if self.count < PARALLEL {
+            left.build(left_items, first_slot, parts, leaves, depth + 1);
+            let right_at = parts.len() - own;
+            parts[own].set_right(right_at);
+            right.build(right_items, middle, parts, leaves, depth + 1);
+            return;
         }
-        let own = nodes.len();
-        let boxes = ranges.map(|range| [range.hull.low.xyz(), range.hull.high.xyz()]);
-        nodes.push(Node::around(&boxes[..count]));
-        let children = build_children(&ranges[..count], items, first_slot, nodes, leaves, depth + 3);
-        nodes[own].children[..count].copy_from_slice(&children[..count]);
-        Child::node(own)
+        let mut others = Vec::new();
+        rayon::join(
+            || left.build(left_items, first_slot, parts, leaves, depth + 1),
+            || right.build(right_items, middle, &mut others, leaves, depth + 1),
+        );
+        let right_at = parts.len() - own;
+        parts[own].set_right(right_at);
+        parts.append(&mut others);
     }
 
-    /// Where to cut the range, the items put in order; `None` where a leaf is better.
-    fn cut(&self, items: &mut [Item], leaves: Leaves, depth: u32) -> Option<(Range, Range)> {
-        let count = self.len();
+    /// Puts the items in order and cuts them; `None` where a leaf is better.
+    fn cut(&self, items: &mut [Item], leaves: Leaves, depth: u32) -> Option<[Range; 2]> {
+        let count = self.count;
         if count < 2 {
             return None;
         }
-        let extent = (self.centers.high - self.centers.low).xyz();
-        let scale = extent.map(|extent| BINS as f32 * (1.0 - 1e-6) / extent);
-        if depth >= DEEPEST_CHOICE || !scale.min_element().is_finite() {
-            return (count > LARGEST_LEAF).then(|| self.halve(items));
+        let widest = (self.centers.high - self.centers.low).xyz().max_element();
+        if depth >= DEEPEST_CHOICE || !(BINS as f32 / widest).is_finite() {
+            return (count > LARGEST_LEAF).then(|| halves(items, count / 2));
         }
-        let low = self.centers.low.xyz();
-        let bin_of =
-            |item: &Item, axis: usize| (((item.center()[axis] - low[axis]) * scale[axis]) as usize).min(BINS - 1);
-        let mut best = (0, None, f32::INFINITY);
-        let widest = extent.max_element();
-        for axis in (0..3).filter(|axis| extent[*axis] >= NARROW * widest) {
-            let mut bins = [(Hull::EMPTY, 0_u32); BINS];
-            for item in &items[self.start..self.end] {
-                let bin = &mut bins[bin_of(item, axis)];
-                bin.0.add(item.low, item.high);
-                bin.1 += 1;
-            }
-            let (first_right, cost) = cheapest(&bins, leaves);
-            if cost < best.2 {
-                best = (axis, first_right, cost);
-            }
-        }
-        let (axis, first_right, cost) = best;
-        let area = self.hull.half_area();
-        let leaf_is_best = leaves.cost(count as u32) * area <= OPENING * area + cost;
-        match first_right {
-            _ if count <= LARGEST_LEAF && leaf_is_best => None,
-            Some(first_right) => Some(self.partition(items, |item| bin_of(item, axis) < first_right)),
-            None => Some(self.halve(items)),
-        }
-    }
-
-    fn halve(&self, items: &mut [Item]) -> (Range, Range) {
-        let middle = self.start + self.len() / 2;
-        let part = |start, end| {
-            let part = Range::of(&items[start..end]);
-            Range { start, end, ..part }
+        let choice = match count {
+            ..=4 => self.cheapest::<4>(items, leaves),
+            5..=8 => self.cheapest::<8>(items, leaves),
+            _ => self.cheapest::<BINS>(items, leaves),
         };
-        (part(self.start, middle), part(middle, self.end))
+        let area = self.hull.half_area();
+        if count <= LARGEST_LEAF && leaves.cost(count as u32) * area <= OPENING * area + choice.cost {
+            return None;
+        }
+        let is_left = |item: &Item| choice.grid.bins_of(item)[choice.axis] < choice.first_right;
+        let left = if choice.cost.is_finite() { partition(items, is_left) } else { count / 2 };
+        Some(halves(items, left))
     }
 
-    fn partition(&self, items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> (Range, Range) {
-        let empty = |at| Range { start: at, end: at, hull: Hull::EMPTY, centers: Hull::EMPTY };
-        let (mut left, mut right) = (empty(self.start), empty(self.end));
-        while left.end < right.start {
-            let item = items[left.end];
-            let side = if is_left(&item) {
-                left.end += 1;
-                &mut left
-            } else {
-                right.start -= 1;
-                items.swap(left.end, right.start);
-                &mut right
-            };
-            side.hull.add(item.low, item.high);
-            side.centers.add(item.center(), item.center());
+    /// The cheapest cut between bins.
+    fn cheapest<const N: usize>(&self, items: &[Item], leaves: Leaves) -> Choice {
+        let grid = Grid::over(&self.centers, N);
+        let mut bins = [[Bin::EMPTY; N]; 3];
+        let mut count = |item: &Item| {
+            for (bins, place) in bins.iter_mut().zip(grid.bins_of(item)) {
+                bins[place % N].add(item.low, item.high, 1);
+            }
+        };
+        if items.len() > MOST_COUNTED {
+            // The golden ratio, so that no regular arrangement of the items is met by the places.
+            let places = (0..SAMPLE).map(|k| (k as u32).wrapping_mul(0x9e37_79b9));
+            places.for_each(|place| count(&items[((u64::from(place) * items.len() as u64) >> 32) as usize]));
+        } else {
+            items.iter().for_each(count);
         }
-        (left, right)
+        let mut best = Choice { grid, axis: 0, first_right: 0, cost: f32::INFINITY };
+        for (axis, bins) in bins.iter().enumerate() {
+            let (first_right, cost) = cheapest(bins, leaves);
+            if cost < best.cost {
+                best = Choice { axis, first_right, cost, ..best };
+            }
+        }
+        best
     }
 }
 
-/// The children of a node, each over its part of the items, which stand one after the other.
-fn build_children(
-    ranges: &[Range],
-    mut items: &mut [Item],
-    first_slot: usize,
-    nodes: &mut Vec<Node>,
-    leaves: Leaves,
-    depth: u32,
-) -> [Child; WIDTH] {
-    let mut children = [Child::NONE; WIDTH];
-    let total = items.len();
-    let mut parts = Vec::with_capacity(WIDTH);
-    for range in ranges {
-        let (part, rest) = items.split_at_mut(range.len());
-        items = rest;
-        let slot = first_slot + range.start;
-        parts.push((Range { start: 0, end: range.len(), ..*range }, part, slot));
-    }
-    if total < PARALLEL {
-        for (child, (range, part, slot)) in children.iter_mut().zip(parts) {
-            *child = range.build(part, slot, nodes, leaves, depth);
-        }
-        return children;
-    }
-    let built: Vec<(Child, Vec<Node>)> = parts
-        .into_par_iter()
-        .map(|(range, part, slot)| {
-            let mut nodes = Vec::new();
-            (range.build(part, slot, &mut nodes, leaves, depth), nodes)
-        })
-        .collect();
-    for (child, (root, own)) in children.iter_mut().zip(built) {
-        let before = nodes.len();
-        *child = root.shifted(before);
-        nodes.extend(own.into_iter().map(|node| node.shifted(before)));
-    }
-    children
+/// Ranges of the first `left` items and of the others.
+fn halves(items: &[Item], left: usize) -> [Range; 2] {
+    let (left, right) = items.split_at(left);
+    [Range::of(left), Range::of(right)]
 }
 
-/// The first bin on the right of the cheapest cut, none where no cut has a finite cost, and the sum of area times number on both
-/// sides.
-fn cheapest(bins: &[(Hull, u32); BINS], leaves: Leaves) -> (Option<usize>, f32) {
-    let mut right_cost = [0.0; BINS];
-    let (mut hull, mut count) = (Hull::EMPTY, 0);
-    for index in (1..BINS).rev() {
-        hull.add(bins[index].0.low, bins[index].0.high);
-        count += bins[index].1;
-        right_cost[index] = if count == 0 { f32::INFINITY } else { hull.half_area() * leaves.cost(count) };
+/// Puts the items of the left side first and tells how many they are. What is left is as good as random, so nothing branches on it.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let mut left = 0;
+    for index in 0..items.len() {
+        let goes_left = is_left(&items[index]);
+        items.swap(index, left);
+        left += usize::from(goes_left);
     }
-    let mut best = (None, f32::INFINITY);
-    let (mut hull, mut count) = (Hull::EMPTY, 0);
-    for index in 1..BINS {
-        hull.add(bins[index - 1].0.low, bins[index - 1].0.high);
-        count += bins[index - 1].1;
-        let cost = if count == 0 { f32::INFINITY } else { hull.half_area() * leaves.cost(count) + right_cost[index] };
+    left
+}
+
+/// Where to cut: items in bins of `axis` before `first_right` are on the left.
+#[derive(Clone, Copy)]
+struct Choice {
+    grid: Grid,
+    axis: usize,
+    first_right: usize,
+    /// The sum of area times cost on both sides; infinite where there is no cut.
+    cost: f32,
+}
+
+/// Bins between the outermost centres.
+#[derive(Clone, Copy)]
+struct Grid {
+    low: Vec4,
+    /// Bins a length; zero along axes that are not tried.
+    scale: Vec4,
+}
+
+impl Grid {
+    fn over(centers: &Hull, bins: usize) -> Grid {
+        let extent = (centers.high - centers.low).xyz();
+        let narrow = NARROW * extent.max_element();
+        let scale = extent.map(|extent| if extent >= narrow { bins as f32 * (1.0 - 1e-5) / extent } else { 0.0 });
+        Grid { low: centers.low, scale: scale.extend(0.0) }
+    }
+
+    /// The bins of an item along the axes.
+    #[inline]
+    fn bins_of(&self, item: &Item) -> [usize; 3] {
+        // From 128 on to twice that, the last sixteen bits of a number are what is behind the point.
+        let places = (item.center() - self.low) * self.scale + Vec4::splat(128.0);
+        let [x, y, z, _] = places.to_array().map(|place| (place.to_bits() >> 16) as usize % BINS);
+        [x, y, z]
+    }
+}
+
+/// The first bin on the right of the cheapest cut between bins, and its cost.
+fn cheapest<const N: usize>(bins: &[Bin; N], leaves: Leaves) -> (usize, f32) {
+    let mut right_cost = [f32::INFINITY; N];
+    let mut right = Bin::EMPTY;
+    for index in (1..N).rev() {
+        right.join(&bins[index]);
+        right_cost[index] = right.cost(leaves);
+    }
+    let mut best = (0, f32::INFINITY);
+    let mut left = Bin::EMPTY;
+    for index in 1..N {
+        left.join(&bins[index - 1]);
+        let cost = left.cost(leaves) + right_cost[index];
         if cost < best.1 {
-            best = (Some(index), cost);
+            best = (index, cost);
         }
     }
     best
+}
+
+/// What is in a bin.
+#[derive(Clone, Copy)]
+struct Bin {
+    hull: Hull,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Bin = Bin { hull: Hull::EMPTY, count: 0 };
+
+    #[inline]
+    fn add(&mut self, low: Vec4, high: Vec4, count: u32) {
+        self.hull.add(low, high);
+        self.count += count;
+    }
+
+    #[inline]
+    fn join(&mut self, other: &Bin) {
+        self.add(other.hull.low, other.hull.high, other.count);
+    }
+
+    #[inline]
+    fn cost(&self, leaves: Leaves) -> f32 {
+        if self.count == 0 { f32::INFINITY } else { self.hull.half_area() * leaves.cost(self.count) }
+    }
 }
 
 impl Item {
@@ -276,8 +307,10 @@ impl Hull {
         self.high = self.high.max(high);
     }
 
+    #[inline]
     fn half_area(&self) -> f32 {
-        let size = (self.high - self.low).xyz();
-        size.x * size.y + size.y * size.z + size.z * size.x
+        let size = self.high - self.low;
+        let products = size * size.yzxw();
+        products.x + products.y + products.z
     }
 }

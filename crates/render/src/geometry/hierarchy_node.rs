@@ -47,8 +47,15 @@ pub(super) struct Node {
 }
 
 impl Node {
+    /// Of no boxes.
+    pub(super) const EMPTY: Node = Node {
+        planes: [[[0; 4]; WIDTH / 4]; 6],
+        grid: Grid { origin: [0.0; 3], step: [0.0; 3] },
+        children: [Child::NONE; WIDTH],
+    };
+
     /// Around up to eight boxes, low and high corner; the others are never entered.
-    pub(super) fn around(boxes: &[[Vec3; 2]]) -> Node {
+    pub(super) fn around(boxes: &[[Vec3; 2]], children: [Child; WIDTH]) -> Node {
         let (low, high) = boxes
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), of| (low.min(of[0]), high.max(of[1])));
@@ -60,12 +67,7 @@ impl Node {
                 planes[axis + 3][lane / 4][lane % 4] = grid.steps(axis, high[axis]).ceil() as u8;
             }
         }
-        Node { planes, grid, children: [Child::NONE; WIDTH] }
-    }
-
-    /// The same node where `nodes` nodes stand before those that it was built among.
-    pub(super) fn shifted(self, nodes: usize) -> Node {
-        Node { children: self.children.map(|child| child.shifted(nodes)), ..self }
+        Node { planes, grid, children }
     }
 }
 
@@ -81,8 +83,9 @@ pub(super) struct Slabs {
 
 /// The children whose boxes a ray enters.
 pub(super) struct Entered {
-    children: [Waiting; WIDTH],
-    count: usize,
+    /// A bit for each.
+    lanes: u32,
+    entries: [[f32; 4]; WIDTH / 4],
 }
 
 impl Slabs {
@@ -101,7 +104,7 @@ impl Slabs {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn enter(&self, node: &Node, farthest: f32) -> Entered {
         let mut near = [Vec4::ZERO; WIDTH / 4];
         let mut far = [Vec4::splat(farthest); WIDTH / 4];
@@ -114,32 +117,48 @@ impl Slabs {
                 far[half] = (lanes(last[half]) * step + start).min(far[half]);
             }
         }
-        let mut mask = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
-        let near_of = near.map(|half| half.to_array());
-        let mut entered = Entered { children: [Waiting::default(); WIDTH], count: 0 };
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize % WIDTH;
-            mask &= mask - 1;
-            entered.children[entered.count % WIDTH] = Waiting::new(node.children[lane], near_of[lane / 4][lane % 4]);
-            entered.count += 1;
-        }
-        entered
+        let lanes = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
+        Entered { lanes, entries: near.map(|half| half.to_array()) }
     }
 }
 
 impl Entered {
-    /// The nearest one, and the others from the farthest on.
-    #[inline]
-    pub(super) fn sorted(&mut self) -> Option<(Waiting, &[Waiting])> {
-        let children = self.children.get_mut(..self.count)?;
-        for end in 1..children.len() {
-            let mut place = end;
-            while place > 0 && children[place - 1] < children[place] {
-                children.swap(place - 1, place);
+    /// One that was not told yet.
+    #[inline(always)]
+    pub(super) fn next(&mut self, node: &Node) -> Option<Waiting> {
+        if self.lanes == 0 {
+            return None;
+        }
+        let lane = self.lanes.trailing_zeros() as usize % WIDTH;
+        self.lanes &= self.lanes - 1;
+        Some(Waiting::new(node.children[lane], self.entries[lane / 4][lane % 4]))
+    }
+
+    /// Two that were told already and all others, the nearest last.
+    pub(super) fn sorted<'p>(
+        mut self,
+        node: &Node,
+        two: [Waiting; 2],
+        places: &'p mut [Waiting; WIDTH],
+    ) -> &'p [Waiting] {
+        places[..2].copy_from_slice(&two);
+        let mut count = 2;
+        while let Some(next) = self.next(node) {
+            let mut place = count % WIDTH;
+            while place > 0 && places[place - 1] < next {
+                places[place] = places[place - 1];
                 place -= 1;
             }
+            places[place] = next;
+            count += 1;
         }
-        children.split_last().map(|(nearest, others)| (*nearest, others))
+        &places[..count.min(WIDTH)]
+    }
+
+    /// Whether all were told.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.lanes == 0
     }
 }
 
@@ -157,7 +176,7 @@ mod tests {
         let of =
             |x: f32, y: f32, z: f32, size: f32| [Vec3::new(x, y, z), Vec3::new(x + size, y + 2.0 * size, z + 1e-6)];
         let boxes = [of(0.0, -1.0, 0.3, 0.37), of(0.11, 0.7, 0.3, 1e-4), of(-2.3, 0.2, 0.3, 3.1)];
-        let node = Node::around(&boxes);
+        let node = Node::around(&boxes, [Child::NONE; WIDTH]);
         for (lane, [low, high]) in boxes.iter().enumerate() {
             for axis in 0..3 {
                 let place = |plane: usize| {
@@ -171,10 +190,15 @@ mod tests {
     #[test]
     fn what_a_ray_enters_stands_with_the_nearest_last() {
         let of = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, 1.0, z + 0.5)];
-        let mut node = Node::around(&[of(4.0), of(1.0), of(2.0)]);
-        node.children[..3].copy_from_slice(&[Child::node(4), Child::node(1), Child::node(2)]);
-        let mut entered = Slabs::new(Vec3::ZERO, Vec3::Z).enter(&node, 3.0);
-        let (nearest, others) = entered.sorted().unwrap();
-        assert_eq!((nearest.child(), others.len(), others[0].child()), (Child::node(1), 1, Child::node(2)));
+        let mut children = [Child::NONE; WIDTH];
+        children[..3].copy_from_slice(&[Child::node(4), Child::node(1), Child::node(2)]);
+        let node = Node::around(&[of(4.0), of(1.0), of(2.0)], children);
+        let mut entered = Slabs::new(Vec3::ZERO, Vec3::Z).enter(&node, 5.0);
+        let [first, second] = [(); 2].map(|()| entered.next(&node).unwrap());
+        assert_eq!((first.child(), second.child()), (Child::node(4), Child::node(1)));
+        let mut places = [Waiting::default(); WIDTH];
+        let sorted = entered.sorted(&node, [first, second], &mut places);
+        let children: Vec<Child> = sorted.iter().map(|waiting| waiting.child()).collect();
+        assert_eq!(children, [Child::node(4), Child::node(2), Child::node(1)]);
     }
 }

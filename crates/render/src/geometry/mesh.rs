@@ -41,6 +41,11 @@ impl MeshGeometry {
         &mesh.triangles[self.slots[primitive.0 as usize].1 as usize]
     }
 
+    /// Memory of the hierarchy and its slots.
+    pub(super) fn bytes(&self) -> usize {
+        self.hierarchy.bytes() + size_of_val(&*self.slots)
+    }
+
     pub(super) fn bounds(&self) -> Bounds {
         self.hierarchy.bounds()
     }

@@ -10,6 +10,7 @@ mod disk;
 mod hierarchy;
 mod hierarchy_block;
 mod hierarchy_build;
+mod hierarchy_collapse;
 mod hierarchy_node;
 mod mesh;
 mod polygon;
@@ -198,6 +199,14 @@ impl Geometry {
     /// Centre and radius of a sphere around all surfaces.
     pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
         self.hierarchy.bounding_sphere()
+    }
+
+    /// Memory of the hierarchies here and in meshes and octrees, with what stands in the order of their slots, bytes.
+    pub(crate) fn hierarchy_bytes(&self) -> usize {
+        let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
+        let meshes: usize = self.meshes.iter().map(MeshGeometry::bytes).sum();
+        let octrees: usize = self.octrees.iter().map(|octree| octree.hierarchy_bytes()).sum();
+        self.hierarchy.bytes() + self.members.len() * members + meshes + octrees
     }
 
     /// How many members there are.

@@ -18,22 +18,15 @@ impl RayFrame {
     #[inline]
     pub(crate) fn new(ray: &Ray) -> RayFrame {
         let size = ray.direction.abs();
-        let z = if size.x > size.y && size.x > size.z {
-            0
+        let d = ray.direction;
+        let (u, v) = if size.x > size.y && size.x > size.z {
+            (DVec3::new(-d.y / d.x, 1.0, 0.0), DVec3::new(-d.z / d.x, 0.0, 1.0))
         } else if size.y > size.z {
-            1
+            (DVec3::new(0.0, -d.z / d.y, 1.0), DVec3::new(1.0, -d.x / d.y, 0.0))
         } else {
-            2
+            (DVec3::new(1.0, 0.0, -d.x / d.z), DVec3::new(0.0, 1.0, -d.y / d.z))
         };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let d = ray.direction.to_array();
-        let axis = |axis: usize| {
-            let mut projection = [0.0; 3];
-            projection[axis] = 1.0;
-            projection[z] = -d[axis] / d[z];
-            DVec3::from_array(projection)
-        };
-        RayFrame { u: axis(x), v: axis(y) }
+        RayFrame { u, v }
     }
 
     #[inline]
@@ -56,13 +49,15 @@ pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: 
 /// [`intersect`] for three vertices.
 #[inline]
 pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
-    let from_origin = vertices.map(|vertex| vertex - ray.origin);
-    let [a, b, c] = from_origin.map(|vertex| frame.project(vertex));
+    let from_origin = vertices[0] - ray.origin;
+    let a = frame.project(from_origin);
+    let b = frame.project(vertices[1] - ray.origin);
+    let c = frame.project(vertices[2] - ray.origin);
     if !(crosses(c, a) ^ crosses(a, b) ^ crosses(b, c)) {
         return None;
     }
     let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]);
-    let distance = normal.dot(from_origin[0]) / normal.dot(ray.direction);
+    let distance = normal.dot(from_origin) / normal.dot(ray.direction);
     (distance > range.start && distance < range.end).then_some(distance)
 }
 
@@ -85,7 +80,9 @@ fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
     // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a crossing at
     // zero counts for neither of the polygons that share the edge.
     let determinant = u0 * v1 - u1 * v0;
-    (v0 >= 0.0) != (v1 >= 0.0) && if v1 > v0 { determinant > 0.0 } else { determinant < 0.0 }
+    let rises = v1 > v0;
+    // Nothing branches on what is as good as random.
+    ((v0 >= 0.0) != (v1 >= 0.0)) & ((rises & (determinant > 0.0)) | (!rises & (determinant < 0.0)))
 }
 
 /// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
