@@ -200,12 +200,8 @@ impl DirectSampler<'_> {
     /// A place on a light that can give something.
     #[inline]
     pub(crate) fn place(&self, light: &Light, u: [f64; 2]) -> Option<LightSample> {
-        let sample = light.sample(self.point, u, &self.reception.peak);
-        // Nearly all lights reach everything, and a sample that is asked about is copied.
-        if light.max_distance == f64::INFINITY {
-            return sample;
-        }
-        sample.filter(|sample| light.reaches(self.point, sample.direction, sample.distance))
+        let sample = light.sample(self.point, u, &self.reception.peak)?;
+        light.reaches(self.point, sample.direction, sample.distance).then_some(sample)
     }
 
     /// What one place gives to a point that responds to it like this.
