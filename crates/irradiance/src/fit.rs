@@ -207,7 +207,7 @@ const MISFIT_BY_CHANCE: f64 = 6.0;
 const TOLERANCE: f64 = 0.01;
 
 /// Fewer neighbours always agree with some plane.
-const FEWEST_TO_JUDGE: usize = 6;
+const FEWEST_TO_JUDGE: usize = 4;
 
 /// The neighbourhood is not narrowed below this share.
 const LEAST_SHARE: f64 = 0.3;

@@ -79,6 +79,9 @@ impl Way {
 /// Records are not nearer to each other than so many widths of the rays that see them.
 const LEAST_WIDTHS: f64 = 1.5;
 
+/// Unless there are caustics, which are as fine as can be seen.
+const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
+
 /// What is seen after a bounce takes its irradiance from records whose reach is at most this share of the way to it: what is near fills so much of the
 /// view that it must be known better.
 const REACH_SEEN: f64 = 2.0;
@@ -154,7 +157,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 
     /// The irradiance of a place.
     pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
-        let limits = Limits { least: limits.least.max(LEAST_WIDTHS * place.width), ..*limits };
+        let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS };
+        let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
         let ways: Vec<Way> = (0..look.hemisphere.len()).map(|cell| self.way(place, look, cell)).collect();
         let seen: Vec<Gathered<BANDS>> = ways.iter().map(|way| self.look(place, way.direction, way.sampler)).collect();
         let seen = self.look_out(place, look, &ways, seen);

@@ -7,13 +7,14 @@
 //! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings
 //! that are seen behind each other.
 
+use crate::geometry::is_flat;
 use crate::light::LightForm;
 use crate::plan::RenderPlan;
 use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{EmitterClass, Kind, Shader};
 use crate::view::Encounter;
 use glam::DVec3;
-use radsight_ir::{Shape, SurfaceHandle};
+use radsight_ir::{Shape, Surface, SurfaceHandle};
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
 
 /// The openings of a scene.
@@ -198,6 +199,14 @@ impl Outlook<'_> {
 
 fn is_sampled(plan: &RenderPlan, surface: SurfaceHandle) -> bool {
     plan.lights_of(surface).next().is_some()
+}
+
+/// Whether something bends light that comes in through openings: then irradiance has details as fine as can be seen.
+pub(crate) fn makes_caustics(plan: &RenderPlan) -> bool {
+    let bends = |(handle, surface): (SurfaceHandle, &Surface)| {
+        !is_flat(surface.shape) && matches!(plan.shader(handle).kind, Kind::Dielectric(_))
+    };
+    plan.openings.len() > 0 && plan.scene.surfaces.iter().any(bends)
 }
 
 /// Whether light that is no light's may come through a surface or from it.

@@ -12,7 +12,7 @@ use crate::light::{Light, LightId};
 use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
-use crate::openings::Openings;
+use crate::openings::{Openings, makes_caustics};
 use crate::options::{GlobalMedium, RenderOptions, Skip};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
@@ -41,6 +41,8 @@ pub struct RenderPlan {
     pub(crate) light_draws: [u32; 2],
     /// Where light that is no light's comes in; none where no interreflection is followed.
     pub(crate) openings: Openings,
+    /// Whether irradiance has details as fine as can be seen.
+    pub(crate) has_caustics: bool,
     /// Distant sources in the order in which a ray that leaves the scene tries them.
     pub(crate) sky: Vec<Sky>,
     /// Which lights reach which primitive, and what stands between.
@@ -146,6 +148,7 @@ impl RenderPlan {
             light_tree: None,
             light_draws: [0; 2],
             openings: Openings::default(),
+            has_caustics: false,
             sky,
             reach,
             see_through: see_through || !may_skip(Skip::BehindShadows),
@@ -167,6 +170,7 @@ impl RenderPlan {
         plan.light_draws = light_draws(&plan);
         if plan.options.ambient_bounces > 0 {
             plan.openings = Openings::new(&plan);
+            plan.has_caustics = makes_caustics(&plan);
         }
         plan.decisions = plan.decide();
         Ok(plan)
@@ -373,6 +377,10 @@ impl RenderPlan {
         if self.openings.len() > 0 {
             let what = format!("rays are sent towards {} openings", self.openings.len());
             decisions.say(what, "light of glows or of the sky comes in there");
+        }
+        if self.has_caustics {
+            decisions
+                .say("irradiance is looked for at every pixel where it bends".into(), "bodies of glass make caustics");
         }
         if !self.see_through {
             decisions.skip(

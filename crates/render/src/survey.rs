@@ -38,6 +38,12 @@ const DARK: f64 = 0.03;
 /// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
 const SURVEYS: usize = 3;
 
+/// The edges of caustics are approached in more steps, each with less noise.
+const SURVEYS_FOR_CAUSTICS: usize = 6;
+
+/// Where records are farther apart than this makes them, too few are near each other to tell that they disagree.
+const ACCURACY_FOR_CAUSTICS: f64 = 0.1;
+
 /// Rounds of further rays where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
 
@@ -73,6 +79,7 @@ impl RenderPlan {
         let size = 2.0 * self.bounding_sphere().1.max(f64::MIN_POSITIVE) / 3f64.sqrt();
         let most = 0.5 * size;
         let accuracy = if gathering.accuracy > 0.0 { gathering.accuracy } else { 1.0 };
+        let accuracy = if self.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
         let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
         let least = if gathering.resolution > 0 && resolved < most { resolved } else { most / 64.0 };
         Limits { accuracy, least, most }
@@ -169,7 +176,8 @@ impl<const BANDS: usize> Gathering<BANDS> {
         survey: impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
     ) {
         let before = self.cache.len();
-        for round in 0..SURVEYS {
+        let surveys = if plan.has_caustics { SURVEYS_FOR_CAUSTICS } else { SURVEYS };
+        for round in 0..surveys {
             if round > 0 {
                 self.cache.shorten_reaches();
             }
@@ -179,6 +187,9 @@ impl<const BANDS: usize> Gathering<BANDS> {
                 break;
             }
             self.settle();
+            if plan.has_caustics && self.look_again(plan, caches, before) > 0 {
+                self.settle();
+            }
         }
         for _ in 0..FURTHER_ROUNDS {
             if self.look_again(plan, caches, before) == 0 {

@@ -131,3 +131,37 @@ fn gathering_does_not_depend_on_threads() {
     assert!(one.0 > 10, "{} records", one.0);
     assert_eq!(one, of(3));
 }
+
+#[test]
+fn caustics_are_as_fine_as_the_rays_that_see_them() {
+    // A panel that is not sampled, and its image on the floor under a glass ball.
+    let mut scene = Builder::default();
+    let white = scene.plastic([0.7; 3], 0.0, 0.0);
+    let glass = scene.dielectric([1.0; 3], 1.5);
+    let panel = scene.glow([20.0; 3], 0.0);
+    let square = |half: f64, z: f64| {
+        [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]].map(DVec3::from_array)
+    };
+    scene.polygon(white, &square(4.0, 0.0));
+    let mut panel_corners = square(0.5, 3.0);
+    panel_corners.reverse();
+    scene.polygon(panel, &panel_corners);
+    scene.sphere(glass, Sphere { center: DVec3::new(0.0, 0.0, 0.7), radius: 0.4, facing: Facing::Outward });
+    let eye = DVec3::new(2.5, 0.0, 0.8);
+    let step = 0.02;
+    let ray = |x: i32, y: i32| Ray::new(eye, DVec3::new(step * f64::from(x), step * f64::from(y), 0.0) - eye);
+    let rays: Vec<_> = (-25..=25).flat_map(|x| (-25..=25).map(move |y| ray(x, y))).collect();
+    let mut shared = renderer(&scene, options(1, 0.2));
+    shared.gather_irradiance(&rays, Spread { width: 0.0, angle: step / 2.5 });
+    let drawn = renderer(&scene, options(1, 0.0));
+    let (mut squares, mut whole) = (0.0, 0.0);
+    for x in -15..=15 {
+        let found = shared.trace_all(0, &[ray(x, 0)])[0].expect("a ray").value[0];
+        let expected = drawn.trace_all(0, &vec![ray(x, 0); 4096]);
+        let expected = expected.iter().flatten().map(|traced| traced.value[0]).sum::<f64>() / 4096.0;
+        squares += (found - expected).powi(2);
+        whole += expected * expected;
+    }
+    let error = (squares / whole).sqrt();
+    assert!(error < 0.08, "{error}");
+}
