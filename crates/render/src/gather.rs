@@ -68,14 +68,6 @@ pub(crate) struct Way {
     pub(crate) sampler: RaySampler,
 }
 
-impl Way {
-    /// `local` is in the frame of the place.
-    pub(crate) fn new<const BANDS: usize>(place: &Place<BANDS>, local: DVec3, sampler: RaySampler) -> Way {
-        let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
-    }
-}
-
 /// Records are not nearer to each other than so many widths of the rays that see them.
 const LEAST_WIDTHS: f64 = 1.5;
 
@@ -178,7 +170,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 RaySampler::new(of_cell, stratum as u64).take(DimensionSet::CAMERA)
             }
         };
-        Way::new(place, look.hemisphere.direction(cell, [within[0], within[1]]), sampler)
+        let [x, y, z] = Record::<BANDS>::frame(place.normal);
+        let local = look.hemisphere.direction(cell, [within[0], within[1]]);
+        Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
     }
 
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.

@@ -110,14 +110,14 @@ pub(crate) fn gather<const BANDS: usize>(
 /// Irradiance that is shared: at places that are seen from the eye, and at those which they see.
 #[derive(Debug)]
 pub(crate) struct GatheredIrradiance<const BANDS: usize> {
-    seen: Gathering<BANDS>,
+    seen: Level<BANDS>,
     /// Coarser, since it counts only as a mean over many places. Paths from these places are followed ray by ray.
-    beyond: Gathering<BANDS>,
+    beyond: Level<BANDS>,
 }
 
 /// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
 #[derive(Debug)]
-struct Gathering<const BANDS: usize> {
+struct Level<const BANDS: usize> {
     cache: Cache<BANDS>,
     /// Standard error that may remain, as a share.
     noise: f64,
@@ -137,8 +137,8 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         let (limits, noise) = (plan.gathering_limits(), plan.options.gathering.noise);
         let coarse = Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, ..limits };
         GatheredIrradiance {
-            seen: Gathering::new(plan, limits, noise, 0),
-            beyond: Gathering::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
+            seen: Level::new(plan, limits, noise, 0),
+            beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
         }
     }
 
@@ -148,12 +148,12 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     }
 }
 
-impl<const BANDS: usize> Gathering<BANDS> {
+impl<const BANDS: usize> Level<BANDS> {
     fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
         let wanted = plan.options.gathering.rays();
         let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
         let cache = Cache::new(limits);
-        Gathering { cache, noise, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: first_look }
+        Level { cache, noise, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: first_look }
     }
 
     /// How many rays may look around for these.
