@@ -13,6 +13,9 @@ use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
+/// Irradiance that is shared where no diffuse bounce lies behind, and where one does.
+pub(crate) type Caches<'c, const BANDS: usize> = [Option<&'c Cache<BANDS>>; 2];
+
 /// A point whose irradiance is wanted.
 #[derive(Clone, Debug)]
 pub(crate) struct Place<const BANDS: usize> {

@@ -14,7 +14,7 @@ use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{EmitterClass, Kind, Shader};
 use crate::view::Encounter;
 use glam::DVec3;
-use radsight_ir::{Shape, Surface, SurfaceHandle};
+use radsight_ir::{Surface, SurfaceHandle};
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
 
 /// The openings of a scene.
@@ -212,8 +212,7 @@ pub(crate) fn makes_caustics(plan: &RenderPlan) -> bool {
 /// Whether light that is no light's may come through a surface or from it.
 fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
     let shader = plan.shader(handle);
-    let is_flat = matches!(plan.scene.surfaces[handle].shape, Shape::Polygon { .. } | Shape::Ring(_));
-    is_flat
+    is_flat(plan.scene.surfaces[handle].shape)
         && match &shader.kind {
             Kind::Emitter(emitter) => matches!(emitter.class, EmitterClass::Glow(radius) if radius == 0.0),
             Kind::Dielectric(_) => has_sky,

@@ -1,11 +1,11 @@
 //! Rays in, radiance out.
 
 use crate::contribution::Contribution;
+use crate::gather::Caches;
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::survey::{GatheredIrradiance, gather};
 use crate::trace::{Traced, Tracer};
-use radsight_irradiance::Cache;
 use rayon::prelude::*;
 
 /// Answers rays.
@@ -94,7 +94,7 @@ impl Renderer {
     }
 }
 
-fn caches<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> [Option<&Cache<BANDS>>; 2] {
+fn caches<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> Caches<'_, BANDS> {
     gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches)
 }
 

@@ -1,6 +1,6 @@
 //! Gathering irradiance before the picture is made, where its rays will want it.
 
-use crate::gather::{Look, Place, Survey};
+use crate::gather::{Caches, Look, Place, Survey};
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
@@ -143,7 +143,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     }
 
     /// Where the eye has seen diffuse surfaces, and where these have.
-    pub(crate) fn caches(&self) -> [Option<&Cache<BANDS>>; 2] {
+    pub(crate) fn caches(&self) -> Caches<'_, BANDS> {
         [Some(&self.seen.cache), Some(&self.beyond.cache)]
     }
 }
@@ -171,7 +171,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn gather(
         &mut self,
         plan: &RenderPlan,
-        caches: [Option<&Cache<BANDS>>; 2],
+        caches: Caches<'_, BANDS>,
         count: usize,
         survey: impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
     ) {
@@ -191,6 +191,9 @@ impl<const BANDS: usize> Level<BANDS> {
                 self.settle();
             }
         }
+        if self.cache.len() == before {
+            return;
+        }
         for _ in 0..FURTHER_ROUNDS {
             if self.look_again(plan, caches, before) == 0 {
                 break;
@@ -204,7 +207,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn fill(
         &mut self,
         plan: &RenderPlan,
-        caches: [Option<&Cache<BANDS>>; 2],
+        caches: Caches<'_, BANDS>,
         count: usize,
         survey: &impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
     ) {
@@ -231,7 +234,7 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
-    fn look_again(&mut self, plan: &RenderPlan, caches: [Option<&Cache<BANDS>>; 2], first: usize) -> usize {
+    fn look_again(&mut self, plan: &RenderPlan, caches: Caches<'_, BANDS>, first: usize) -> usize {
         let typical = self.cache.typical();
         let missing: Vec<usize> =
             (first..self.cache.len()).map(|index| self.looks_missing(plan, index, typical)).collect();
@@ -268,7 +271,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn look_around(
         &mut self,
         plan: &RenderPlan,
-        caches: [Option<&Cache<BANDS>>; 2],
+        caches: Caches<'_, BANDS>,
         places: &[(Place<BANDS>, usize)],
     ) -> Vec<Record<BANDS>> {
         let (first, limits, hemisphere) = (self.looks, self.cache.limits(), &self.hemisphere);

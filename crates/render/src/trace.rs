@@ -11,7 +11,7 @@ use crate::bands::BandValues;
 use crate::beyond::luminance;
 use crate::contribution::Contributions;
 use crate::direct::DirectSampler;
-use crate::gather::Survey;
+use crate::gather::{Caches, Survey};
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
@@ -26,7 +26,6 @@ use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, SurfaceHandle};
-use radsight_irradiance::Cache;
 use radsight_sampling::{DimensionSet, RaySampler};
 use radsight_spectrum::Sampling;
 use std::f64::consts::PI;
@@ -150,8 +149,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
-    /// Irradiance that was gathered before, where no diffuse bounce lies behind, and where one does.
-    pub(crate) caches: [Option<&'p Cache<BANDS>>; 2],
+    /// Irradiance that was gathered before.
+    pub(crate) caches: Caches<'p, BANDS>,
     /// While looking for points whose irradiance is wanted.
     pub(crate) survey: Option<Survey<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
@@ -176,7 +175,7 @@ pub(crate) struct SetAside<const BANDS: usize> {
 }
 
 impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
-    pub(crate) fn new(plan: &'p RenderPlan, caches: [Option<&'p Cache<BANDS>>; 2]) -> Self {
+    pub(crate) fn new(plan: &'p RenderPlan, caches: Caches<'p, BANDS>) -> Self {
         Tracer {
             plan,
             index: 0,
