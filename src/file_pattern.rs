@@ -2,6 +2,11 @@
 
 use crate::failure::Failure;
 
+/// Whether a name has a place for a number.
+pub(crate) fn holds_number(pattern: &str) -> bool {
+    named("", pattern, "", 0).is_ok_and(|(_, _, holds_number)| holds_number)
+}
+
 /// A file's name, and whether it holds the modifier's name and the bin's number: `%s`, `%d` (also `%03d`, `%o`, `%x`), `%%`.
 pub(crate) fn named(program: &str, pattern: &str, modifier: &str, bin: usize) -> Result<(String, bool, bool), Failure> {
     let wrong =

@@ -66,7 +66,7 @@ pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
 }
 
 /// What a command of the command line writes, as Radiance's programs take one after `!` in the place of a file.
-pub(crate) fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
+fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
     let failed = |what: String| Failure::input(format!("command \"{command}\": {what}"));
     let output = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let output = output.map_err(|error| failed(reason(&error)))?;
@@ -76,15 +76,23 @@ pub(crate) fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
     Ok(output.stdout)
 }
 
+/// What a word of the command line names: standard input (`-`), what a command after `!` writes, or a file, which `read` reads.
+pub(crate) fn read_source<B: From<Vec<u8>>>(
+    source: &str,
+    read: impl FnOnce(&str) -> Result<B, Failure>,
+) -> Result<B, Failure> {
+    match (source, source.strip_prefix('!')) {
+        ("-", _) => read_standard_input().map(B::from),
+        (_, Some(command)) => read_command(command).map(B::from),
+        (path, None) => read(path),
+    }
+}
+
 /// The texts of scenes: files, `-` for standard input, commands after `!`, and the light ring of a camera file.
 pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Result<Vec<Input>, Failure> {
     let mut inputs = Vec::new();
     for path in paths {
-        let bytes = match (path.as_str(), path.strip_prefix('!')) {
-            ("-", _) => read_standard_input()?.into(),
-            (_, Some(command)) => read_command(command)?.into(),
-            (path, None) => read_scene_file(path)?,
-        };
+        let bytes = read_source(path, read_scene_file)?;
         let name = if path == "-" { "<standard input>" } else { path };
         inputs.push(Input::Text { name: name.to_owned(), text: bytes });
     }

@@ -17,7 +17,7 @@ pub(crate) fn write_file(path: &str, bytes: &[u8]) -> Outcome {
         let written = File::options().write(true).open(path).and_then(|mut file| file.write_all(bytes));
         return written.map_err(|error| Failure::write(&named(), &error));
     }
-    let aside = beside(path);
+    let aside = beside(path, &format!("{}.part", std::process::id()));
     let written = File::create(&aside).and_then(|mut file| {
         file.write_all(bytes)?;
         file.sync_all()
@@ -57,8 +57,8 @@ pub(crate) fn write_standard_output(bytes: &[u8]) -> Outcome {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| Failure::write("standard output", &error))
 }
 
-/// Where a file is written until it is whole.
-pub(crate) fn beside(path: &Path) -> PathBuf {
+/// A hidden file beside another one, with its name and an ending: where that is written until it is whole.
+pub(crate) fn beside(path: &Path, ending: &str) -> PathBuf {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+    path.with_file_name(format!(".{name}.{ending}"))
 }

@@ -1,6 +1,6 @@
 //! How values are written: as numbers, or as pixels.
 
-use radsight_picture::{Header, scientific};
+use radsight_picture::{Header, encode_spectrum, scientific};
 use radsight_pinhole::stream::NumberFormat;
 
 /// How values are written.
@@ -46,8 +46,8 @@ impl OutputFormat {
         header.push_variable("FORMAT", self.name(pixels));
     }
 
-    /// Appends numbers, in text each with a tab after it; nothing of pixels.
-    pub(crate) fn put_numbers(self, values: &[f64], out: &mut Vec<u8>) {
+    /// Appends numbers, in text each with a tab after it, or the one pixel that they are.
+    pub(crate) fn put(self, values: &[f64], out: &mut Vec<u8>) {
         match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => {
                 for value in values {
@@ -56,7 +56,12 @@ impl OutputFormat {
                 }
             }
             OutputFormat::Numbers(format) => format.encode(values, out),
-            OutputFormat::Pixels => {}
+            OutputFormat::Pixels => {
+                let single: Vec<f32> = values.iter().map(|value| *value as f32).collect();
+                let start = out.len();
+                out.resize(start + single.len() + 1, 0);
+                encode_spectrum(&single, &mut out[start..]);
+            }
         }
     }
 }

@@ -175,8 +175,13 @@ fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
 fn names_in_file(option: &str, file: &str) -> Result<Vec<String>, Failure> {
     let loaded = DiskLoader::new(Commands::Refused).load(file, FileKind::Other);
     let loaded = loaded.map_err(|error| Failure::input(format!("option \"{option}\": {error}")))?;
-    let text = String::from_utf8_lossy(&loaded.bytes).into_owned();
-    Ok(text.split_whitespace().map(|name| name.trim_matches(['"', '\'']).to_owned()).collect())
+    Ok(names_in(&loaded.bytes))
+}
+
+/// Modifiers' names in a text, which may stand in quotation marks.
+pub(crate) fn names_in(text: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(text);
+    text.split_whitespace().map(|name| name.trim_matches(['"', '\'']).to_owned()).collect()
 }
 
 /// Takes `-i` from the front: whether the irradiance of the surfaces is wanted; gives how many words it used.

@@ -22,6 +22,7 @@ mod rtrace;
 mod scene_program;
 mod sensor;
 mod vwrays;
+mod words;
 
 use crate::args::{Command, Program};
 use crate::failure::Outcome;

@@ -3,7 +3,7 @@
 //! `obj2mesh [-n limit] [-r resolution] [-a material file] [-l library file] [-w] [-v] [file.obj [file.rtm]]`: with material files (`-a`, `-l`), which become part of the mesh,
 //! triangles have the materials that `usemtl` names, else those of their groups. `-n` and `-r` are those of `oconv`. `-v` says what the mesh has.
 
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{read, read_file, read_standard_input};

@@ -43,13 +43,7 @@ impl Combination {
         let mut environment = Environment::new();
         if let Some(first) = inputs.first() {
             for (index, other) in inputs.iter().enumerate() {
-                if other.size() != first.size() {
-                    return Err((index, MatrixError::Size { found: other.size(), expected: first.size() }));
-                }
-                let [found, expected] = [other.components(), first.components()];
-                if found != expected {
-                    return Err((index, MatrixError::Components { found, expected }));
-                }
+                first.check_alike(other).map_err(|error| (index, error))?;
             }
             let numbers = [inputs.len(), first.rows(), first.columns(), first.components()].map(|count| count as f64);
             for (name, value) in ["nfiles", "nrows", "ncols", "ncomp"].into_iter().zip(numbers) {

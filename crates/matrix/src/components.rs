@@ -2,7 +2,7 @@
 
 use crate::{Matrix, MatrixError, Stored};
 use radsight_picture::{Encoding, RgbPrimaries, WHITE_EFFICACY};
-use radsight_spectrum::{Conversion, MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, Sampling, xyz_of_bands};
+use radsight_spectrum::{Conversion, MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, Sampling, xyz_of_whole_bands};
 
 /// Scotopic efficacy of white, and melanopic, lm/W.
 const WHITE_SCOTOPIC: f64 = 412.0;
@@ -144,9 +144,7 @@ impl Matrix {
                 }
                 (false, 3) => single(part),
                 // Of a single band it may be negative: only sums are colours.
-                (false, _) => {
-                    self.bands().map(|range| from_xyz.row(part).dot(xyz_of_bands(&[1.0], range).into())).collect()
-                }
+                (false, _) => self.bands().map(|xyz| from_xyz.row(part).dot(xyz.into())).collect(),
             });
         }
         if let Some(part) = place("XYZ") {
@@ -154,7 +152,7 @@ impl Matrix {
             return Ok(match (is_xyz, components) {
                 (true, _) => single(part),
                 (false, 3) => (to_xyz.row(part) * scale).to_array().to_vec(),
-                (false, _) => self.bands().map(|range| scale * xyz_of_bands(&[1.0], range)[part]).collect(),
+                (false, _) => self.bands().map(|xyz| scale * xyz[part]).collect(),
             });
         }
         if letter.eq_ignore_ascii_case(&'A') {
@@ -172,12 +170,9 @@ impl Matrix {
         Ok(weights.map(|weight| weight * scale).to_vec())
     }
 
-    /// Where each band begins and ends, nm, in whole numbers as Radiance takes them.
-    fn bands(&self) -> impl Iterator<Item = [f64; 2]> {
-        let (first, width) = (f64::from(self.splits[0]), f64::from(self.splits[3] - self.splits[0]));
-        let count = self.components();
-        let edge = move |band: usize| (first + width * band as f64 / count as f64).trunc();
-        (0..count).map(move |band| [edge(band), edge(band + 1)])
+    /// X, Y and Z of each band alone.
+    fn bands(&self) -> impl Iterator<Item = [f64; 3]> {
+        xyz_of_whole_bands(self.components(), [self.splits[0], self.splits[3]].map(f64::from))
     }
 }
 

@@ -8,10 +8,7 @@ impl Matrix {
     /// # Errors
     /// When it is not.
     pub fn add(&mut self, other: &Matrix) -> Result<(), MatrixError> {
-        self.check_size(other)?;
-        if self.components() != other.components() {
-            return Err(MatrixError::Components { found: other.components(), expected: self.components() });
-        }
+        self.check_alike(other)?;
         self.stored = self.stored.with(other.stored).unwrap_or(self.stored);
         self.values_mut().iter_mut().zip(other.values()).for_each(|(value, other)| *value += other);
         Ok(())
@@ -36,6 +33,13 @@ impl Matrix {
             *value = if other == 0.0 { 0.0 } else { *value / other };
         })?;
         Ok(zeros)
+    }
+
+    /// Whether another one has the same size and components.
+    pub(crate) fn check_alike(&self, other: &Matrix) -> Result<(), MatrixError> {
+        self.check_size(other)?;
+        let [found, expected] = [other.components(), self.components()];
+        if found == expected { Ok(()) } else { Err(MatrixError::Components { found, expected }) }
     }
 
     fn check_size(&self, other: &Matrix) -> Result<(), MatrixError> {

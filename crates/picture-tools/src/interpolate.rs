@@ -3,7 +3,7 @@
 //! Each pixel is a point of the scene; in the new view it covers the parallelogram between its own place and those of its neighbours, if they are as far away. What is nearer hides
 //! what is farther. What no pixel covers lies behind an edge and is taken from the farther side.
 
-use radsight_picture::{Image, Resolution, View, ViewKind};
+use radsight_picture::{Resolution, View, ViewKind};
 
 /// The largest weight of a pixel, for one that is seen as it was.
 const MOST_WEIGHT: f64 = 1000.0;
@@ -35,6 +35,20 @@ pub struct InterpolateOptions {
     pub background: ([f32; 3], f32),
     /// What distances are, here and there.
     pub distances: Distances,
+}
+
+impl Default for InterpolateOptions {
+    /// As `pinterp` has them for one picture.
+    fn default() -> Self {
+        InterpolateOptions {
+            tolerance: 0.02,
+            averages: false,
+            fills_surfaces: true,
+            fills_holes: Some(0),
+            background: ([0.0; 3], 0.0),
+            distances: Distances::Rays,
+        }
+    }
 }
 
 /// A view in the making. Rows are counted from the bottom.
@@ -300,14 +314,6 @@ impl Interpolation {
     fn in_picture_order(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.rows).rev().flat_map(|row| row * self.columns..(row + 1) * self.columns)
     }
-
-    /// The picture as an image.
-    ///
-    /// # Errors
-    /// When it has no pixels.
-    pub fn image(&self) -> Result<Image<f32>, radsight_picture::PictureError> {
-        Image::new(self.columns, self.rows, 3, self.pixels().into_flattened())
-    }
 }
 
 #[cfg(test)]
@@ -315,15 +321,6 @@ mod tests {
     use super::*;
     use glam::DVec3;
     use radsight_picture::ViewOptions;
-
-    const OPTIONS: InterpolateOptions = InterpolateOptions {
-        tolerance: 0.02,
-        averages: false,
-        fills_surfaces: true,
-        fills_holes: Some(0),
-        background: ([0.0; 3], 0.0),
-        distances: Distances::Rays,
-    };
 
     fn view(x: f64) -> View {
         View::new(ViewOptions { point: DVec3::new(x, 0.0, 0.0), ..ViewOptions::default() }).unwrap()
@@ -346,7 +343,11 @@ mod tests {
     fn a_wall_looks_as_from_where_it_is_seen() {
         let resolution = Resolution::standard(60, 60);
         for averages in [false, true] {
-            let mut made = Interpolation::new(view(0.1), [60, 60], InterpolateOptions { averages, ..OPTIONS });
+            let mut made = Interpolation::new(
+                view(0.1),
+                [60, 60],
+                InterpolateOptions { averages, ..InterpolateOptions::default() },
+            );
             for x in [0.0, 0.2] {
                 let (pixels, depths) = wall(&view(x), &resolution);
                 made.add(&pixels, &depths, &view(x), &resolution);
@@ -374,7 +375,7 @@ mod tests {
         let near = |x: usize| (15..25).contains(&x);
         let pixels: Vec<[f32; 3]> = (0..40).map(|x| if near(x) { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }).collect();
         let depths: Vec<f32> = (0..40).map(|x| if near(x) { 1.0 } else { 5.0 }).collect();
-        let mut made = Interpolation::new(view(0.1), [40, 1], OPTIONS);
+        let mut made = Interpolation::new(view(0.1), [40, 1], InterpolateOptions::default());
         made.add(&pixels, &depths, &seen, &resolution);
         made.finish();
         let found = made.pixels();

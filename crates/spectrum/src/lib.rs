@@ -21,5 +21,5 @@ mod rgb;
 mod sampling;
 
 pub use conversion::Conversion;
-pub use rgb::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, xyz_of_bands, xyz_to_rgb};
+pub use rgb::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, xyz_of_bands, xyz_of_whole_bands, xyz_to_rgb};
 pub use sampling::Sampling;

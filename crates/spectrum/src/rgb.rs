@@ -44,6 +44,12 @@ pub fn xyz_of_bands(values: &[f64], range_nm: [f64; 2]) -> [f64; 3] {
     sum
 }
 
+/// X, Y and Z of each of so many bands alone; bands begin and end at whole nanometres, as Radiance takes them.
+pub fn xyz_of_whole_bands(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
+    let edge = move |band: usize| (first_nm + (last_nm - first_nm) * band as f64 / bands as f64).trunc();
+    (0..bands).map(move |band| xyz_of_bands(&[1.0], [edge(band), edge(band + 1)]))
+}
+
 /// What X, Y and Z each band gives.
 pub(crate) fn band_weights(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
     let step = (last_nm - first_nm) / bands as f64;

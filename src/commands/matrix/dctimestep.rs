@@ -4,13 +4,13 @@
 //! are a matrix, or pictures with their number in the name (`dc%03d.hdr`), one for each direction of the sky; the view may be either, too. A sky has a column for each
 //! moment, as `gendaymtx` writes it; with `-n` it is text without a header. `-o` with a number in the name (`%04d`) makes a file of each moment. `-N -m` change nothing.
 
-use super::input::{format, read_bytes, read_matrix, wrong};
+use super::input::{format, read_bytes, read_factor, read_matrix, wrong};
 use crate::clock::greenwich_time;
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, say};
-use crate::file_pattern::named;
+use crate::file_pattern::{holds_number, named};
 use crate::output::{write_file, write_standard_output};
-use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, bsdf_matrix};
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scientific};
 
 /// The command line.
@@ -48,7 +48,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     };
     let mut result = request.sky(sky_source)?;
     for source in factors.into_iter().flatten().rev() {
-        result = times(source, &factor(source)?, &result)?;
+        result = times(source, &in_color(source, read_factor(PROGRAM, source, Wanted::Transmission)?)?, &result)?;
     }
     if holds_number(view) {
         return request.sum_pictures(view, &result);
@@ -60,14 +60,6 @@ fn times(source: &str, left: &Matrix, right: &Matrix) -> Result<Matrix, Failure>
     left.times(right).map_err(|error| wrong(PROGRAM, source, &error))
 }
 
-/// A BSDF or a matrix.
-fn factor(source: &str) -> Result<Matrix, Failure> {
-    if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
-        return color_matrix(source);
-    }
-    bsdf_matrix(&read_bytes(source)?, Wanted::Transmission).map_err(|error| wrong(PROGRAM, source, &error))
-}
-
 fn color_matrix(source: &str) -> Result<Matrix, Failure> {
     in_color(source, read_matrix(PROGRAM, source)?)
 }
@@ -77,11 +69,6 @@ fn in_color(source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
         3 => Ok(matrix),
         found => Err(wrong(PROGRAM, source, &MatrixError::Components { found, expected: 3 })),
     }
-}
-
-/// Whether a name has a place for a number.
-fn holds_number(name: &str) -> bool {
-    named(PROGRAM, name, "", 0).is_ok_and(|(_, _, holds_number)| holds_number)
 }
 
 impl Request {

@@ -1,9 +1,9 @@
 //! Matrices from files, standard input and commands, and the options that change each of them.
 
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::failure::Failure;
-use crate::input::{read_command, read_file, read_standard_input};
-use radsight_matrix::{Matrix, MatrixError, Stored, Transform};
+use crate::input::{read_file, read_source};
+use radsight_matrix::{Matrix, MatrixError, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_picture::leading_number;
 
 /// What is done with a matrix after it was read.
@@ -27,11 +27,7 @@ pub(super) enum Components {
 
 /// The bytes of a file, of standard input (`-`), or of what a command after `!` writes.
 pub(super) fn read_bytes(source: &str) -> Result<Vec<u8>, Failure> {
-    match (source, source.strip_prefix('!')) {
-        ("-", _) => read_standard_input(),
-        (_, Some(command)) => read_command(command),
-        (path, None) => read_file(path, "matrix"),
-    }
+    read_source(source, |path| read_file(path, "matrix"))
 }
 
 /// What is wrong with a matrix of this name.
@@ -45,7 +41,22 @@ pub(super) fn read_matrix(program: &str, source: &str) -> Result<Matrix, Failure
     Matrix::read(&read_bytes(source)?).map_err(|error| wrong(program, source, &error))
 }
 
+/// Reads a matrix, or the BSDF file that a name ending in `.xml` means.
+pub(super) fn read_factor(program: &str, source: &str, wanted: Wanted) -> Result<Matrix, Failure> {
+    if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
+        return read_matrix(program, source);
+    }
+    bsdf_matrix(&read_bytes(source)?, wanted).map_err(|error| wrong(program, source, &error))
+}
+
 impl Change {
+    /// What is done with the next matrix, to whose components `all` holds where nothing else is said; what follows begins anew.
+    pub(super) fn take_for_next(&mut self, all: Option<&String>) -> Change {
+        let mut own = std::mem::take(self);
+        own.components = own.components.or_else(|| all.cloned().map(Components::Named));
+        own
+    }
+
     /// Applies components and factors, and then the transpose.
     pub(super) fn apply(&self, program: &str, source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
         let failed = |error: MatrixError| wrong(program, source, &error);

@@ -5,7 +5,7 @@ mod input;
 mod rcomb;
 mod rmtxop;
 
-use super::picture::words::Words;
+use super::words::Words;
 use crate::failure::Outcome;
 
 /// What runs a program.

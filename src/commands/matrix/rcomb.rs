@@ -4,9 +4,9 @@
 //! comes out (sums where nothing is defined), of `ci(input,component) ri(input) gi bi`, `r c` (row and column), `wl(component)`, `nfiles nrows ncols ncomp R G B PI`.
 //! `-s` and `-c` change the matrix that follows, after the last one the result, which `-m` multiplies by a matrix, `-mt` by a transposed one.
 
-use super::input::{Change, Components, format, read_matrix, result_format, wrong};
+use super::input::{Change, format, read_matrix, result_format, wrong};
 use crate::clock::greenwich_time;
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
 use crate::output::write_standard_output;
@@ -67,9 +67,7 @@ impl Request {
         let (mut request, mut change, mut all) = (Request::default(), Change::default(), None);
         while let Some(word) = words.next_if(|_| true) {
             if word.len() < 2 || !word.starts_with('-') {
-                let mut own = std::mem::take(&mut change);
-                own.components = own.components.or_else(|| all.clone().map(Components::Named));
-                request.inputs.push((word.to_owned(), own));
+                request.inputs.push((word.to_owned(), change.take_for_next(all.as_ref())));
                 continue;
             }
             if change.take(word, words, &mut all)? {

@@ -4,12 +4,12 @@
 //! follows, after the last one the result. `.` is the matrix product, also where nothing is said; `+ * /` go element by element. `-t` transposes, `-s` multiplies,
 //! `-c` makes other components. A BSDF file (`.xml`) is its transmission, with `-rf` and `-rb` its reflection from the front and the back.
 
-use super::input::{Change, Components, format, read_bytes, read_matrix, result_format, wrong};
-use crate::commands::picture::words::Words;
+use super::input::{Change, format, read_factor, result_format, wrong};
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, say};
 use crate::output::write_standard_output;
 use radsight_bsdf::Side;
-use radsight_matrix::{Matrix, MatrixError, Stored, Wanted, bsdf_matrix};
+use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_picture::Header;
 
 /// A matrix, and what is done with it.
@@ -68,10 +68,9 @@ impl Request {
                 if word == "-" && operands.iter().any(|operand| operand.source == "-") {
                     return Err(usage("standard input is named twice"));
                 }
-                let mut own = std::mem::take(&mut change);
-                own.components = own.components.or_else(|| all.clone().map(Components::Named));
+                let change = change.take_for_next(all.as_ref());
                 let joined = operation.take().unwrap_or(Operation::Product);
-                operands.push(Operand { source: word.to_owned(), change: own, wanted, operation: joined });
+                operands.push(Operand { source: word.to_owned(), change, wanted, operation: joined });
                 wanted = Wanted::Transmission;
             } else if !change.take(word, words, &mut all)? {
                 match word {
@@ -125,14 +124,7 @@ impl Operation {
 
 impl Operand {
     fn load(&self, program: &str) -> Result<Matrix, Failure> {
-        let is_bsdf = !self.source.starts_with('!') && self.source.to_ascii_lowercase().ends_with(".xml");
-        let matrix = if is_bsdf {
-            let read = bsdf_matrix(&read_bytes(&self.source)?, self.wanted);
-            read.map_err(|error| wrong(program, &self.source, &error))?
-        } else {
-            read_matrix(program, &self.source)?
-        };
-        self.change.apply(program, &self.source, matrix)
+        self.change.apply(program, &self.source, read_factor(program, &self.source, self.wanted)?)
     }
 }
 

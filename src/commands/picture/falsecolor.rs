@@ -6,7 +6,7 @@
 
 use super::files::{Source, failed, open, open_twice, output};
 use super::psign::picture_of;
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Header, Picture, PictureReader, WHITE_EFFICACY, encode_rgbe, general, scientific};
 use radsight_picture_tools::ToolError;

@@ -5,7 +5,7 @@
 //! have all but the header, and adds it there.
 
 use super::files::{finish, open_file, output, read_header, write_failed};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{Header, Resolution};
 use std::fs::File;

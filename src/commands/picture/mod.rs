@@ -14,10 +14,9 @@ mod pturn;
 mod pvalue;
 mod ra_xyze;
 mod raster;
-pub(super) mod words;
 
+use super::words::Words;
 use crate::failure::Outcome;
-use words::Words;
 
 /// What runs a program.
 type Program = fn(Words<'_>) -> Outcome;

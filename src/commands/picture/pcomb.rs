@@ -6,7 +6,7 @@
 //! picture that begins with `!` is a command.
 
 use super::files::{History, Source, failed, finish, open_any, output, write_failed};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
 use radsight_cal::{Environment, NoHost};

@@ -6,7 +6,7 @@
 
 use super::files::{History, Source, dated_header, failed, open_any, output};
 use super::psign::picture_of;
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Header, PictureReader, encode_rgbe};
 use radsight_picture_tools::ToolError;

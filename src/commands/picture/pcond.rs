@@ -6,7 +6,7 @@
 //! cd/m², `-d R` its range; `-p …` its primaries, `-f FILE` its calibration by macbethcal; `-x FILE` writes the map that was used.
 
 use super::files::{failed, open_twice, put_file};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{check_writable, write_file};

@@ -1,7 +1,7 @@
 //! `pextrem [-o|-O] [picture]`: the darkest and the brightest pixel. `-o` undoes exposures, `-O` gives W/(sr·m²) of XYZE too.
 
 use super::files::{failed, finish, open_picture, output, write_failed};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::Outcome;
 use radsight_picture::{Encoding, WHITE_EFFICACY, scientific};
 use radsight_picture_tools::extrema::extrema;

@@ -6,7 +6,7 @@
 //! N points that spread by S, `-h L` the brightness that shines, `-a` averages what shines too; `-t LAMP` makes the light of a lamp white, by the table `-f FILE`.
 
 use super::files::{failed, open, open_twice, output};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use radsight_generate::lamp_color;

@@ -6,7 +6,7 @@
 //! over all views (`VIEW=` lines) of standard input.
 
 use super::files::{History, dated_header, failed};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
@@ -91,19 +91,11 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
 
 impl Request {
     fn read(words: &mut Words<'_>) -> Result<Request, Failure> {
-        let interpolate = InterpolateOptions {
-            tolerance: 0.02,
-            averages: false,
-            fills_surfaces: true,
-            fills_holes: Some(0),
-            background: ([0.0; 3], 0.0),
-            distances: Distances::Rays,
-        };
         let mut request = Request {
             view: ViewOptions::default(),
             size: [512, 512],
             pixel_aspect: 1.0,
-            interpolate,
+            interpolate: InterpolateOptions::default(),
             averages: None,
             blurs: false,
             depths: None,

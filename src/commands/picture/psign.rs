@@ -1,7 +1,7 @@
 //! `psign [-cb R G B] [-cf R G B] [-dr|-du|-dl|-dd] [-h N] [-a A] [-x N] [-y N] [-s S] [-f font] [text …]`: text as a picture.
 
 use super::files::output;
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
 use crate::input::read_standard_input;

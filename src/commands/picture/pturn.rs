@@ -4,7 +4,7 @@
 //! turned; without it the order changes with the pixels.
 
 use super::files::{failed, open_picture, put_file};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Outcome, say};
 use radsight_picture::Header;
 use radsight_picture_tools::turn::{OrderRecord, Turn, turn};

@@ -8,7 +8,7 @@
 mod reading;
 
 use super::files::{failed, finish, open, open_twice, output, write_failed};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, Orientation, PictureReader, Resolution, RgbPrimaries, WHITE_EFFICACY};
 use radsight_picture_tools::brightness::Brightness;

@@ -3,11 +3,11 @@
 
 use super::files::{failed, open_picture, put_file};
 use super::raster::{rows_of, stops};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
 use radsight_picture_tools::gamma::shifted;
-use radsight_spectrum::xyz_of_bands;
+use radsight_spectrum::xyz_of_whole_bands;
 
 /// How scanlines are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -64,7 +64,10 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
     let from_xyz = reader.encoding() == Encoding::Xyze;
     let primaries = reader.header().primaries().map_err(wrong)?.unwrap_or(RgbPrimaries::STANDARD);
     let of_bands = match reader.encoding() {
-        Encoding::Spectral { splits } if reader.components() > 3 => Some(xyz_of_each(reader.components(), splits)),
+        Encoding::Spectral { splits } if reader.components() > 3 => {
+            let range = [splits[0], splits[3]].map(f64::from);
+            Some(xyz_of_whole_bands(reader.components(), range).collect::<Vec<_>>())
+        }
         _ => None,
     };
     let is_rgb = !from_xyz && of_bands.is_none();
@@ -121,13 +124,6 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
         }
         writer.finish().map_err(wrong)
     })
-}
-
-/// X, Y and Z of each band; its ends in whole nanometres, as Radiance takes them.
-fn xyz_of_each(bands: usize, splits: [f32; 4]) -> Vec<[f64; 3]> {
-    let [first, .., last] = splits.map(f64::from);
-    let edge = |band: usize| (first + (last - first) * band as f64 / bands as f64).trunc();
-    (0..bands).map(|band| xyz_of_bands(&[1.0], [edge(band), edge(band + 1)])).collect()
 }
 
 fn xyz_of_spectrum(spectrum: &[f32], of_bands: &[[f64; 3]]) -> [f32; 3] {

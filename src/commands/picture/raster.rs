@@ -6,7 +6,7 @@ mod ppm;
 mod tiff;
 
 use super::files::{failed, open_picture, put_file};
-use super::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use glam::DMat3;
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, Resolution, RgbPrimaries, encode_rgbe};

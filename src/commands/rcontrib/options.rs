@@ -6,7 +6,7 @@ use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::{Failure, reason};
 use crate::output_format::OutputFormat;
-use crate::render_args::{number, take_irradiance, take_one, take_own};
+use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
@@ -232,13 +232,12 @@ impl Options {
         let bytes = std::fs::read(file)
             .map_err(|error| Failure::input(format!("cannot read modifiers \"{file}\": {}", reason(&error))))?;
         let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
-        for name in String::from_utf8_lossy(&bytes).split_whitespace() {
-            let name = name.trim_matches(['"', '\'']);
-            if name == "void" || !known.insert(name.to_owned()) {
-                return self.track(name.to_owned());
+        for name in names_in(&bytes) {
+            if name == "void" || !known.insert(name.clone()) {
+                return self.track(name);
             }
             let (output, bin) = (self.next_output.clone(), self.next_bin.clone());
-            self.tracked.push(Tracked { name: name.to_owned(), output, bin });
+            self.tracked.push(Tracked { name, output, bin });
         }
         Ok(())
     }

@@ -4,10 +4,11 @@ use super::bins::Bins;
 use super::options::Options;
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
-use crate::file_pattern::named;
+use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
+use crate::output::beside;
 use crate::output_format::OutputFormat;
-use radsight_picture::{Resolution, encode_spectrum};
+use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -91,7 +92,7 @@ impl<'o> Streams<'o> {
     /// Writes a record: a value for each bin of each modifier.
     pub(super) fn put(&mut self, values: &[f64]) -> Outcome {
         for (value, stream) in values.chunks_exact(self.options.components()).zip(&self.of_bin) {
-            encode(value, self.options.output_format, &mut self.streams[*stream].held);
+            self.options.output_format.put(value, &mut self.streams[*stream].held);
         }
         if self.options.output_format == OutputFormat::Numbers(NumberFormat::Ascii) {
             self.streams.iter_mut().for_each(|stream| stream.held.push(b'\n'));
@@ -202,7 +203,7 @@ impl Layout {
             // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
             let mut first = 0;
             if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
-                while pattern_holds_bin(pattern)
+                while holds_number(pattern)
                     && by_name.contains_key(&Some(named("rcontrib", pattern, &tracked.name, first)?.0))
                 {
                     first += 1;
@@ -237,8 +238,7 @@ impl Layout {
 
 /// Where a file is written until it is whole: a place that a later run finds.
 pub(super) fn aside(path: &Path) -> PathBuf {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    path.with_file_name(format!(".{name}.part"))
+    beside(path, "part")
 }
 
 impl Planned {
@@ -246,10 +246,6 @@ impl Planned {
     pub(super) fn is_picture(&self, options: &Options) -> bool {
         self.values == 1 && options.size.iter().all(|size| *size > 0)
     }
-}
-
-fn pattern_holds_bin(pattern: &str) -> bool {
-    named("rcontrib", pattern, "", 0).is_ok_and(|(_, _, holds_bin)| holds_bin)
 }
 
 /// What stands before the records.
@@ -292,16 +288,4 @@ fn header(options: &Options, planned: &Planned) -> Vec<u8> {
 /// What the format of pixels is called.
 pub(super) fn pixel_format(options: &Options) -> &'static str {
     if options.components() > 3 { "Radiance_spectra" } else { "32-bit_rle_rgbe" }
-}
-
-fn encode(value: &[f64], format: OutputFormat, out: &mut Vec<u8>) {
-    match format {
-        OutputFormat::Numbers(_) => format.put_numbers(value, out),
-        OutputFormat::Pixels => {
-            let single: Vec<f32> = value.iter().map(|band| *band as f32).collect();
-            let start = out.len();
-            out.resize(start + value.len() + 1, 0);
-            encode_spectrum(&single, &mut out[start..]);
-        }
-    }
 }

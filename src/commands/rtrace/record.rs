@@ -5,7 +5,6 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::ray_input::InputRay;
 use glam::DVec3;
-use radsight_picture::encode_spectrum;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BandValues, FirstHit, RenderPlan, Sampling, Traced};
 use std::io::Write;
@@ -78,29 +77,26 @@ impl<'o> Writer<'o> {
         let value = self.value(found, &mut bands);
         let format = self.options.output_format;
         if format == OutputFormat::Pixels {
-            let pixel: Vec<f32> = value.iter().map(|value| *value as f32).collect();
-            let start = out.len();
-            out.resize(start + pixel.len() + 1, 0);
-            return encode_spectrum(&pixel, &mut out[start..]);
+            return format.put(value, out);
         }
         let hit = found.and_then(Found::hit);
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
         for field in &self.options.output {
             match field {
-                Field::Value | Field::Contribution => format.put_numbers(value, out),
+                Field::Value | Field::Contribution => format.put(value, out),
                 // The input ray is the whole of itself.
-                Field::Coefficient => format.put_numbers(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
-                Field::Weight => format.put_numbers(&[1.0], out),
-                Field::Direction => format.put_numbers(&vector(input.ray.map(|ray| ray.direction)), out),
-                Field::Origin => format.put_numbers(&input.origin.to_array(), out),
+                Field::Coefficient => format.put(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
+                Field::Weight => format.put(&[1.0], out),
+                Field::Direction => format.put(&vector(input.ray.map(|ray| ray.direction)), out),
+                Field::Origin => format.put(&input.origin.to_array(), out),
                 Field::EffectiveDistance => {
-                    format.put_numbers(&[distance(found.and_then(Found::effective_distance))], out);
+                    format.put(&[distance(found.and_then(Found::effective_distance))], out);
                 }
-                Field::FirstDistance => format.put_numbers(&[distance(hit.map(|hit| hit.distance))], out),
-                Field::Local => format.put_numbers(&hit.map_or([0.0; 2], |hit| hit.local), out),
-                Field::Point => format.put_numbers(&end(input, found).to_array(), out),
-                Field::PerturbedNormal => format.put_numbers(&vector(hit.map(|hit| hit.perturbed_normal)), out),
-                Field::Normal => format.put_numbers(&vector(hit.map(|hit| hit.normal)), out),
+                Field::FirstDistance => format.put(&[distance(hit.map(|hit| hit.distance))], out),
+                Field::Local => format.put(&hit.map_or([0.0; 2], |hit| hit.local), out),
+                Field::Point => format.put(&end(input, found).to_array(), out),
+                Field::PerturbedNormal => format.put(&vector(hit.map(|hit| hit.perturbed_normal)), out),
+                Field::Normal => format.put(&vector(hit.map(|hit| hit.normal)), out),
                 Field::Surface => self.name_out(hit, 0, out),
                 Field::Modifier => self.name_out(hit, 1, out),
                 Field::Material => self.name_out(hit, 2, out),

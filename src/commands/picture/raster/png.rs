@@ -3,7 +3,7 @@
 
 use super::{Colors, GAMMA, Pixels, open_picture, put_file, stops};
 use crate::commands::picture::files::{failed, write_failed};
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Image, write_png_grey8, write_png_rgb8};
 use radsight_picture_tools::gamma::{GammaTable, with_grey};

@@ -3,7 +3,7 @@
 
 use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
-use crate::commands::picture::words::Words;
+use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{
     Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels, write_log_luv, write_tiff_pixels,
