@@ -68,6 +68,15 @@ impl OutputColor {
         }
     }
 
+    /// What a value of 1 W is in these components: lm, or again W.
+    pub(crate) fn unit(&self) -> f64 {
+        match self {
+            OutputColor::Xyz(_) => WHITE_EFFICACY,
+            OutputColor::Weighted(weights) => weights.iter().sum(),
+            OutputColor::Rgb | OutputColor::Primaries(..) | OutputColor::Bands => 1.0,
+        }
+    }
+
     /// A value in these components, of which only as many count as there are.
     pub(crate) fn of(&self, value: [f64; 3]) -> [f64; 3] {
         match self {

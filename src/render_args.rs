@@ -172,7 +172,7 @@ fn name_surfaces(options: &mut RenderOptions, only: bool, name: String) {
 }
 
 /// The words of a file, which is looked for in `RAYPATH`.
-fn names_in_file(option: &str, file: &str) -> Result<Vec<String>, Failure> {
+pub(crate) fn names_in_file(option: &str, file: &str) -> Result<Vec<String>, Failure> {
     let loaded = DiskLoader::new(Commands::Refused).load(file, FileKind::Other);
     let loaded = loaded.map_err(|error| Failure::input(format!("option \"{option}\": {error}")))?;
     Ok(names_in(&loaded.bytes))

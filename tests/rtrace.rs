@@ -208,3 +208,102 @@ fn the_work_ends_after_the_rays_of_the_picture() {
     assert_eq!(short.messages, "rtrace: warning - unexpected EOF on input\n");
     assert_eq!(short.text().lines().count(), 1 + RAYS.lines().count());
 }
+
+/// Nothing rough, and lights so small that their points do not matter.
+const GLASSWORK: &str = "
+void light lamp 0 0 3 1e8 2e8 3e8
+lamp sphere bulb 0 0 4 0 0 5 1e-4
+void light sunlight 0 0 3 1e7 9e6 8e6
+sunlight source sun 0 0 4 .3 -.6 .8 .002
+void plastic coated 0 0 5 .5 .4 .3 .1 0
+coated ring floor 0 0 8 0 0 0 0 0 1 0 5
+void glass pane 0 0 3 .9 .8 .7
+pane polygon window 0 0 12 -1.3 -1.3 2 1.3 -1.3 2 1.3 1.3 2 -1.3 1.3 2
+void mirror silver 0 0 3 .8 .7 .6
+silver polygon looking_glass 0 0 12 3 2 0 3 -2 0 3 -2 4 3 2 4
+void dielectric crystal 0 0 5 .9 .8 .7 1.5 0
+crystal sphere ball 0 0 4 -2 0 1 .7
+void trans frosted 0 0 7 .6 .5 .4 .1 0 .7 .4
+frosted polygon screen 0 0 12 -1 3 .5 1 3 .5 1 3 2.5 -1 3 2.5
+void trans clear 0 0 7 .9 .9 .8 .02 0 .9 .9
+clear polygon veil 0 0 12 -1 -3 .5 1 -3 .5 1 -3 2.5 -1 -3 2.5
+void colorfunc tint 4 .5+.1*Px .6 .7 . 0 0
+tint alias void_tint tint
+tint polygon ghost 0 0 12 -4 -1 0 -4 1 0 -4 1 3 -4 -1 3
+void metal brass 0 0 5 .7 .5 .2 .9 0
+brass sphere bowl 0 0 4 2 2 1 .6
+";
+
+const GLANCES: [&str; 9] = [
+    "0 -.3 4 .1 .1 -1\n",
+    "1.6 .1 1 1 .13 .11\n",
+    "-2 -3 1.2 .03 1 .02\n",
+    "0 0 1.2 .01 1 .1\n",
+    "0 0 1.2 .01 -1 .1\n",
+    "0 0 1 .2 .1 -1\n",
+    "-3 .2 1 -1 .1 .2\n",
+    "2 .1 1.3 .04 1 .05\n",
+    "0 0 3 .1 .2 1\n",
+];
+
+fn glances(radiance: &Radiance, words: &[&str], rays: &str) -> [Vec<u8>; 2] {
+    let folder = Folder::new();
+    folder.file("glasswork.rad", GLASSWORK);
+    let octree = radiance.octree(&folder, &["glasswork.rad"]);
+    let fixed = ["-h", "-w-", "-u-", "-dt", "0", "-dj", "0", "-lw", "1e-3", "-lr", "4"];
+    let ours = [&["rtrace"][..], &fixed, words, &["glasswork.rad"]].concat();
+    let ours = run_with(command(&ours).current_dir(folder.path("")), rays.as_bytes()).done();
+    let mut theirs = radiance.command("rtrace", &[&fixed[..], words, &[&octree]].concat());
+    [ours, run_with(theirs.current_dir(folder.path("")), rays.as_bytes()).done()]
+}
+
+#[test]
+fn trees_of_rays_are_those_of_real_rtrace() {
+    let Some(radiance) = Radiance::find() else { return };
+    let cases: [&[&str]; 8] = [
+        &["-otvL"],
+        &["-oTvlLmsM"],
+        &["-otw"],
+        &["-otopnN", "-ti", "pane", "-ti", "coated", "-ti", "crystal", "-ti", "silver", "-ti", "tint"],
+        &["-oTV"],
+        &["-ovtrRxX"],
+        &["-otm~L", "-ti", "pane", "-ti", "coated"],
+        &["-oTmL", "-te", "pane"],
+    ];
+    for words in cases {
+        for rays in GLANCES {
+            let [ours, theirs] = glances(&radiance, words, rays);
+            same_words(&ours, &theirs, &[words, &[rays]].concat());
+        }
+    }
+}
+
+#[test]
+fn mirror_images_are_told_apart_as_in_real_rtrace() {
+    let Some(radiance) = Radiance::find() else { return };
+    for words in [["-orR"], ["-oxX"], ["-oRXvrx"]] {
+        let [ours, theirs] = glances(&radiance, &words, &GLANCES.concat());
+        same_words(&ours, &theirs, &words);
+    }
+    // A flat mirror shows its image behind it, glass with the pattern of what is beyond.
+    let [ours, _] = glances(&radiance, &["-oRX", "-pY"], GLANCES[1]);
+    assert!(String::from_utf8_lossy(&ours).split_whitespace().all(|word| word.parse::<f64>().is_ok()));
+}
+
+#[test]
+fn the_contributions_of_a_tree_add_up_to_its_value() {
+    let folder = Folder::new();
+    folder.file("scene.rad", SCENE);
+    // Drawn rays and shadow rays end there alone: what comes directly and what the sky sends by one bounce.
+    let words = ["rtrace", "-h", "-ab", "1", "-lw", "1e-9", "-oTVms", "scene.rad"];
+    let text = run_with(command(&words).current_dir(folder.path("")), b"0 0 2 0 1 -.3\n").text();
+    let record = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        (words[0].parse::<f64>().expect("a number"), words[3].to_owned())
+    };
+    let told: Vec<(f64, String)> = text.lines().map(record).collect();
+    let (total, _) = told.last().expect("the ray itself");
+    let parts: f64 = told[..told.len() - 1].iter().map(|(part, _)| part).sum();
+    assert!(told.len() >= 3 && (parts - total).abs() < 1e-5 * total, "{text}");
+    assert!(told.iter().any(|(_, name)| name == "lamp") && told.iter().any(|(_, name)| name == "sky"), "{text}");
+}

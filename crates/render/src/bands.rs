@@ -81,6 +81,12 @@ impl BandValues {
         }
     }
 
+    /// The products with as many other values.
+    #[must_use]
+    pub fn times(&self, other: &BandValues) -> BandValues {
+        BandValues { values: std::array::from_fn(|band| self.values[band] * other.values[band]), count: self.count }
+    }
+
     /// Multiplies all values.
     pub fn scale(&mut self, factor: f64) {
         for value in &mut self.values {

@@ -53,6 +53,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             return *segment;
         }
         let left = medium.transmission(distance);
+        let before = self.radiance;
         if medium.scatters() {
             let ambient: [f64; BANDS] = bands(self.plan.options.ambient_value);
             for band in 0..BANDS {
@@ -62,6 +63,10 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             if medium.scatters_lights() && distance.is_finite() {
                 self.scatter_lights(segment, &medium, distance);
             }
+        }
+        if let Some(tree) = &mut self.tree {
+            let haze = std::array::from_fn(|band| self.radiance[band] - before[band]);
+            tree.dim(segment.node, left, haze);
         }
         Segment { throughput: product(segment.throughput, left), ..*segment }
     }
@@ -125,7 +130,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let behind = direction.dot(hit.front) > 0.0;
         let (pattern, perturbation) = self.body_appearance(segment, hit, shader);
         let met = boundary.refract(direction, hit.front, perturbation);
-        self.note_normal(segment, met.normal);
+        // As in Radiance, a body's normal points out of it.
+        self.note_normal(segment, if behind { -met.normal } else { met.normal });
         if let Some((onward, factor)) = met.onward {
             let lights = self.medium(segment.medium).lights;
             let next = match boundary.sides(behind)[1] {
@@ -137,7 +143,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             self.specular_into(segment, hit, (onward, next), [factor; BANDS], Passage::Refraction { flat });
         }
         let reflected = met.reflected(direction, hit.front);
-        self.specular(segment, hit, reflected, [met.reflectance; BANDS], Passage::Other);
+        let image = self.image_behind(hit, perturbation);
+        self.specular(segment, hit, reflected, [met.reflectance; BANDS], Passage::Reflection { image });
     }
 
     /// The surface of mist: only the medium changes.

@@ -35,7 +35,7 @@ pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     let real = plan.lights.partition_point(|light| light.relays.is_empty());
     let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
-    let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty();
+    let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
     THRIFT.map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }
 
@@ -243,6 +243,7 @@ impl DirectSampler<'_> {
         if product(weight, radiance).iter().all(|band| *band == 0.0) {
             return dark;
         }
+        tracer.begin_shadow(self, (light, sample), weight, radiance);
         let arriving = self.arriving(tracer, light, sample, between, radiance);
         let given = product(weight, arriving);
         self.note_light(tracer, light, sample, given);

@@ -8,6 +8,7 @@ use crate::options::Unshared;
 use crate::ray::{PrimitiveId, Ray, Spread};
 use crate::surface_light::LitPoint;
 use crate::trace::{Segment, Tracer};
+use crate::tree::NodeId;
 use glam::DVec3;
 use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -197,6 +198,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cut_beyond: cut,
             follows_no_diffuse: false,
             direct_view: false,
+            node: NodeId::NONE,
         });
         let distance = self.first_distance();
         Gathered { radiance: self.radiance, distance }

@@ -54,6 +54,7 @@ mod surface_light;
 mod survey;
 mod tilt;
 mod trace;
+mod tree;
 mod view;
 mod visible_side;
 mod weak_highlight;
@@ -61,11 +62,12 @@ mod weak_highlight;
 pub use bands::BandValues;
 pub use contribution::Contribution;
 pub use options::{
-    AmbientSurfaces, BackFaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions, Skip, Skipping,
-    TrackedValue, Unshared,
+    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions,
+    Skip, Skipping, ToldRays, TrackedValue, Unshared,
 };
 pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use radsight_spectrum::Sampling;
 pub use ray::{Ray, Spread};
 pub use renderer::{RayWorker, Renderer};
 pub use trace::{FirstHit, Traced};
+pub use tree::{RayValue, ToldRay};

@@ -43,6 +43,10 @@ pub struct RenderOptions {
     pub tracked_modifiers: Vec<String>,
     /// What is told of those that emit nothing (`rcontrib -V`).
     pub tracked_value: TrackedValue,
+    /// Which of the rays are told that come of a ray (`rtrace -ot`, `-oT`). Default none.
+    pub told_rays: Option<ToldRays>,
+    /// Whether rays tell of surfaces without a material. Default not.
+    pub bare_surfaces: BareSurfaces,
     /// Which work the plan may leave out where it cannot change the picture. Less than all only to test that it does not, and to measure it.
     pub skipping: Skipping,
 }
@@ -68,6 +72,8 @@ impl Default for RenderOptions {
             quantity: Quantity::Radiance,
             tracked_modifiers: Vec::new(),
             tracked_value: TrackedValue::Share,
+            told_rays: None,
+            bare_surfaces: BareSurfaces::LeftOut,
             skipping: Skipping::ALLOWED,
         }
     }
@@ -138,6 +144,24 @@ pub enum TrackedValue {
     Share,
     /// The radiance that has come from there (`-V+`).
     Radiance,
+}
+
+/// Which of the rays are told that come of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToldRays {
+    /// All but shadow rays that meet their light and nothing else (`-ot`).
+    All,
+    /// Those too (`-oT`).
+    AllAndLit,
+}
+
+/// Whether rays tell of surfaces without a material, which they pass as if nothing were there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BareSurfaces {
+    /// They are left out.
+    LeftOut,
+    /// They are met.
+    Met,
 }
 
 /// Where paths end.

@@ -13,7 +13,7 @@ use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::openings::{Openings, makes_caustics};
-use crate::options::{GlobalMedium, RenderOptions, Skip};
+use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
@@ -106,8 +106,10 @@ impl RenderPlan {
         let (mut shaders, shader_table, bands) = compile_shaders(&scene, models, &colors, &layout, options.skipping)?;
         mark_tracked(&mut shaders, &scene, &options.tracked_modifiers);
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
-        let geometry = Geometry::build(&scene, |handle| !matches!(shader(handle).kind, Kind::Transparent))
-            .map_err(|error| vec![error])?;
+        let is_bare = |shader: &Shader| matches!(shader.kind, Kind::Transparent);
+        let meets_bare = options.bare_surfaces == BareSurfaces::Met;
+        let geometry =
+            Geometry::build(&scene, |handle| meets_bare || !is_bare(shader(handle))).map_err(|error| vec![error])?;
         let relay = |handle: SurfaceHandle| relay_shader(&shaders, shader(handle));
         let lights = collect_lights(&scene, &geometry, shader, relay, options.mirror_relays);
         let mut lights_of: Vec<_> =
@@ -117,10 +119,8 @@ impl RenderPlan {
         let skipping = options.skipping;
         let may_skip = |skip| skipping.allows(skip);
         let any = |is: fn(&Kind) -> bool| shaders.iter().any(|shader| is(&shader.kind));
-        let see_through = shaders.iter().any(|shader| shader.lets_light_through())
-            || geometry.holds_void(&scene, &shader_table, |id| {
-                shaders.get(id.0 as usize).is_some_and(|shader| matches!(shader.kind, Kind::Transparent))
-            });
+        let see_through = shaders.iter().any(|shader| shader.lets_light_through() || meets_bare && is_bare(shader))
+            || geometry.holds_void(&scene, &shader_table, |id| shaders.get(id.0 as usize).is_some_and(is_bare));
         let in_medium = !options.medium.extinction.is_black();
         let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));

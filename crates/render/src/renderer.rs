@@ -6,6 +6,7 @@ use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::survey::{GatheredIrradiance, gather};
 use crate::trace::{Traced, Tracer};
+use crate::tree::ToldRay;
 use rayon::prelude::*;
 
 /// Answers rays.
@@ -109,6 +110,20 @@ impl RayWorker<'_> {
             Bands::Spectrum(tracer) => tracer.take_contributions(),
             Bands::WideSpectrum(tracer) => tracer.take_contributions(),
         }
+    }
+
+    /// Answers ray number `index` of its stream, and tells all rays that came of it where the options ask for that: each after those that came of
+    /// it, so that the last is the ray itself.
+    pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<ToldRay>) {
+        let traced = self.trace(index, ray);
+        let told = match &mut self.0 {
+            Bands::Grey(tracer) => tracer.take_tree(),
+            Bands::Color(tracer) => tracer.take_tree(),
+            Bands::NarrowSpectrum(tracer) => tracer.take_tree(),
+            Bands::Spectrum(tracer) => tracer.take_tree(),
+            Bands::WideSpectrum(tracer) => tracer.take_tree(),
+        };
+        (traced, told)
     }
 
     /// Sees nothing of the rays that follow beyond a distance, scene units, before they are reflected.

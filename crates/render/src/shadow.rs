@@ -16,6 +16,7 @@ use crate::reach::Between;
 use crate::shader::{Kind, Shader, Substitution, bands};
 use crate::surface_light::pane;
 use crate::trace::{Tracer, emission, given, product, reflect};
+use crate::tree::{Course, Image};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;
@@ -67,7 +68,9 @@ impl DirectSampler<'_> {
         between: &Between,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
-        let straight = !light.is_redirected() && (!tracer.plan.shadows_bend || self.is_clear(tracer, between));
+        let straight = !light.is_redirected()
+            && tracer.tree.is_none()
+            && (!tracer.plan.shadows_bend || self.is_clear(tracer, between));
         if straight {
             return product(radiance, self.visibility(tracer, light, sample, between));
         }
@@ -118,7 +121,9 @@ impl DirectSampler<'_> {
                 match tracer.meet(walk.cut, walk.ray.direction, &mut hit) {
                     Meeting::Surface(cut) => beyond = cut,
                     Meeting::Nothing(cut) => {
+                        tracer.note_shadow_met(&hit, walk.medium.shadow_transmission(hit.distance));
                         walk.pass(&hit, cut);
+                        tracer.note_shadow_onward(walk.ray, Course::Passed, [1.0; BANDS]);
                         continue;
                     }
                 }
@@ -136,10 +141,14 @@ impl DirectSampler<'_> {
             let last = walk.relayed == light.relays.len();
             let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
             let dimmed = walk.medium.shadow_transmission(hit.distance);
+            tracer.note_shadow_met(&hit, dimmed);
             walk.through = product(walk.through, dimmed);
             let (direction, weight) = match crossing {
                 Crossing::Blocked => return dark,
-                Crossing::Onward(direction, weight) => (direction, weight),
+                Crossing::Onward(direction, weight) => {
+                    tracer.note_shadow_side(&hit);
+                    (direction, weight)
+                }
                 Crossing::Into(medium, direction, weight) => {
                     walk.medium = medium;
                     (direction, weight)
@@ -153,6 +162,7 @@ impl DirectSampler<'_> {
             walk.ray = Ray { origin: hit.point, direction };
             walk.from = Some(hit.primitive);
             walk.cut = beyond;
+            tracer.note_shadow_onward(walk.ray, Course::Onward { image: Image::InPlace }, weight);
         }
         dark
     }
@@ -168,16 +178,19 @@ impl DirectSampler<'_> {
         if let Some(redirection) = &relay.redirection {
             return redirect(tracer, walk, relay, redirection, hit);
         }
+        let dimmed = walk.medium.shadow_transmission(hit.distance);
+        tracer.note_shadow_met(hit, dimmed);
         if walk.ray.direction.dot(hit.front) >= 0.0 {
             return false;
         }
-        walk.through = product(walk.through, walk.medium.shadow_transmission(hit.distance));
+        walk.through = product(walk.through, dimmed);
         let before = walk.travelled - self.travelled - hit.distance;
         let reflectance = self.mirror_reflectance(tracer, relay, &walk.ray, before + hit.distance);
         walk.through = product(walk.through, reflectance);
         walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
         walk.from = Some(hit.primitive);
         walk.relayed += 1;
+        tracer.note_shadow_onward(walk.ray, Course::Mirrored { image: Image::InPlace }, reflectance);
         walk.through.iter().any(|band| *band > 0.0)
     }
 
@@ -372,8 +385,10 @@ fn redirect<const BANDS: usize>(
     let found = prism.redirect(face, &encounter, aim, &mut tracer.workspace.scratch);
     let Some((coefficient, direction)) = found else { return false };
     let dimmed = walk.medium.shadow_transmission(hit.distance);
+    tracer.note_shadow_met(hit, dimmed);
     walk.through = product(walk.through, dimmed).map(|band| band * coefficient);
     walk.ray = Ray { origin: hit.point, direction };
+    tracer.note_shadow_onward(walk.ray, Course::Onward { image: Image::InPlace }, [coefficient; BANDS]);
     walk.from = Some(hit.primitive);
     walk.relayed += 1;
     walk.bent = true;
@@ -437,6 +452,7 @@ fn arrive<const BANDS: usize>(
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
     let plan = tracer.plan;
+    tracer.note_shadow_met(hit, walk.medium.shadow_transmission(hit.distance));
     let mut found = radiance;
     if walk.bent {
         if walk.ray.direction.dot(hit.front) >= 0.0 {
@@ -447,6 +463,7 @@ fn arrive<const BANDS: usize>(
         let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
         found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
     }
+    tracer.note_shadow_found(None, found);
     product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
 }
 
@@ -474,5 +491,6 @@ fn leave<const BANDS: usize>(
         let encounter = Encounter::distant(walk.ray.direction);
         found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
     }
+    tracer.note_shadow_found(Some(light.surface), found);
     product(product(found, walk.through), walk.medium.shadow_transmission(f64::INFINITY))
 }

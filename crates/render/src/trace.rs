@@ -12,6 +12,7 @@ use crate::beyond::luminance;
 use crate::contribution::Contributions;
 use crate::direct::DirectSampler;
 use crate::gather::{Caches, Survey};
+use crate::geometry::is_flat;
 use crate::indirect::Indirect;
 use crate::link::{Link, Lobe};
 use crate::medium::Medium;
@@ -21,6 +22,7 @@ use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
 use crate::shader::{Appearance, Emitter, EmitterClass, GlossyKind, Kind, Shader, bands};
 use crate::surface_light::{Drawn, LitPoint, colored, pane, sum};
+use crate::tree::{Course, Image, NodeId, Tree};
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_brdf::Density;
@@ -64,7 +66,7 @@ pub struct Traced {
     pub value: [f64; 3],
     /// The same in each band where spectra are traced.
     pub spectrum: Option<BandValues>,
-    /// The first surface that is not invisible.
+    /// The first surface, or distant source.
     pub first_hit: Option<FirstHit>,
     /// Distance along the ray to what is seen, through plane mirrors and panes; infinite for none.
     pub effective_distance: f64,
@@ -115,6 +117,8 @@ pub(crate) struct Segment<const BANDS: usize> {
     pub(crate) follows_no_diffuse: bool,
     /// Whether this is still the direct view, through nothing but plane mirrors and panes.
     pub(crate) direct_view: bool,
+    /// Its name, where rays are told; before it is sent on, that of the ray above it.
+    pub(crate) node: NodeId,
 }
 
 impl<const BANDS: usize> Segment<BANDS> {
@@ -155,6 +159,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) survey: Option<Survey<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
+    /// All rays that come of the present one; `None` where they are not wanted.
+    pub(crate) tree: Option<Box<Tree<BANDS>>>,
     /// How far the rays are followed before they are reflected, scene units.
     pub(crate) limit: f64,
 }
@@ -172,6 +178,7 @@ pub(crate) struct SetAside<const BANDS: usize> {
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
+    tree: Option<Box<Tree<BANDS>>>,
 }
 
 impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
@@ -192,6 +199,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             caches,
             survey: None,
             contributions: Contributions::wanted(&plan.options),
+            tree: Tree::wanted(&plan.options),
             limit: f64::INFINITY,
         }
     }
@@ -200,6 +208,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         self.index = index;
         let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
+        self.tree.iter_mut().for_each(|tree| tree.clear());
         let start = Segment {
             ray: *ray,
             from: None,
@@ -214,27 +223,35 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cut_beyond: CutId::default(),
             follows_no_diffuse: false,
             direct_view: true,
+            node: NodeId::NONE,
         };
         if self.plan.options.quantity == Quantity::Irradiance {
-            self.irradiance(&Segment { throughput: [PI; BANDS], ..start });
+            let node = self.told(&start, Course::Passed);
+            self.irradiance(&Segment { throughput: [PI; BANDS], node, ..start });
             self.follow_waiting();
         } else {
             self.finish(start);
         }
         Traced {
-            value: self.rgb(),
-            spectrum: (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(&self.radiance))),
+            value: self.rgb(&self.radiance),
+            spectrum: self.spectrum(&self.radiance),
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
         }
     }
 
-    fn rgb(&self) -> [f64; 3] {
+    /// The values of bands where spectra are traced.
+    pub(crate) fn spectrum(&self, places: &[f64; BANDS]) -> Option<BandValues> {
+        (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(places)))
+    }
+
+    /// Values as red, green and blue.
+    pub(crate) fn rgb(&self, places: &[f64; BANDS]) -> [f64; 3] {
         if BANDS <= 3 {
-            return std::array::from_fn(|band| self.radiance[band.min(BANDS - 1)]);
+            return std::array::from_fn(|band| places[band.min(BANDS - 1)]);
         }
         let mut bands = [0.0; Sampling::MOST_BANDS];
-        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(&self.radiance)) {
+        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(places)) {
             *band = value;
         }
         self.plan.layout.sampling().rgb(&bands)
@@ -294,6 +311,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             first_hit: self.first_hit,
             first_is_passed: self.first_is_passed,
             effective_distance: self.effective_distance,
+            tree: self.tree.take(),
         }
     }
 
@@ -309,7 +327,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             first_hit,
             first_is_passed,
             effective_distance,
+            tree,
         } = ray;
+        self.tree = tree;
         (self.sampler, self.next_set, self.waiting) = (sampler, next_set, waiting);
         (self.media, self.cuts) = (media, cuts);
         (self.radiance, self.effective_distance) = (radiance, effective_distance);
@@ -341,10 +361,22 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         MediumId((self.media.len() - 1) as u32)
     }
 
+    /// A ray that goes on as if nothing had been met, or a first one.
     pub(crate) fn push(&mut self, segment: Segment<BANDS>) {
+        self.push_on(segment, Course::Passed);
+    }
+
+    fn push_on(&mut self, mut segment: Segment<BANDS>, course: Course) {
         if self.waiting.len() < MAX_BRANCHES && segment.throughput.iter().any(|band| *band > 0.0) {
+            segment.node = self.told(&segment, course);
             self.waiting.push(segment);
         }
+    }
+
+    /// The name of a ray that is sent on, where rays are told.
+    fn told(&mut self, segment: &Segment<BANDS>, course: Course) -> NodeId {
+        let Some(tree) = &mut self.tree else { return NodeId::NONE };
+        tree.begin(segment.node, course, segment.ray, segment.throughput)
     }
 
     fn follow(&mut self, mut segment: Segment<BANDS>) {
@@ -402,7 +434,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             self.first_is_passed = true;
         }
         let segment = self.dimmed(segment, self.medium(segment.medium), hit.distance);
-        self.passed_through(segment, hit)
+        let mut onward = self.passed_through(segment, hit);
+        if let Some(tree) = &mut self.tree {
+            tree.end(segment.node, FirstHit::at(hit, hit.distance));
+            onward.node = tree.begin(segment.node, Course::Passed, onward.ray, onward.throughput);
+        }
+        onward
     }
 
     /// The same ray, on the other side of what it hit.
@@ -502,6 +539,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             let hit = FirstHit::at(hit, encounter.total_distance);
             self.first_hit = Some(FirstHit { perturbed_normal: encounter.normal, ..hit });
         }
+        if let Some(tree) = &mut self.tree {
+            let hit = FirstHit::at(hit, hit.distance);
+            tree.end(segment.node, FirstHit { perturbed_normal: encounter.normal, ..hit });
+        }
         if segment.direct_view {
             self.effective_distance = self.effective_distance.min(encounter.total_distance);
         }
@@ -570,7 +611,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let undisturbed = onward == encounter.direction;
         let through = product(transmitted, appearance.color);
         self.specular(segment, hit, onward, through, Passage::Pane { undisturbed });
-        self.specular(segment, hit, reflect(encounter.direction, normal), reflected, Passage::Other);
+        let image = self.image_behind(hit, appearance.perturbation);
+        self.specular(segment, hit, reflect(encounter.direction, normal), reflected, Passage::Reflection { image });
+    }
+
+    /// Where a mirror image in a surface appears.
+    pub(crate) fn image_behind(&self, hit: &Hit, perturbation: DVec3) -> Image {
+        Image::in_place_if(is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO)
     }
 
     pub(crate) fn note_normal(&mut self, segment: &Segment<BANDS>, normal: DVec3) {
@@ -579,6 +626,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             && let Some(first) = &mut self.first_hit
         {
             first.perturbed_normal = normal;
+        }
+        if let Some(tree) = &mut self.tree {
+            tree.note_normal(segment.node, normal);
         }
     }
 
@@ -609,7 +659,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if let Some(link) = &mut link {
             link.length += hit.distance;
             match passage {
-                Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true } => {}
+                Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true, .. } => {}
                 Passage::Mirror { straight: true } => link.reflected(hit.surface),
                 Passage::Refraction { .. } => link.refracted(),
                 Passage::Prism { .. } => link.covered(),
@@ -622,7 +672,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         let cut = if reflected { segment.cut } else { segment.cut_beyond };
         let Some(throughput) = self.go_on((throughput, segment.favour()), segment, reflections) else { return };
         let hides_what_is_beyond = match passage {
-            Passage::Other | Passage::Sheet { .. } => true,
+            Passage::Other | Passage::Reflection { .. } | Passage::Sheet { .. } => true,
             Passage::Refraction { flat } | Passage::Prism { flat } => !flat,
             Passage::Mirror { .. } | Passage::Pane { .. } => false,
         };
@@ -630,7 +680,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if direct_view {
             self.effective_distance = f64::INFINITY;
         }
-        self.push(Segment {
+        let next = Segment {
             ray: Ray { origin: hit.point, direction },
             from: Some(hit.primitive),
             throughput,
@@ -644,7 +694,10 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cut_beyond: cut,
             follows_no_diffuse: false,
             direct_view,
-        });
+            node: segment.node,
+        };
+        let flat = self.tree.is_some() && is_flat(self.plan.scene.surfaces[hit.surface].shape);
+        self.push_on(next, passage.course(flat));
     }
 
     /// Direct light, and the rays that look for the rest.
@@ -694,6 +747,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             normal: point.normal,
             drawn: segment.link.is_some(),
         };
+        if let Some(tree) = &mut self.tree {
+            tree.light(segment.throughput, segment.node);
+        }
         let mut light = direct.sample(self, point);
         if let Some(contributions) = &mut self.contributions {
             contributions.settle(segment.throughput);
@@ -704,9 +760,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if let Some(gathered) = gathered {
             light = sum(light, gathered);
         }
-        for (sum, (share, light)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(light)) {
-            *sum += share * light;
-        }
+        self.add(segment, product(segment.throughput, light));
         for draw in 0..highlight_draws {
             let u = self.sampler.take(DimensionSet::render(set + draw));
             if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
@@ -757,7 +811,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             (Some(link), Density::Delta) => link.lost(),
             _ => {}
         }
-        self.push(Segment {
+        let next = Segment {
             ray: Ray { origin: from.point, direction: drawn.direction.normalize() },
             from: from.primitive,
             throughput,
@@ -771,7 +825,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             cut_beyond: from.cut_towards(drawn.direction),
             follows_no_diffuse: false,
             direct_view: false,
-        });
+            node: segment.node,
+        };
+        self.push_on(next, Course::Drawn);
     }
 
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
@@ -822,6 +878,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if segment.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }
+        if let Some(tree) = &mut self.tree {
+            tree.end(segment.node, FirstHit::distant(surface, direction));
+        }
         let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
         self.emit(segment, shader, emitter, &encounter, share);
     }
@@ -841,11 +900,19 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         if share < 1.0 {
             radiance = given(radiance);
         }
-        for (sum, (throughput, radiance)) in self.radiance.iter_mut().zip(segment.throughput.iter().zip(radiance)) {
-            *sum += throughput * radiance * share;
-        }
+        self.add(segment, product(segment.throughput, radiance).map(|band| band * share));
         if let Some(contributions) = &mut self.contributions {
             contributions.add(shader, encounter, product(segment.throughput, radiance).map(|band| band * share));
+        }
+    }
+
+    /// Adds what the first ray gets from the end of one of its own.
+    fn add(&mut self, segment: &Segment<BANDS>, brought: [f64; BANDS]) {
+        for (sum, brought) in self.radiance.iter_mut().zip(brought) {
+            *sum += brought;
+        }
+        if let Some(tree) = &mut self.tree {
+            tree.add(segment.node, brought);
         }
     }
 
@@ -890,13 +957,31 @@ pub(crate) enum Passage {
     /// A pane, going through.
     Pane { undisturbed: bool },
     /// A scattering surface, going straight through.
-    Sheet { undisturbed: bool },
+    Sheet { undisturbed: bool, image: Image },
     /// Into or out of a body; `flat` where what is beyond appears in its place.
     Refraction { flat: bool },
     /// Redirected by a prism; `flat` as before.
     Prism { flat: bool },
+    /// Mirrored by glass.
+    Reflection { image: Image },
     /// Any other.
     Other,
+}
+
+impl Passage {
+    /// How the ray is told that goes this way on from a surface; `flat` or not.
+    fn course(self, flat: bool) -> Course {
+        match self {
+            Passage::Mirror { straight } => Course::Mirrored { image: Image::in_place_if(straight && flat) },
+            Passage::Reflection { image } => Course::Mirrored { image },
+            Passage::Other => Course::Mirrored { image: Image::AtSurface },
+            Passage::Pane { undisturbed } => Course::Onward { image: Image::in_place_if(undisturbed) },
+            Passage::Refraction { flat } | Passage::Prism { flat } => {
+                Course::Onward { image: Image::in_place_if(flat) }
+            }
+            Passage::Sheet { image, .. } => Course::Onward { image },
+        }
+    }
 }
 
 /// Radiance that leaves an emitter against the ray.

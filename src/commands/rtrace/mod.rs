@@ -3,6 +3,7 @@
 mod defaults;
 mod options;
 mod record;
+mod tree;
 
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
@@ -13,7 +14,7 @@ use crate::ray_input::{InputRay, RayReader};
 use options::Options;
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
-use radsight_render::{Quantity, Ray, Renderer, Spread};
+use radsight_render::{Ray, Renderer, Spread};
 use rayon::prelude::*;
 use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
@@ -96,16 +97,22 @@ impl Pace {
 
 /// The records of some rays, in pieces.
 fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
+    if options.tree.is_some() {
+        return tree::answers(options, renderer, first_index, rays);
+    }
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
         renderer.gather_irradiance(&to_trace, Spread::UNKNOWN);
+        if options.render.told_rays.is_some() {
+            return tree::answers(options, renderer, first_index, rays);
+        }
         let limits = options.limits_distance.then(|| rays.iter().map(|ray| ray.length).collect());
         trace_all(renderer, first_index, &to_trace, limits, options.effort())
     } else {
         let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));
         to_trace.par_iter().with_min_len(RECORDS_AT_A_TIME).map(cast).collect()
     };
-    let limits = options.limits_distance && options.render.quantity != Quantity::Irradiance;
+    let limits = options.limits_rays();
     let writer = Writer::new(options, renderer.plan());
     let pieces = rays.par_chunks(RECORDS_AT_A_TIME).zip(found.par_chunks(RECORDS_AT_A_TIME));
     let written = pieces.map(|(rays, found)| {
@@ -129,7 +136,7 @@ fn trace_all(
 ) -> Vec<Option<Found>> {
     if effort == Effort::Samples(1) && limits.is_none() {
         let traced = renderer.trace_all(first_index, rays);
-        return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
+        return traced.into_iter().map(|traced| traced.map(|traced| Found::Traced(traced, None))).collect();
     }
     rays.par_iter()
         .enumerate()
@@ -140,7 +147,7 @@ fn trace_all(
                 if let Some(limits) = &limits {
                     worker.limit_distance(limits[place]);
                 }
-                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort)))
+                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort), None))
             },
         )
         .collect()
@@ -159,7 +166,9 @@ fn start(options: &Options) -> Vec<u8> {
 fn header(options: &Options) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
-    header.push_variable("NCOMP", &options.numbers().to_string());
+    if options.tree.is_none() {
+        header.push_variable("NCOMP", &options.numbers().to_string());
+    }
     if options.color == OutputColor::Bands {
         let splits = options.render.sampling.splits_nm().map(|split| split.to_string());
         header.push_variable("WAVELENGTH_SPLITS", &format!(" {}", splits.join(" ")));

@@ -1,16 +1,19 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{
+    names_in_file, no_persist_file, number, take_definition, take_irradiance, take_one, take_own,
+};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, Quantity, RenderOptions, Unshared};
+use radsight_render::{BareSurfaces, Gathering, Quantity, RenderOptions, ToldRays, Unshared};
 
 /// What is asked.
 #[derive(Debug)]
@@ -20,6 +23,9 @@ pub(super) struct Options {
     pub(super) input_format: NumberFormat,
     pub(super) output_format: OutputFormat,
     pub(super) output: Vec<Field>,
+    /// What is written of all rays that come of one, and where those end.
+    pub(super) tree: Option<TreeOutput>,
+    pub(super) tree_ends: Ends,
     pub(super) color: OutputColor,
     /// Columns and rows of the picture that the rays are of; a column count alone is the interval of flushes.
     pub(super) size: [u64; 2],
@@ -58,6 +64,10 @@ pub(super) enum Field {
     Material,
     Weight,
     Coefficient,
+    Mirrored,
+    MirroredDistance,
+    Unmirrored,
+    UnmirroredDistance,
     Tilde,
 }
 
@@ -79,6 +89,10 @@ impl Field {
             'M' => Field::Material,
             'w' => Field::Weight,
             'W' => Field::Coefficient,
+            'r' => Field::Mirrored,
+            'R' => Field::MirroredDistance,
+            'x' => Field::Unmirrored,
+            'X' => Field::UnmirroredDistance,
             '~' => Field::Tilde,
             _ => return None,
         })
@@ -86,20 +100,24 @@ impl Field {
 
     /// Whether it takes more than finding where the ray ends.
     pub(super) fn needs_tracing(self) -> bool {
-        use Field::{Coefficient, Contribution, EffectiveDistance, PerturbedNormal, Value};
-        matches!(self, Value | Contribution | Coefficient | EffectiveDistance | PerturbedNormal)
+        use Field::{EffectiveDistance, PerturbedNormal};
+        self.is_value() || self.tells_mirrors() || matches!(self, EffectiveDistance | PerturbedNormal)
+    }
+
+    /// Whether it tells mirror images and the rest apart.
+    fn tells_mirrors(self) -> bool {
+        use Field::{Mirrored, MirroredDistance, Unmirrored, UnmirroredDistance};
+        matches!(self, Mirrored | MirroredDistance | Unmirrored | UnmirroredDistance)
     }
 
     fn is_value(self) -> bool {
-        matches!(self, Field::Value | Field::Contribution | Field::Coefficient)
+        use Field::{Coefficient, Contribution, Mirrored, Unmirrored, Value};
+        matches!(self, Value | Contribution | Coefficient | Mirrored | Unmirrored)
     }
 }
 
-/// Letters of `-o` that Radiance knows and radsight does not give.
-const OTHER_LETTERS: &str = "tTrRxX";
-
-/// Those that both know.
-const LETTERS: &str = "vVdolLcpnNsmMwW~";
+/// All letters of `-o`.
+const LETTERS: &str = "tTvVdolLcpnNsmMwWrRxX~";
 
 impl Default for Options {
     fn default() -> Self {
@@ -118,6 +136,8 @@ impl Default for Options {
             input_format: NumberFormat::Ascii,
             output_format: OutputFormat::Numbers(NumberFormat::Ascii),
             output: vec![Field::Value],
+            tree: None,
+            tree_ends: Ends::Anywhere,
             color: OutputColor::Rgb,
             size: [0, 0],
             limits_distance: false,
@@ -144,19 +164,42 @@ impl Options {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
         }
         options.check()?;
+        options.tell_rays();
         Ok(options)
     }
 
+    /// Asks the renderer for the rays and surfaces that the output tells of.
+    fn tell_rays(&mut self) {
+        let tells_ends = |field: &Field| !matches!(field, Field::Value | Field::Contribution);
+        if self.tree.is_some() || self.output.iter().any(tells_ends) {
+            self.render.bare_surfaces = BareSurfaces::Met;
+        }
+        let tells_mirrors = self.output.iter().any(|field| field.tells_mirrors());
+        self.render.told_rays = match &self.tree {
+            Some(tree) => {
+                // Rays that share what they find are none of the present one.
+                self.render.gathering =
+                    Gathering { accuracy: 0.0, unshared: Unshared::DrawOne, ..self.render.gathering };
+                Some(tree.rays)
+            }
+            None => tells_mirrors.then_some(ToldRays::All),
+        };
+    }
+
     fn check(&self) -> Result<(), Failure> {
-        if self.output_format == OutputFormat::Pixels && self.output != [Field::Value] {
-            return Err(Failure::usage("rtrace: pixels (-f.c) hold the value alone, expected -ov"));
+        let is_one_value = matches!(self.output[..], [Field::Value | Field::Mirrored | Field::Unmirrored]);
+        if self.output_format == OutputFormat::Pixels && (self.tree.is_some() || !is_one_value) {
+            return Err(Failure::usage("rtrace: pixels (-f.c) hold one value alone, expected -ov, -or or -ox"));
         }
         if self.output_format == OutputFormat::Pixels && self.components() < 3 {
             return Err(Failure::usage(
                 "rtrace: pixels (-f.c) hold three numbers or more, expected -pRGB, -pXYZ, -pc or -co",
             ));
         }
-        if self.render.quantity != Quantity::Radiance && !self.output.iter().any(|field| field.needs_tracing()) {
+        if self.render.quantity != Quantity::Radiance
+            && self.tree.is_none()
+            && !self.output.iter().any(|field| field.needs_tracing())
+        {
             return Err(Failure::usage("rtrace: irradiance (-I, -i) is asked for but no value, expected -ov"));
         }
         Ok(())
@@ -192,6 +235,11 @@ impl Options {
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-e" => self.error_file = Some(number(words, word, "a file for messages")?),
+            "-ti" | "-te" => self.tree_ends.name(word, vec![number(words, word, "the name of a modifier")?]),
+            "-tI" | "-tE" => {
+                let file: String = number(words, word, "a file of modifiers' names")?;
+                self.tree_ends.name(word, names_in_file(word, &file)?);
+            }
             "-defaults" | "-help" => {
                 self.print_defaults = true;
                 return Ok(1);
@@ -202,15 +250,6 @@ impl Options {
                 if let Some((color, used)) = OutputColor::from_option(words)? {
                     self.color = color;
                     return Ok(used);
-                }
-                if word.starts_with("-te")
-                    || word.starts_with("-ti")
-                    || word.starts_with("-tE")
-                    || word.starts_with("-tI")
-                {
-                    return Err(Failure::usage(format!(
-                        "rtrace: option \"{word}\" is for outputs of all rays (-ot), which are not supported"
-                    )));
                 }
                 let unknown = || Failure::usage(format!("rtrace: option \"{word}\" is not supported"));
                 return Err(no_persist_file(word).unwrap_or_else(unknown));
@@ -258,20 +297,30 @@ impl Options {
 
     fn fields(&mut self, word: &str) -> Result<(), Failure> {
         self.output.clear();
-        for letter in word[2..].chars() {
-            match Field::from_letter(letter) {
-                Some(field) => self.output.push(field),
-                None if OTHER_LETTERS.contains(letter) => {
-                    return Err(Failure::usage(format!("rtrace: output \"{letter}\" of \"{word}\" is not supported")));
+        self.tree = None;
+        let mut rays = ToldRays::All;
+        for (place, letter) in word[2..].char_indices() {
+            let is_last = place + 3 == word.len();
+            let fields = self.tree.as_mut().map_or(&mut self.output, |tree| &mut tree.fields);
+            match (letter, Field::from_letter(letter)) {
+                (_, Some(field)) => fields.push(field),
+                ('t' | 'T', _) => {
+                    if letter == 'T' {
+                        rays = ToldRays::AllAndLit;
+                    }
+                    // As in Radiance: where nothing follows it means nothing, and where it stands again it starts anew.
+                    if !is_last {
+                        self.tree = Some(TreeOutput { rays, fields: Vec::new() });
+                    }
                 }
-                None => {
+                _ => {
                     return Err(Failure::usage(format!(
                         "rtrace: \"{letter}\" of \"{word}\" is no output, expected some of {LETTERS}"
                     )));
                 }
             }
         }
-        if self.output.is_empty() {
+        if self.output.is_empty() && self.tree.is_none() {
             return Err(Failure::usage(format!("rtrace: option \"-o\" names no output, expected some of {LETTERS}")));
         }
         Ok(())
@@ -283,6 +332,11 @@ impl Options {
             Quantity::Radiance => Effort::Samples(1),
             _ => Effort::Error { error: 0.02, most: MOST_SAMPLES },
         })
+    }
+
+    /// Whether rays end where their direction does, and tell so.
+    pub(super) fn limits_rays(&self) -> bool {
+        self.limits_distance && self.render.quantity != Quantity::Irradiance
     }
 
     /// How many numbers a value has.

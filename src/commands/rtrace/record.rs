@@ -6,7 +6,7 @@ use crate::output_format::OutputFormat;
 use crate::ray_input::InputRay;
 use glam::DVec3;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{BandValues, FirstHit, RenderPlan, Sampling, Traced};
+use radsight_render::{FirstHit, RayValue, RenderPlan, Sampling, ToldRay, Traced};
 use std::io::Write;
 
 /// What Radiance writes for a distance to nothing.
@@ -14,9 +14,10 @@ const NOWHERE: f64 = 1e10;
 
 /// What was found out of a ray.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant)]
 pub(super) enum Found {
-    /// Everything.
-    Traced(Traced),
+    /// Everything, where that is wanted with what mirror images bring.
+    Traced(Traced, Option<ToldRay>),
     /// Only where it ends.
     Cast(Option<FirstHit>),
     /// That nothing is nearer than where it was to end.
@@ -31,31 +32,101 @@ impl Found {
 
     fn hit(&self) -> Option<FirstHit> {
         match self {
-            Found::Traced(traced) => traced.first_hit,
+            Found::Traced(traced, _) => traced.first_hit,
             Found::Cast(hit) => *hit,
             Found::Clipped => None,
         }
     }
+}
 
-    fn value(&self) -> [f64; 3] {
-        match self {
-            Found::Traced(traced) => traced.value,
-            Found::Cast(_) | Found::Clipped => [0.0; 3],
+/// What can be written of a ray.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    origin: DVec3,
+    direction: DVec3,
+    hit: Option<FirstHit>,
+    /// Where it ended. What is infinitely far away has no place; Radiance gives the ray's origin.
+    end: DVec3,
+    value: RayValue,
+    coefficient: RayValue,
+    weight: f64,
+    effective_distance: f64,
+    mirrored: RayValue,
+    unmirrored: RayValue,
+    mirrored_distance: f64,
+    unmirrored_distance: f64,
+}
+
+const BLACK: RayValue = RayValue { color: [0.0; 3], spectrum: None };
+
+impl Record {
+    /// That of an input ray; of one without direction nothing was found.
+    fn of_input(input: &InputRay, found: Option<&Found>) -> Record {
+        let hit = found.and_then(Found::hit);
+        let near = hit.filter(|hit| hit.distance < NOWHERE);
+        let end = match (found, input.ray) {
+            (Some(Found::Clipped), Some(ray)) => ray.at(input.length),
+            _ => near.map_or(input.origin, |hit| hit.point),
+        };
+        let nothing = Record {
+            origin: input.origin,
+            direction: input.ray.map_or(DVec3::ZERO, |ray| ray.direction),
+            hit,
+            end,
+            value: BLACK,
+            // The input ray is the whole of itself.
+            coefficient: RayValue { color: [1.0; 3], spectrum: None },
+            weight: 1.0,
+            effective_distance: NOWHERE,
+            mirrored: BLACK,
+            unmirrored: BLACK,
+            mirrored_distance: NOWHERE,
+            unmirrored_distance: NOWHERE,
+        };
+        let Some(Found::Traced(traced, told)) = found else { return nothing };
+        let value = RayValue { color: traced.value, spectrum: traced.spectrum };
+        let seen = Record { value, effective_distance: traced.effective_distance, ..nothing };
+        match told {
+            None => seen,
+            Some(told) => Record {
+                mirrored: told.mirrored,
+                unmirrored: told.unmirrored,
+                mirrored_distance: told.mirrored_distance,
+                unmirrored_distance: told.unmirrored_distance,
+                ..seen
+            },
         }
     }
 
-    fn spectrum(&self) -> Option<BandValues> {
-        match self {
-            Found::Traced(traced) => traced.spectrum,
-            Found::Cast(_) | Found::Clipped => None,
+    /// That of a ray that came of another.
+    fn of_told(told: &ToldRay) -> Record {
+        let near = told.hit.filter(|hit| hit.distance < NOWHERE);
+        Record {
+            origin: told.ray.origin,
+            direction: told.ray.direction,
+            hit: told.hit,
+            end: near.map_or(told.ray.origin, |hit| hit.point),
+            value: told.value,
+            coefficient: told.coefficient,
+            weight: told.weight,
+            effective_distance: told.effective_distance,
+            mirrored: told.mirrored,
+            unmirrored: told.unmirrored,
+            mirrored_distance: told.mirrored_distance,
+            unmirrored_distance: told.unmirrored_distance,
         }
     }
 
-    fn effective_distance(&self) -> Option<f64> {
-        match self {
-            Found::Traced(traced) => Some(traced.effective_distance),
-            Found::Cast(_) | Found::Clipped => None,
-        }
+    /// What it brings to the first ray.
+    fn contribution(&self) -> RayValue {
+        let RayValue { color, spectrum } = self.coefficient;
+        let color = std::array::from_fn(|band| color[band] * self.value.color[band]);
+        let spectrum = match (spectrum, self.value.spectrum) {
+            (Some(coefficient), Some(value)) => Some(coefficient.times(&value)),
+            (None, value) => value,
+            (_, None) => None,
+        };
+        RayValue { color, spectrum }
     }
 }
 
@@ -71,30 +142,38 @@ impl<'o> Writer<'o> {
         Writer { options, plan }
     }
 
-    /// Appends the record of one ray; of a ray without direction nothing was found.
+    /// Appends the record of one input ray, if anything is wanted of it.
     pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, out: &mut Vec<u8>) {
-        let mut bands = [0.0; Sampling::MOST_BANDS];
-        let value = self.value(found, &mut bands);
-        let format = self.options.output_format;
-        if format == OutputFormat::Pixels {
-            return format.put(value, out);
+        if !self.options.output.is_empty() {
+            self.put_record(&Record::of_input(input, found), &self.options.output, out);
         }
-        let hit = found.and_then(Found::hit);
+    }
+
+    /// Appends the record of a ray that came of another.
+    pub(super) fn write_told(&self, told: &ToldRay, fields: &[Field], out: &mut Vec<u8>) {
+        self.put_record(&Record::of_told(told), fields, out);
+    }
+
+    fn put_record(&self, record: &Record, fields: &[Field], out: &mut Vec<u8>) {
+        let format = self.options.output_format;
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
-        for field in &self.options.output {
+        let hit = record.hit;
+        for field in fields {
             match field {
-                Field::Value | Field::Contribution => format.put(value, out),
-                // The input ray is the whole of itself.
-                Field::Coefficient => format.put(&[1.0; Sampling::MOST_BANDS][..value.len()], out),
-                Field::Weight => format.put(&[1.0], out),
-                Field::Direction => format.put(&vector(input.ray.map(|ray| ray.direction)), out),
-                Field::Origin => format.put(&input.origin.to_array(), out),
-                Field::EffectiveDistance => {
-                    format.put(&[distance(found.and_then(Found::effective_distance))], out);
-                }
-                Field::FirstDistance => format.put(&[distance(hit.map(|hit| hit.distance))], out),
+                Field::Value => self.put_value(&record.value, out),
+                Field::Contribution => self.put_value(&record.contribution(), out),
+                Field::Coefficient => self.put_share(&record.coefficient, out),
+                Field::Mirrored => self.put_value(&record.mirrored, out),
+                Field::Unmirrored => self.put_value(&record.unmirrored, out),
+                Field::Weight => format.put(&[record.weight], out),
+                Field::Direction => format.put(&record.direction.to_array(), out),
+                Field::Origin => format.put(&record.origin.to_array(), out),
+                Field::EffectiveDistance => format.put(&[record.effective_distance.min(NOWHERE)], out),
+                Field::MirroredDistance => format.put(&[record.mirrored_distance.min(NOWHERE)], out),
+                Field::UnmirroredDistance => format.put(&[record.unmirrored_distance.min(NOWHERE)], out),
+                Field::FirstDistance => format.put(&[hit.map_or(NOWHERE, |hit| hit.distance.min(NOWHERE))], out),
                 Field::Local => format.put(&hit.map_or([0.0; 2], |hit| hit.local), out),
-                Field::Point => format.put(&end(input, found).to_array(), out),
+                Field::Point => format.put(&record.end.to_array(), out),
                 Field::PerturbedNormal => format.put(&vector(hit.map(|hit| hit.perturbed_normal)), out),
                 Field::Normal => format.put(&vector(hit.map(|hit| hit.normal)), out),
                 Field::Surface => self.name_out(hit, 0, out),
@@ -108,35 +187,36 @@ impl<'o> Writer<'o> {
         }
     }
 
-    /// The components of what a ray brings; `bands` is where they are put.
-    fn value<'b>(&self, found: Option<&Found>, bands: &'b mut [f64; Sampling::MOST_BANDS]) -> &'b [f64] {
-        match found.and_then(Found::spectrum) {
+    /// Appends the components of a value.
+    fn put_value(&self, value: &RayValue, out: &mut Vec<u8>) {
+        let mut components = [0.0; Sampling::MOST_BANDS];
+        match value.spectrum {
             Some(spectrum) if self.options.color == OutputColor::Bands => {
-                for (band, value) in bands.iter_mut().zip(spectrum.as_slice()) {
-                    *band = f64::from(*value);
+                for (component, band) in components.iter_mut().zip(spectrum.as_slice()) {
+                    *component = f64::from(*band);
                 }
             }
-            _ => bands[..3].copy_from_slice(&self.options.color.of(found.map_or([0.0; 3], Found::value))),
+            _ => components[..3].copy_from_slice(&self.options.color.of(value.color)),
         }
-        &bands[..self.options.components()]
+        self.options.output_format.put(&components[..self.options.components()], out);
+    }
+
+    /// Appends the components of a share, which has no unit; that of an input ray is 1 throughout.
+    fn put_share(&self, share: &RayValue, out: &mut Vec<u8>) {
+        match share.spectrum {
+            None if share.color == [1.0; 3] => {
+                let ones = [1.0; Sampling::MOST_BANDS];
+                self.options.output_format.put(&ones[..self.options.components()], out);
+            }
+            _ => {
+                let unit = self.options.color.unit();
+                let scaled = RayValue { color: share.color.map(|band| band / unit), ..*share };
+                self.put_value(&scaled, out);
+            }
+        }
     }
 
     fn name_out(&self, hit: Option<FirstHit>, which: usize, out: &mut Vec<u8>) {
         let _ = write!(out, "{}\t", hit.map_or("*", |hit| self.plan.names_at(&hit)[which]));
     }
-}
-
-/// The point where a ray ends. What is infinitely far away has no place; Radiance gives the ray's origin.
-fn end(input: &InputRay, found: Option<&Found>) -> DVec3 {
-    match (found, input.ray) {
-        (Some(Found::Clipped), Some(ray)) => ray.at(input.length),
-        _ => {
-            let near = found.and_then(Found::hit).filter(|hit| hit.distance < NOWHERE);
-            near.map_or(input.origin, |hit| hit.point)
-        }
-    }
-}
-
-fn distance(value: Option<f64>) -> f64 {
-    value.unwrap_or(NOWHERE).min(NOWHERE)
 }

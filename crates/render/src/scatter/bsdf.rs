@@ -12,6 +12,7 @@ use crate::ray::Hit;
 use crate::shader::{Function, Shader, bands};
 use crate::surface_light::{Highlight, LitPoint};
 use crate::trace::{Passage, Segment, Tracer};
+use crate::tree::Image;
 use crate::view::Encounter;
 use crate::weak_highlight::Undrawn;
 use glam::DVec3;
@@ -185,7 +186,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold };
         let Some(pose) = kind.pose(&meeting, &mut self.workspace.scratch) else { return };
         if let Some(straight) = kind.straight(&meeting, &pose) {
-            self.specular(segment, hit, straight.direction, straight.weight, Passage::Sheet { undisturbed: true });
+            let passage = Passage::Sheet { undisturbed: true, image: Image::InPlace };
+            self.specular(segment, hit, straight.direction, straight.weight, passage);
         }
         let u = self.sampler.take(DimensionSet::render(self.next_set));
         self.next_set += 1;

@@ -16,12 +16,14 @@ pub(crate) use sheet::Sheet;
 pub(crate) use ward_function::{Component, Look, WardFunctionKind};
 
 use crate::bands::gathered;
+use crate::beyond::luminance;
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
 use crate::ray::Hit;
 use crate::shader::{Appearance, Function, Shader};
 use crate::surface_light::LitPoint;
 use crate::trace::{Passage, Segment, Tracer, shading_normal};
+use crate::tree::Image;
 use crate::view::Encounter;
 use glam::DVec3;
 use radsight_cal::Scratch;
@@ -183,6 +185,14 @@ impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
     }
 }
 
+impl<const BANDS: usize> Met<'_, BANDS> {
+    /// What is seen straight on appears in its place where more goes that way than is scattered.
+    fn image_beyond(&self, straight: &Onward<BANDS>) -> Image {
+        let beyond = self.point.beyond.as_ref().map_or(0.0, |beyond| luminance(&beyond.diffuse));
+        Image::in_place_if(luminance(&straight.weight) > beyond + luminance(&self.point.diffuse))
+    }
+}
+
 impl<const BANDS: usize> Onward<BANDS> {
     /// None where it carries nothing.
     pub(crate) fn new(direction: DVec3, weight: [f64; BANDS]) -> Option<Onward<BANDS>> {
@@ -212,7 +222,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let met = scatterer.meet(&meeting, &mut self.workspace.scratch);
         if let Some(straight) = &met.straight {
             let undisturbed = straight.direction == encounter.direction;
-            self.specular(segment, hit, straight.direction, straight.weight, Passage::Sheet { undisturbed });
+            let passage = Passage::Sheet { undisturbed, image: met.image_beyond(straight) };
+            self.specular(segment, hit, straight.direction, straight.weight, passage);
         }
         if let Some(mirror) = &met.mirror {
             self.specular(segment, hit, mirror.direction, mirror.weight, Passage::Other);
