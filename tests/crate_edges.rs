@@ -34,6 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
     ("diag", &[]),
+    ("flux", &["bsdf", "sampling"]),
     ("formats", &["picture"]),
     ("frame", &["picture", "render", "sampling"]),
     ("generate", &["cal", "diag", "loader"]),

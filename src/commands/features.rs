@@ -52,7 +52,7 @@ const OWN: [(&str, &[&str]); 3] = [
             "DistanceLimiting",
             "InputFormats=a,f,d",
             "OutputFormats=a,f,d,c",
-            "Outputs=o,d,v,V,w,W,l,L,c,p,n,N,s,m,M,~",
+            "Outputs=o,d,v,V,w,W,l,L,c,p,n,N,s,m,M,r,x,R,X,~",
             "OutputCS=RGB,XYZ,Y,S,M,prims,spec",
         ],
     ),

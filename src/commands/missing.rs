@@ -13,8 +13,8 @@ const MISSING: [(&[&str], &str); 11] = [
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
-        &["rfluxmtx", "gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
-        "expected Radiance's own: rfluxmtx runs the rcontrib of PATH, and rmtxop, rcomb and dctimestep here take the same matrices",
+        &["gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
+        "expected Radiance's own: rmtxop, rcomb and dctimestep here take the same matrices",
     ),
     (
         &["pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],

@@ -16,6 +16,7 @@ mod pinhole;
 mod plugin;
 mod rad;
 mod rcontrib;
+mod rfluxmtx;
 mod rig;
 mod rpict;
 mod rtrace;
@@ -30,7 +31,7 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = ["mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rpict", "rtrace", "vwrays"];
+    let own = ["mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rfluxmtx", "rpict", "rtrace", "vwrays"];
     own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
 }
 
@@ -46,6 +47,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         "oconv" => return Some(oconv::run(words)),
         "rad" => return Some(rad::run(&words[1..])),
         "rcontrib" => return Some(rcontrib::run(words)),
+        "rfluxmtx" => return Some(rfluxmtx::run(words)),
         "rpict" => return Some(rpict::run(words)),
         "rtrace" => return Some(rtrace::run(words)),
         "vwrays" => return Some(vwrays::run(&words[1..])),

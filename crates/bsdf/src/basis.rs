@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 /// One basis.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct AngleBasis {
+pub struct AngleBasis {
     pub(crate) name: String,
     rings: Vec<Ring>,
 }
@@ -36,7 +36,8 @@ const KNOWN: [Known; 3] = [
 
 impl AngleBasis {
     /// Klems' full, half and quarter basis.
-    pub(crate) fn known() -> Vec<AngleBasis> {
+    #[must_use]
+    pub fn known() -> Vec<AngleBasis> {
         KNOWN.iter().map(|(name, rings)| AngleBasis::new((*name).to_owned(), rings)).collect()
     }
 
@@ -54,7 +55,9 @@ impl AngleBasis {
     }
 
     /// Number of patches.
-    pub(crate) fn len(&self) -> usize {
+    #[must_use]
+    #[allow(clippy::len_without_is_empty, reason = "none is empty")]
+    pub fn len(&self) -> usize {
         self.rings.last().map_or(0, |ring| ring.before.saturating_add(ring.patches))
     }
 
@@ -77,7 +80,8 @@ impl AngleBasis {
     }
 
     /// A point of a patch, uniform in projected solid angle for uniform `u` and `v`.
-    pub(crate) fn point(&self, patch: usize, [u, v]: [f64; 2]) -> [f64; 2] {
+    #[must_use]
+    pub fn point(&self, patch: usize, [u, v]: [f64; 2]) -> [f64; 2] {
         let ring = self.ring_of(patch);
         let radius = (ring.inner + u * (ring.outer - ring.inner)).sqrt();
         let azimuth = TAU * ((patch - ring.before) as f64 + v - 0.5) / ring.patches as f64;

@@ -43,6 +43,7 @@ mod tree;
 mod tree_text;
 mod xml;
 
+pub use basis::AngleBasis;
 pub use data::{Bsdf, Side};
 pub use matrix::Patches;
 pub use mistake::{Mistake, Place};

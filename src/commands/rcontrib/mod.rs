@@ -25,6 +25,11 @@ use streams::Streams;
 
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String]) -> Outcome {
+    run_on(words, io::stdin().lock())
+}
+
+/// Runs it on rays from elsewhere, in the form that the words say.
+pub(crate) fn run_on(words: &[String], input: impl Read) -> Outcome {
     let options = Options::parse(words)?;
     if options.print_defaults {
         return write_standard_output(defaults::text(&options).as_bytes());
@@ -49,7 +54,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         Reopened::Everything => return Ok(()),
         Reopened::Some(streams, earlier) => (streams, earlier),
     };
-    trace(&options, &renderer, &bins, (&mut streams, earlier))?;
+    trace(&options, &renderer, &bins, (&mut streams, earlier), input)?;
     streams.finish()?;
     conclude(renderer.plan(), registry.as_ref(), &sources)
 }
@@ -59,8 +64,9 @@ fn trace(
     renderer: &Renderer,
     bins: &Bins,
     (streams, earlier): (&mut Streams<'_>, Earlier),
+    input: impl Read,
 ) -> Outcome {
-    let mut reader = RayReader::new("rcontrib", io::stdin().lock(), options.input_format);
+    let mut reader = RayReader::new("rcontrib", input, options.input_format);
     let mut records = Records::new(options, bins.len());
     let mut left = options.expected_rays();
     let mut rays = Vec::new();

@@ -1,0 +1,65 @@
+//! Senders and receivers of flux: the surfaces between which `rfluxmtx` finds a matrix of coefficients, and the directions by which each divides it.
+//!
+//! Surfaces that follow a comment `#@rfluxmtx h=BASIS u=UP o=FILE` form a [`Group`]. Of a receiver, [`ReceiverWords`] makes the options with which
+//! `rcontrib` sorts what arrives; a [`Sender`] makes the rays that leave, so many for each of its directions.
+//!
+//! Guarantees: directions are numbered as Radiance's function files number them; a ray is a function of its number alone; no input makes anything
+//! panic. Knows neither scene text nor files.
+//!
+//! ```
+//! use radsight_flux::{FluxSurface, Group, ReceiverWords, Sender, Shape};
+//! let square = vec![0., 0., 1., 1., 0., 1., 1., 1., 1., 0., 1., 1.];
+//! let mut group = Group::new("window");
+//! group.parameters.read(" h=kf u=+Y").unwrap();
+//! group.surfaces.push(FluxSurface::new("pane", Shape::Polygon, &square).unwrap());
+//! let words = ReceiverWords::default().of(&group).unwrap();
+//! assert_eq!(words[..2], ["-f", "klems_full.cal"]);
+//! let sender = Sender::new(&group, 100).unwrap();
+//! let ([_, _, height], direction) = sender.ray(0).unwrap();
+//! assert!(sender.bins() == 145 && height == 1.0 && direction[2] < -0.99);
+//! ```
+#![forbid(unsafe_code)]
+
+mod basis;
+mod error;
+mod parameters;
+mod receiver;
+mod sender;
+mod surface;
+
+pub use basis::{Basis, Klems};
+pub use error::FluxError;
+pub use parameters::{Hand, Parameters};
+pub use receiver::ReceiverWords;
+pub use sender::Sender;
+pub use surface::{FluxSurface, Shape};
+
+use glam::DVec3;
+
+/// Surfaces of one modifier, and how they divide the directions.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The modifier's name.
+    pub modifier: String,
+    /// What is said of them.
+    pub parameters: Parameters,
+    /// The surfaces.
+    pub surfaces: Vec<FluxSurface>,
+}
+
+impl Group {
+    /// One of a modifier, with nothing in it.
+    #[must_use]
+    pub fn new(modifier: &str) -> Group {
+        Group { modifier: modifier.to_owned(), parameters: Parameters::default(), surfaces: Vec::new() }
+    }
+
+    /// The mean of the surfaces' normals by area, and the up direction; both unit.
+    fn frame(&self) -> Result<[DVec3; 2], FluxError> {
+        let sum: DVec3 = self.surfaces.iter().map(|surface| surface.normal * surface.area).sum();
+        let normal = sum.try_normalize().ok_or_else(|| FluxError::NoNormal { modifier: self.modifier.clone() })?;
+        // As in Radiance, where nothing is said.
+        let usual = if normal.z.abs() < 0.7 { DVec3::Z } else { DVec3::Y };
+        Ok([normal, self.parameters.up.unwrap_or(usual)])
+    }
+}

@@ -1,0 +1,100 @@
+//! `rfluxmtx`: what receivers get of what senders send, by the directions of each: a matrix that `rcontrib` computes.
+//!
+//! `rfluxmtx [-v] [-bj RANGE] [options of rcontrib] {SENDER|-} RECEIVER [-i SYSTEM.oct] [SYSTEM…]`: with `-` rays come from standard input, a row
+//! of the matrix for each; else so many as `-c` says (10000) are sent for each direction of the sender.
+
+mod options;
+mod surfaces;
+
+use super::rcontrib;
+use crate::failure::{Failure, Outcome, say};
+use options::Options;
+use radsight_flux::{FluxError, Group, ReceiverWords, Sender};
+use std::io::{self, Read};
+
+/// Runs the program; `words[0]` is its name.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let options = Options::parse(words)?;
+    let receivers = surfaces::receivers(&options)?;
+    if receivers.is_empty() {
+        return Err(wrong(&options.receiver, &FluxError::Nothing));
+    }
+    let Some(path) = &options.sender else {
+        let words = contribution_words(&options, &receivers, options.pass_through_words())?;
+        return rcontrib::run(&words);
+    };
+    let group = surfaces::sender(&options, path)?;
+    let sender = Sender::new(&group, options.samples).map_err(|error| wrong(path, &error))?;
+    if group.parameters.output.is_some() {
+        options.warn("the output file of the sender is ignored");
+    }
+    let words = contribution_words(&options, &receivers, options.sampling_words(sender.bins()))?;
+    if options.is_verbose {
+        say(&format!("rfluxmtx: sampling {} directions\n", sender.bins()));
+    }
+    // A direction that no surface faces is found before anything is written.
+    (0..sender.bins())
+        .try_for_each(|bin| sender.ray(bin * options.samples).map(drop))
+        .map_err(|error| wrong(path, &error))?;
+    rcontrib::run_on(&words, RayBytes { sender, number: 0, bytes: Vec::new(), read: 0 })
+}
+
+/// The command line of `rcontrib`.
+fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) -> Result<Vec<String>, Failure> {
+    let mut words = vec!["rcontrib".to_owned(), "-fo+".to_owned()];
+    words.extend(options.passed.iter().cloned());
+    words.extend(own);
+    let mut receiver_words = ReceiverWords::with_jitter(options.jitter.clone());
+    for receiver in receivers {
+        words.extend(receiver_words.of(receiver).map_err(|error| wrong(&options.receiver, &error))?);
+    }
+    words.extend(options.system.iter().cloned());
+    words.push(options.receiver.clone());
+    if options.is_verbose {
+        say(&format!("rfluxmtx: running: {}\n", words.join(" ")));
+    }
+    Ok(words)
+}
+
+fn wrong(path: &str, error: &FluxError) -> Failure {
+    Failure::input(format!("rfluxmtx: \"{path}\": {error}"))
+}
+
+/// The rays of a sender as `rcontrib` reads them: six numbers of eight bytes each.
+struct RayBytes {
+    sender: Sender,
+    /// The next ray.
+    number: u64,
+    bytes: Vec<u8>,
+    /// How many bytes were read.
+    read: usize,
+}
+
+/// Rays that are made at a time.
+const RAYS_AT_A_TIME: u64 = 1 << 10;
+
+impl RayBytes {
+    fn refill(&mut self) -> io::Result<()> {
+        self.bytes.clear();
+        self.read = 0;
+        let end = self.sender.rays().min(self.number + RAYS_AT_A_TIME);
+        for number in self.number..end {
+            let (origin, direction) = self.sender.ray(number).map_err(io::Error::other)?;
+            self.bytes.extend(origin.iter().chain(&direction).flat_map(|value| value.to_ne_bytes()));
+        }
+        self.number = end;
+        Ok(())
+    }
+}
+
+impl Read for RayBytes {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.read == self.bytes.len() {
+            self.refill()?;
+        }
+        let count = into.len().min(self.bytes.len() - self.read);
+        into[..count].copy_from_slice(&self.bytes[self.read..self.read + count]);
+        self.read += count;
+        Ok(count)
+    }
+}

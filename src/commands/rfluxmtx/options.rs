@@ -1,0 +1,197 @@
+//! The options of `rfluxmtx`: its own, and those that `rcontrib` gets.
+
+use crate::expand::options_before_scenes;
+use crate::failure::{Failure, say};
+use crate::render_args::number;
+
+/// What is asked.
+#[derive(Debug)]
+pub(super) struct Options {
+    pub(super) is_verbose: bool,
+    no_warnings: bool,
+    /// Where in its patch a direction counts, as an expression.
+    pub(super) jitter: Option<String>,
+    /// Rays for each direction of the sender, or in a record.
+    pub(super) samples: u64,
+    /// Options that `rcontrib` gets as they are.
+    pub(super) passed: Vec<String>,
+    /// `-I`, `-i`, `-x`, `-y` and `-ld`, which are for rays from standard input.
+    ray_words: Vec<String>,
+    /// The letters of `-f`: of input and output.
+    formats: [char; 2],
+    /// Rays that look around from a point (`-ad`), and whether somebody says how many paths each ray stands for.
+    divisions: f64,
+    says_paths: bool,
+    /// `None` for rays from standard input.
+    pub(super) sender: Option<String>,
+    pub(super) receiver: String,
+    pub(super) system: Vec<String>,
+}
+
+const USAGE: &str = "rfluxmtx: expected a sender (or -) and a receiver after the options";
+
+/// Rays for each direction of a sender, unless another number is asked for.
+const USUAL_SAMPLES: u64 = 10_000;
+
+impl Options {
+    /// Reads the words, of which the first is the program's name.
+    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options {
+            is_verbose: false,
+            no_warnings: false,
+            jitter: None,
+            samples: 0,
+            passed: Vec::new(),
+            ray_words: Vec::new(),
+            formats: ['a', 'a'],
+            divisions: 350.0,
+            says_paths: false,
+            sender: None,
+            receiver: String::new(),
+            system: Vec::new(),
+        };
+        let (_, files) = options_before_scenes(words, |words| options.take(words))?;
+        let [sender, receiver, system @ ..] = &files[..] else { return Err(Failure::usage(USAGE)) };
+        options.sender = (sender != "-").then(|| sender.clone());
+        options.receiver.clone_from(receiver);
+        options.take_system(system)?;
+        if options.samples == 0 {
+            options.samples = if options.sender.is_some() { USUAL_SAMPLES } else { 1 };
+        }
+        options.check()?;
+        Ok(options)
+    }
+
+    /// Takes one option; gives how many words it used.
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let word = words[0].as_str();
+        match word {
+            "-v" => self.is_verbose = !self.is_verbose,
+            "-bj" => return self.jitter(words),
+            "-c" => {
+                let expected = "a number of rays, 1 or more";
+                self.samples = number(words, word, expected)?;
+                if self.samples == 0 {
+                    return Err(Failure::usage(format!("rfluxmtx: option \"-c\" with 0: expected {expected}")));
+                }
+                return Ok(2);
+            }
+            "-x" | "-y" => {
+                let count: u64 = number(words, word, "a number of columns or rows")?;
+                self.ray_words.extend([word.to_owned(), count.to_string()]);
+                return Ok(2);
+            }
+            "-I" | "-I+" | "-I-" | "-i" | "-i+" | "-i-" | "-ld" | "-ld+" | "-ld-" => {
+                self.ray_words.push(word.to_owned());
+            }
+            _ => return self.pass(words),
+        }
+        Ok(1)
+    }
+
+    fn jitter(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.jitter = Some(number(words, "-bj", "an expression for the jitter")?);
+        Ok(2)
+    }
+
+    /// Passes an option on with its values.
+    fn pass(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let word = words[0].as_str();
+        let unknown = || Failure::usage(format!("rfluxmtx: option \"{word}\" is not supported"));
+        if let Some(letters) = word.strip_prefix("-f").filter(|letters| !letters.is_empty()) {
+            let letters: Vec<char> = letters.chars().collect();
+            self.formats = match letters[..] {
+                [both @ ('a' | 'f' | 'd')] => [both, both],
+                [input @ ('a' | 'f' | 'd'), output @ ('a' | 'f' | 'd' | 'c')] => [input, output],
+                _ => return Err(unknown()),
+            };
+            return Ok(1);
+        }
+        let values = values_of(word).ok_or_else(unknown)?;
+        let Some(taken) = words.get(..=values) else {
+            return Err(Failure::usage(format!(
+                "rfluxmtx: option \"{word}\" ends the command line, expected {values} words after it"
+            )));
+        };
+        match word {
+            "-w" | "-w-" => self.no_warnings = true,
+            "-ad" => self.divisions = number(words, word, "a number of rays")?,
+            "--samples" => self.says_paths = true,
+            _ => {}
+        }
+        self.passed.extend(taken.iter().cloned());
+        Ok(1 + values)
+    }
+
+    /// What stands after the receiver: scene files, one of them an octree after `-i`, and options of `oconv` that mean nothing here.
+    fn take_system(&mut self, words: &[String]) -> Result<(), Failure> {
+        for word in words {
+            match word.as_str() {
+                "-i" | "-f" | "-w" => {}
+                option if option.starts_with('-') && option != "-" => {
+                    return Err(Failure::usage(format!(
+                        "rfluxmtx: \"{option}\" stands among the scene files, expected -i and an octree, or files"
+                    )));
+                }
+                file => self.system.push(file.to_owned()),
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self) -> Result<(), Failure> {
+        let is_irradiance = |word: &&String| word.starts_with("-I") || word.starts_with("-i");
+        match self.ray_words.iter().find(is_irradiance) {
+            Some(word) if self.sender.is_some() => {
+                Err(Failure::usage(format!("rfluxmtx: option \"{word}\" is for rays from standard input (-) only")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What `rcontrib` is told where rays come from standard input.
+    pub(super) fn pass_through_words(&self) -> Vec<String> {
+        let mut words = self.ray_words.clone();
+        words.extend([format!("-f{}{}", self.formats[0], self.formats[1]), "-c".to_owned()]);
+        words.push(self.samples.to_string());
+        words
+    }
+
+    /// What it is told of the rays that are sent, for so many directions.
+    pub(super) fn sampling_words(&self, bins: u64) -> Vec<String> {
+        let mut words = vec![format!("-fd{}", self.formats[1])];
+        if !self.says_paths {
+            words.extend(["--samples".to_owned(), self.paths().to_string()]);
+        }
+        words.extend(["-c".to_owned(), self.samples.to_string(), "-y".to_owned(), bins.to_string()]);
+        words
+    }
+
+    /// Paths for each ray. Those of a record count together: the more rays it has, the fewer each needs for its own noise.
+    fn paths(&self) -> u64 {
+        (self.divisions / (self.samples as f64).sqrt()).ceil().clamp(1.0, 1e6) as u64
+    }
+
+    pub(super) fn warn(&self, what: &str) {
+        if !self.no_warnings {
+            say(&format!("rfluxmtx: warning - {what}\n"));
+        }
+    }
+}
+
+/// How many words follow an option of `rcontrib`; `None` for those that it does not get from here.
+fn values_of(word: &str) -> Option<usize> {
+    Some(match word {
+        "-f" | "-e" | "-o" | "-n" | "-t" | "--samples" | "--seed" => 1,
+        "--allow-commands" => 0,
+        "-cs" => 1,
+        "-cw" => 2,
+        "-av" | "-me" | "-ma" => 3,
+        "-mg" | "-ms" | "-ss" | "-st" | "-lr" | "-lw" => 1,
+        _ => match word.as_bytes() {
+            [b'-', b'w' | b'V' | b'u' | b'h' | b'r', ..] | [b'-', b'b' | b'd', b'v', ..] => 0,
+            [b'-', b'd' | b'a', _] => 1,
+            _ => return None,
+        },
+    })
+}

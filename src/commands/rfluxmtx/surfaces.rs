@@ -1,0 +1,110 @@
+//! The groups of surfaces in the scene text of senders and receivers.
+
+use super::options::Options;
+use super::wrong;
+use crate::disk::{Commands, DiskLoader};
+use crate::failure::Failure;
+use crate::input::{read_file, read_source};
+use radsight_diag::SourceMap;
+use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
+use radsight_parse::Kind;
+use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
+
+/// What begins a comment that says how surfaces send or receive.
+const MARK: &str = "#@rfluxmtx";
+
+/// The receivers, in the order of their file: surfaces of one modifier that follow each other are one.
+pub(super) fn receivers(options: &Options) -> Result<Vec<Group>, Failure> {
+    let mut groups: Vec<Group> = Vec::new();
+    for (said, modifier, surface) in surfaces(options, &options.receiver)? {
+        if groups.last().is_none_or(|group| group.modifier != modifier) {
+            let mut group = Group::new(&modifier);
+            group.parameters = groups.last().map_or_else(Parameters::default, |before| before.parameters.next());
+            group.parameters.read(&said).map_err(|error| wrong(&options.receiver, &error))?;
+            groups.push(group);
+        }
+        if let Some(group) = groups.last_mut() {
+            group.surfaces.push(surface);
+        }
+    }
+    Ok(groups)
+}
+
+/// The sender: all surfaces of its file.
+pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
+    let mut sender: Option<Group> = None;
+    for (said, modifier, surface) in surfaces(options, path)? {
+        let group = sender.get_or_insert_with(|| Group::new(&modifier));
+        if group.modifier != modifier {
+            options.warn("multiple modifiers in sender");
+            group.modifier = modifier;
+        }
+        group.parameters.read(&said).map_err(|error| wrong(path, &error))?;
+        group.surfaces.push(surface);
+    }
+    sender.ok_or_else(|| wrong(path, &FluxError::Nothing))
+}
+
+/// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
+fn surfaces(options: &Options, path: &str) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
+    let text = scene_text(path)?;
+    let mistake = |error: SyntaxError| {
+        let mut sources = SourceMap::default();
+        let source = sources.add(path, text.clone(), None);
+        Failure::diagnostics(&[error.diagnostic(source)], &sources)
+    };
+    let mut items = Items::new(&text).map_err(mistake)?;
+    let mut said = String::new();
+    let mut found = Vec::new();
+    while let Some(item) = items.advance() {
+        match item.map_err(mistake)? {
+            Item::Comment(place) => {
+                let comment = String::from_utf8_lossy(&text[place.start as usize..place.end as usize]);
+                if let Some(parameters) =
+                    comment.strip_prefix(MARK).filter(|rest| rest.starts_with(char::is_whitespace))
+                {
+                    said.push(' ');
+                    said.push_str(parameters);
+                }
+            }
+            Item::Primitive(primitive) => {
+                let Some(shape) = shape(primitive.kind) else { continue };
+                let [modifier, name] = names(&primitive);
+                match FluxSurface::new(&name, shape, primitive.reals) {
+                    Ok(surface) => found.push((std::mem::take(&mut said), modifier, surface)),
+                    Err(FluxError::Surface { what: "has no area", .. }) => {
+                        options.warn(&format!("surface \"{name}\" has no area"));
+                    }
+                    Err(error) => return Err(wrong(path, &error)),
+                }
+            }
+            Item::Alias(_) | Item::Command(_) => {}
+        }
+    }
+    Ok(found)
+}
+
+fn shape(kind: Kind) -> Option<Shape> {
+    match kind {
+        Kind::Polygon => Some(Shape::Polygon),
+        Kind::Ring => Some(Shape::Ring),
+        Kind::Source => Some(Shape::Source),
+        _ => None,
+    }
+}
+
+fn names(primitive: &Primitive<'_>) -> [String; 2] {
+    [primitive.modifier, primitive.name].map(|word| String::from_utf8_lossy(&primitive.text(word)).into_owned())
+}
+
+/// The text of a file with that of its commands, which `xform` puts in.
+fn scene_text(path: &str) -> Result<Vec<u8>, Failure> {
+    let text: Vec<u8> = read_source(path, |path| read_file(path, "scene file"))?;
+    let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
+    if !has_commands {
+        return Ok(text);
+    }
+    let loader = DiskLoader::new(Commands::Refused);
+    let made = radsight_parse::xform(&["xform".to_owned()], Some(&text), &loader);
+    made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("rfluxmtx: \"{path}\": {error}")))
+}
