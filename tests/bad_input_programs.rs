@@ -95,7 +95,7 @@ fn options_that_are_wrong() {
         ("oconv -q scene.rad", &["-q"]),
         ("rvu scene.rad", &["rvu is not part of radsight", "rpict"]),
         ("mkillum scene.rad", &["mkillum is not part of radsight"]),
-        ("gendaymtx a b", &["gendaymtx is not part of radsight"]),
+        ("gensdaymtx a b", &["gensdaymtx is not part of radsight"]),
     ] {
         if parts.is_empty() {
             // Only that it ends in order.

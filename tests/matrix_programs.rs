@@ -1,4 +1,4 @@
-//! `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
+//! `gendaymtx`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
 
 mod program;
 mod real_radiance;
@@ -317,6 +317,60 @@ fn the_real_rfluxmtx_runs_our_rcontrib() {
     }
 }
 
+/// Four days of hours, with light that changes from hour to hour, in units of a WEA file: also at night, and none by day.
+fn weather(units: u32, scale: f64) -> String {
+    let mut text = format!(
+        "place Test_X\nlatitude 47.4\nlongitude -8.5\ntime_zone -15\nsite_elevation 400\nweather_data_file_units {units}\n"
+    );
+    for (step, (month, day)) in [(2, 28), (2, 29), (6, 21), (12, 3)].into_iter().enumerate() {
+        for hour in 0..24 {
+            let turn = (7 * hour + 5 * step) % 11;
+            let direct = if (6..20).contains(&hour) { [0., 30., 200., 500., 900.][turn % 5] * scale } else { 0.0 };
+            let diffuse = if (6..20).contains(&hour) { [5., 50., 150., 400.][turn % 4] * scale } else { 0.0 };
+            text += &format!("{month} {day} {hour}.500 {direct} {diffuse}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn skies_are_those_of_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    for (name, units, scale) in [("normal.wea", 1, 1.0), ("level.wea", 2, 0.5), ("lux.wea", 3, 110.0)] {
+        folder.file(name, weather(units, scale));
+        for options in
+            ["-m 2", "-O1", "-s", "-d", "-u -A", "-r 30", "-5 .533 -d -m 3", "-g .3 .2 .1 -c 1 .9 .8 -i 60", "-h"]
+        {
+            let words = format!("-of {options} {name}");
+            if options == "-h" {
+                let [real, ours] =
+                    [radiance.command("gendaymtx", &[options, name]), command(&["gendaymtx", options, name])]
+                        .map(|mut program| run_with(program.current_dir(folder.path("")), b"").text());
+                // Three digits, of which the last may be rounded the other way.
+                let lines = |text: &str| text.lines().map(|line| line.split(' ').count()).collect::<Vec<_>>();
+                assert!(lines(&ours) == lines(&real), "the lines differ");
+                let numbers = ours.split_whitespace().zip(real.split_whitespace());
+                for (ours, real) in numbers.filter(|(ours, real)| ours != real) {
+                    let [ours, real] = [ours, real].map(|word| word.parse::<f64>().expect("a number"));
+                    assert!((ours / real - 1.0).abs() < 0.011, "{ours}, real {real}");
+                }
+                continue;
+            }
+            assert_same(both(&radiance, &folder, "gendaymtx", &words, ""), &words, 2e-4);
+        }
+    }
+    let suns = [
+        (radiance.command("gendaymtx", &split("-n -D theirs.rad -M theirs.txt normal.wea")), "theirs"),
+        (command(&split("gendaymtx -n -D ours.rad -M ours.txt normal.wea")), "ours"),
+    ];
+    let [real, ours] = suns.map(|(mut program, name)| {
+        assert!(run_with(program.current_dir(folder.path("")), b"").done().is_empty());
+        [folder.read(&format!("{name}.rad")), folder.read(&format!("{name}.txt"))]
+    });
+    assert!(ours == real && !ours[1].is_empty());
+}
+
 #[test]
 fn results_are_stored_as_asked() {
     let folder = Folder::new();
@@ -338,6 +392,8 @@ fn wrong_command_lines_and_input_are_told() {
     folder.file("short.mtx", "#?RADIANCE\nNROWS=9\nNCOLS=9\n\n1 2 3\n");
     folder.file("huge.mtx", "#?RADIANCE\nNROWS=2000000000\nNCOLS=2000000000\nFORMAT=float\n\n");
     folder.file("bad.xml", "<WindowElement/>");
+    folder.file("day.wea", weather(1, 1.0));
+    folder.file("odd.wea", weather(1, 1.0).replace("2 29 12.500", "2 30 12.500"));
     let check = |words: &str, code: i32, message: &str| {
         let words = split(words);
         let run = run_with(command(&words).current_dir(folder.path("")), b"");
@@ -351,6 +407,13 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop - + -", 2, "standard input is named twice");
     check("rmtxop -q a.mtx", 2, "option \"-q\" is unknown");
     check("rmtxop -s a.mtx", 2, "option \"-s\" has no factors");
+    check("gendaymtx -m 91 day.wea", 1, "expected a subdivision (-m) of 1 to 90");
+    check("gendaymtx -m 90 -x day.wea", 1, "unknown option \"-x\"");
+    check("gendaymtx -m 90 day.wea", 1, "the output would be larger than");
+    check("gendaymtx odd.wea", 1, "odd.wea: line 43: no such date or time");
+    check("gendaymtx a.mtx", 1, "expected \"place\" or \"LOCATION,\"");
+    check("gendaymtx none.wea", 1, "none.wea");
+    check("gendaymtx -r", 1, "missing rotation in degrees (-r)");
     check("rmtxop none.mtx", 1, "cannot read matrix \"none.mtx\"");
     check("rmtxop b.mtx a.mtx", 1, "a.mtx: a product of 3 x 5 and 4 x 3");
     check("rmtxop a.mtx + b.mtx", 1, "b.mtx: 3 x 5, expected 4 x 3");

@@ -13,8 +13,8 @@ const MISSING: [(&[&str], &str); 11] = [
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
-        &["gendaymtx", "gensdaymtx", "genssky", "rsplit", "rlam"],
-        "expected Radiance's own: rmtxop, rcomb and dctimestep here take the same matrices",
+        &["gensdaymtx", "genssky", "rsplit", "rlam"],
+        "expected Radiance's own: rmtxop, rcomb and dctimestep here take the same matrices, and gendaymtx makes those without spectra",
     ),
     (
         &["pcwarp", "pmblur", "pmblur2", "pmdblur", "psketch", "normtiff", "macbethcal", "ttyimage"],

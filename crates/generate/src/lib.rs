@@ -34,6 +34,7 @@ mod genblinds;
 mod genbox;
 mod genclock;
 mod gendaylit;
+mod gendaymtx;
 mod genprism;
 mod genrev;
 mod gensky;
@@ -58,10 +59,12 @@ mod records;
 mod replmarks;
 mod scene_words;
 pub mod shell_words;
+mod sky_patches;
 mod sun;
 mod text;
 mod total;
 mod wavefront_mesh;
+mod weather;
 mod zcat;
 
 pub use error::Error;
@@ -115,6 +118,7 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("genbox", genbox::run),
     ("genclock", genclock::run),
     ("gendaylit", gendaylit::run),
+    ("gendaymtx", gendaymtx::run),
     ("genprism", genprism::run),
     ("genrev", genrev::run),
     ("gensky", gensky::run),

@@ -54,8 +54,7 @@ pub(crate) struct Sun {
 impl Moment {
     /// The day of the year, from 1; every February has 28 days.
     pub(crate) fn day_of_year(&self) -> i64 {
-        const DAYS_BEFORE: [i64; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
-        DAYS_BEFORE[(self.month - 1).min(11)] + self.day
+        day_of_year(self.month, self.day)
     }
 
     pub(crate) fn sun(&self, site: &Site) -> Sun {
@@ -90,13 +89,19 @@ impl Moment {
     }
 }
 
+/// The day of the year, from 1, of a month from 1; every February has 28 days.
+pub(crate) fn day_of_year(month: usize, day: i64) -> i64 {
+    const DAYS_BEFORE: [i64; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
+    DAYS_BEFORE[month.saturating_sub(1).min(11)] + day
+}
+
 /// Declination from the day of the year.
 pub(crate) fn simple_declination(day: f64) -> f64 {
     0.4093 * ((2.0 * PI / 365.0) * (day - 81.0)).sin()
 }
 
 /// Hours to add to the clock for solar time: the equation of time and the way from the clock's meridian.
-fn simple_time_adjustment(day: f64, site: &Site) -> f64 {
+pub(crate) fn simple_time_adjustment(day: f64, site: &Site) -> f64 {
     0.170 * ((4.0 * PI / 373.0) * (day - 80.0)).sin() - 0.129 * ((2.0 * PI / 355.0) * (day - 8.0)).sin()
         + (12.0 / PI) * (site.meridian - site.longitude)
 }

@@ -1,0 +1,418 @@
+//! `gendaymtx [-v] [-h] [-A] [-d|-s|-n] [-u] [-D file [-M file]] [-r degrees] [-m N] [-g r g b] [-c r g b] [-o{f|d|a}] [-O{0|1}] [-5 degrees]
+//! [-i minutes] [weather]`: the sky of each moment of a weather file, as a matrix of patches and moments.
+//!
+//! Patches are Reinhart's with N rows and columns for each of Tregenza's (`-m`), the ground before them. `-d` is the sun alone, `-s` the sky alone, `-u`
+//! leaves out the night, `-A` is the mean of all moments, `-D` writes each sun as a light of its own, with their modifiers' names to the file of `-M`,
+//! and `-n` no matrix. `-O1` is all of the sun's light in the place of what is visible; `-5` puts the sun into one patch, for a disk of so many degrees.
+//!
+//! C. F. Reinhart and O. Walkenhorst, Energy and Buildings 33 (7), 2001 (patches); the sky is that of [`crate::perez`].
+
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+use crate::arguments::Arguments;
+use crate::sky_patches::{Light, Sky, SkyPatches, WHITE_EFFICACY};
+use crate::sun::{Site, Sun, day_of_year, simple_declination, simple_time_adjustment};
+use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text, general};
+use crate::weather::{Quantity, Record, Weather};
+use crate::{Error, Invocation, Output};
+use radsight_loader::FileKind;
+
+const USAGE: &str = "gendaymtx [-v][-h][-A][-d|-s|-n][-u][-D file [-M modfile]][-r deg][-m N][-g r g b][-c r g b][-o{f|d|a}][-O{0|1}][-5 deg][-i minutes] [weather]";
+
+/// The sun's angle across, degrees.
+const SUN_DEGREES: f64 = 0.533;
+/// Suns are spread over so many patches.
+const SUN_PATCHES: usize = 4;
+/// Dew point in °C where none is measured.
+const DEW_POINT: f64 = 11.0;
+/// Less light, in the unit of the file, is night; a colour that is darker is black.
+const NIGHT: f64 = 1e-4;
+/// With more rows for each of Tregenza's a moment would have over a million patches.
+const FINEST: usize = 90;
+
+/// How numbers are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Ascii,
+    Float,
+    Double,
+}
+
+/// What becomes of the moments.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Matrix {
+    /// A column each.
+    Moments,
+    /// Their mean.
+    Mean,
+    /// Nothing.
+    Nothing,
+}
+
+struct Options<'a> {
+    ground: [f64; 3],
+    sky: [f64; 3],
+    sun: [f64; 3],
+    has_header: bool,
+    format: Format,
+    is_solar: bool,
+    subdivision: usize,
+    matrix: Matrix,
+    /// Files of suns and of their modifiers' names; `-` for standard output.
+    suns: Option<&'a str>,
+    modifiers: Option<&'a str>,
+    by_day_only: bool,
+    /// Radians.
+    rotation: f64,
+    /// Solid angle of the sun's disk where it is put into one patch.
+    disk: Option<f64>,
+    /// Minutes; 0 for moments.
+    interval: f64,
+    weather: Option<&'a str>,
+}
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let options = Options::read(&mut arguments)?;
+    let loaded;
+    let (bytes, name) = match options.weather {
+        Some(path) => {
+            loaded = invocation.loader.load(path, FileKind::Other)?;
+            (&loaded.bytes[..], path)
+        }
+        None => (invocation.standard_input(), "standard input"),
+    };
+    let weather = Weather::read(&String::from_utf8_lossy(bytes)).map_err(|mistake| Error::Input {
+        program: "gendaymtx".to_owned(),
+        source_name: name.to_owned(),
+        mistake,
+    })?;
+    let mut year = Year::new(&options, &weather)?;
+    year.step_through(&weather)?;
+    if year.moments == 0 {
+        return Err(arguments.impossible("no moment of the weather file is by day"));
+    }
+    year.output(&weather, invocation.argv)
+}
+
+impl<'a> Options<'a> {
+    fn read(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
+        let mut options = Options {
+            ground: [0.2; 3],
+            sky: [0.96, 1.004, 1.118],
+            sun: [1.0; 3],
+            has_header: true,
+            format: Format::Ascii,
+            is_solar: false,
+            subdivision: 1,
+            matrix: Matrix::Moments,
+            suns: None,
+            modifiers: None,
+            by_day_only: false,
+            rotation: 0.0,
+            disk: None,
+            interval: 0.0,
+            weather: None,
+        };
+        while let Some(word) = arguments.word() {
+            match word {
+                "-v" => {}
+                "-h" => options.has_header = false,
+                "-oa" => options.format = Format::Ascii,
+                "-of" => options.format = Format::Float,
+                "-od" => options.format = Format::Double,
+                "-O0" => options.is_solar = false,
+                "-O1" => options.is_solar = true,
+                "-A" => options.matrix = Matrix::Mean,
+                "-d" => options.leave_out_sky(),
+                "-s" => options.sun = [0.0; 3],
+                "-u" => options.by_day_only = true,
+                "-g" => options.ground = arguments.vector("ground reflectance (-g)")?,
+                "-c" => options.sky = arguments.vector("colour of the sky (-c)")?,
+                "-n" => options.leave_out_matrix(),
+                "-D" => {
+                    options.suns = Some(arguments.required("file of suns (-D)")?);
+                    if options.suns == Some("-") {
+                        options.leave_out_matrix();
+                    }
+                }
+                "-M" => options.modifiers = Some(arguments.required("file of modifiers (-M)")?),
+                "-r" | "-rz" => options.rotation = arguments.number("rotation in degrees (-r)")?.to_radians(),
+                "-i" => options.interval = arguments.number("interval in minutes (-i)")?,
+                "-5" => {
+                    let radius = 0.5 * arguments.positive("diameter of the sun in degrees (-5)")?.to_radians();
+                    options.disk = Some(PI * radius * radius);
+                }
+                "-m" => {
+                    let position = arguments.position();
+                    options.subdivision = arguments.count("subdivision (-m)")?;
+                    if !(1..=FINEST).contains(&options.subdivision) {
+                        return Err(
+                            arguments.mistake(position, format!("expected a subdivision (-m) of 1 to {FINEST}"))
+                        );
+                    }
+                }
+                _ if word.starts_with('-') && word != "-" => return Err(arguments.unknown()),
+                path if arguments.peek().is_none() => options.weather = Some(path).filter(|path| *path != "-"),
+                _ => return Err(arguments.unknown()),
+            }
+        }
+        Ok(options)
+    }
+
+    fn leave_out_sky(&mut self) {
+        (self.sky, self.ground) = ([0.0; 3], [0.0; 3]);
+    }
+
+    fn leave_out_matrix(&mut self) {
+        self.matrix = Matrix::Nothing;
+        self.leave_out_sky();
+    }
+}
+
+/// The moments, as they are stepped through.
+struct Year<'o> {
+    options: &'o Options<'o>,
+    patches: SkyPatches,
+    site: Site,
+    /// Red, green and blue of each patch, moment by moment.
+    values: Vec<f32>,
+    moments: usize,
+    suns: Text,
+    modifiers: Text,
+    warnings: Vec<String>,
+    /// A leap day was met.
+    leap_days: i64,
+    /// Of the two records before.
+    dew_points: Option<[f64; 2]>,
+    dew_point: f64,
+}
+
+impl<'o> Year<'o> {
+    fn new(options: &'o Options<'o>, weather: &Weather) -> Result<Year<'o>, Error> {
+        let patches = SkyPatches::new(options.subdivision);
+        let columns = if options.matrix == Matrix::Moments { weather.records.len() } else { 1 };
+        // Text has about as many bytes as double precision.
+        if columns.saturating_mul(patches.len() * 3 * size_of::<f64>()) > MAX_OUTPUT_BYTES {
+            return Err(Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES });
+        }
+        let mut warnings = Vec::new();
+        if options.modifiers.is_some() && options.suns.is_none() {
+            warnings.push("-M output will be empty without -D".to_owned());
+        }
+        Ok(Year {
+            options,
+            patches,
+            site: Site {
+                latitude: weather.latitude.to_radians(),
+                longitude: -weather.longitude.to_radians(),
+                meridian: (-15.0 * weather.time_zone).to_radians(),
+            },
+            values: Vec::new(),
+            moments: 0,
+            suns: Text::default(),
+            modifiers: Text::default(),
+            warnings,
+            leap_days: 0,
+            dew_points: None,
+            dew_point: DEW_POINT,
+        })
+    }
+
+    fn step_through(&mut self, weather: &Weather) -> Result<(), Error> {
+        for record in &weather.records {
+            self.note_dew_point(record.dew_point);
+            if record.month == 2 && record.day == 29 {
+                self.leap_days = 1;
+            }
+            let is_leap_day = record.month == 2 && record.day == 29;
+            let day = day_of_year(record.month, record.day) + if is_leap_day { 0 } else { self.leap_days };
+            self.step(weather.quantity, record, day)?;
+        }
+        Ok(())
+    }
+
+    /// The mean of three records.
+    fn note_dew_point(&mut self, measured: Option<f64>) {
+        self.dew_points = measured.map(|now| {
+            let [first, second] = self.dew_points.unwrap_or([now; 2]);
+            self.dew_point = (first + second + now) / 3.0;
+            [second, now]
+        });
+    }
+
+    fn step(&mut self, quantity: Quantity, record: &Record, day: i64) -> Result<(), Error> {
+        let sun = self.sun(record, day);
+        let altitude = sun.altitude(&self.site);
+        let azimuth = sun.azimuth(&self.site) + PI - self.options.rotation;
+        let is_up = altitude > -(0.5 * SUN_DEGREES).to_radians();
+        if self.options.by_day_only && !is_up {
+            return Ok(());
+        }
+        self.moments += 1;
+        let mut column = vec![0.0; if self.options.matrix == Matrix::Nothing { 0 } else { 3 * self.patches.len() }];
+        let minute = 24 * 60 * (day - 1) + (record.hour * 60.0 + 0.5) as i64;
+        if record.direct + record.diffuse <= NIGHT {
+            if is_up {
+                self.write_sun(minute, (altitude, azimuth), 0.0)?;
+            }
+            self.keep(column);
+            return Ok(());
+        }
+        let limit = if quantity == Quantity::NormalIlluminance { 20.0 * WHITE_EFFICACY } else { 20.0 };
+        if !is_up && record.direct > limit {
+            let Record { month, day, hour, .. } = record;
+            self.warnings.push(format!("unusually bright at {hour:.1} on {month}-{day}"));
+        }
+        let is_level = quantity == Quantity::HorizontalIrradiance && altitude > 1e-6;
+        let direct = if is_level { record.direct / altitude.sin() } else { record.direct };
+        let water = (0.07 * self.dew_point - 0.075).exp();
+        let sky = Sky::new(&Light { quantity, direct, diffuse: record.diffuse, water, day: day as f64, altitude });
+        let sky = if self.options.is_solar { sky.solar() } else { sky };
+        if is_up {
+            let radius = (0.5 * SUN_DEGREES).to_radians();
+            let radiance = sky.direct_illuminance / (WHITE_EFFICACY * PI * radius * radius);
+            self.write_sun(minute, (altitude, azimuth), radiance)?;
+        }
+        if self.options.matrix != Matrix::Nothing {
+            self.fill(&mut column, &sky, (altitude, azimuth));
+        }
+        self.keep(column);
+        Ok(())
+    }
+
+    /// Where the sun is; the middle of what is left of an interval in which it rises or sets.
+    fn sun(&self, record: &Record, day: i64) -> Sun {
+        let declination = simple_declination(day as f64);
+        let mut solar_time = record.hour + simple_time_adjustment(day as f64, &self.site);
+        let half = self.options.interval / 120.0;
+        if self.options.interval > 0.0 {
+            // Leap days move the sun by less than this is worth.
+            let known = simple_declination(day_of_year(record.month, record.day) as f64);
+            let tangent = -(self.site.latitude.tan() * known.tan());
+            let half_day = (PI / 2.0 - tangent.atan2((1.0 - tangent * tangent).sqrt())) * 12.0 / PI;
+            let (rise, set) = (12.0 - half_day, 12.0 + half_day);
+            if (rise - solar_time).abs() <= half {
+                solar_time = 0.5 * (solar_time + half + rise);
+            } else if (set - solar_time).abs() < half {
+                solar_time = 0.5 * (solar_time - half + set);
+            }
+        }
+        Sun { declination, solar_time }
+    }
+
+    /// Radiances of ground and sky, and the sun's on the patches around it, W/(sr·m²).
+    fn fill(&self, column: &mut [f32], sky: &Sky, sun: (f64, f64)) {
+        let options = self.options;
+        let is_black = |color: &[f64; 3]| 0.265 * color[0] + 0.670 * color[1] + 0.065 * color[2] <= NIGHT;
+        let level_sun = sky.direct_illuminance * sun.0.sin().max(0.0);
+        let ground = (sky.diffuse_illuminance + level_sun) / (PI * WHITE_EFFICACY);
+        let mut add = |patch: usize, radiance: f64, color: &[f64; 3]| {
+            for (value, band) in column[3 * patch..].iter_mut().zip(color) {
+                *value += (radiance * band) as f32;
+            }
+        };
+        add(0, ground, &options.ground);
+        if !is_black(&options.sky) {
+            let scale = sky.diffuse_illuminance / WHITE_EFFICACY;
+            for (patch, luminance) in self.patches.luminances(sky, sun.1).iter().enumerate() {
+                add(patch + 1, scale * luminance, &options.sky);
+            }
+        }
+        if sky.direct_illuminance > NIGHT && !is_black(&options.sun) {
+            let count = if options.disk.is_some() { 1 } else { SUN_PATCHES };
+            for (patch, radiance) in self.patches.around_sun(sun, count, options.disk) {
+                add(patch, radiance * sky.direct_illuminance / WHITE_EFFICACY, &options.sun);
+            }
+        }
+    }
+
+    fn keep(&mut self, column: Vec<f32>) {
+        if self.options.matrix == Matrix::Mean && !self.values.is_empty() {
+            self.values.iter_mut().zip(column).for_each(|(sum, value)| *sum += value);
+        } else {
+            self.values.extend(column);
+        }
+    }
+
+    fn write_sun(&mut self, minute: i64, (altitude, azimuth): (f64, f64), radiance: f64) -> Result<(), Error> {
+        if self.options.suns.is_none() {
+            return Ok(());
+        }
+        let [r, g, b] = self.options.sun.map(|band| Exponential(radiance * band, 3));
+        let [x, y, z] = [altitude.cos() * azimuth.sin(), altitude.cos() * azimuth.cos(), altitude.sin()];
+        write!(self.suns, "\nvoid light solar{minute}\n0\n0\n3 {r} {g} {b}\n")?;
+        write!(self.suns, "\nsolar{minute} source sun{minute}\n0\n0\n4 {x:.6} {y:.6} {z:.6} {SUN_DEGREES:.4}\n")?;
+        if self.options.modifiers.is_some() {
+            writeln!(self.modifiers, "solar{minute}")?;
+        }
+        Ok(())
+    }
+
+    fn output(mut self, weather: &Weather, argv: &[String]) -> Result<Output, Error> {
+        let mut output = Output { warnings: std::mem::take(&mut self.warnings), ..Output::default() };
+        if self.options.matrix != Matrix::Nothing {
+            output.standard_output = self.matrix(weather, argv)?;
+        }
+        if let Some(path) = self.options.modifiers {
+            output.files.push((path.to_owned(), self.modifiers.into_bytes()));
+        }
+        match self.options.suns {
+            Some("-") => output.standard_output = self.suns.into_bytes(),
+            Some(path) => output.files.push((path.to_owned(), self.suns.into_bytes())),
+            None => {}
+        }
+        Ok(output)
+    }
+
+    fn matrix(&self, weather: &Weather, argv: &[String]) -> Result<Vec<u8>, Error> {
+        let (rows, options) = (self.patches.len(), self.options);
+        let columns = self.values.len() / (3 * rows);
+        let mut header = Text::default();
+        if options.has_header {
+            writeln!(header, "#?RADIANCE\n{}", command_line(argv))?;
+            writeln!(header, "LATLONG= {:.8} {:.8}", weather.latitude, weather.longitude)?;
+            writeln!(header, "NROWS={rows}\nNCOLS={columns}")?;
+            if options.matrix == Matrix::Mean {
+                writeln!(header, "NAVERAGED={}", self.moments)?;
+            }
+            writeln!(header, "NCOMP=3")?;
+            let is_big = if cfg!(target_endian = "big") { 1 } else { 0 };
+            match options.format {
+                Format::Ascii => writeln!(header, "FORMAT=ascii\n")?,
+                Format::Float => writeln!(header, "BigEndian={is_big}\nFORMAT=float\n")?,
+                Format::Double => writeln!(header, "BigEndian={is_big}\nFORMAT=double\n")?,
+            }
+        }
+        let mut bytes = header.into_bytes();
+        let count = if options.matrix == Matrix::Mean { self.moments as f32 } else { 1.0 };
+        for row in 0..rows {
+            for column in 0..columns {
+                let values = &self.values[3 * (column * rows + row)..][..3];
+                put([values[0], values[1], values[2]].map(|value| value / count), options.format, &mut bytes);
+            }
+            if options.format == Format::Ascii && columns > 1 {
+                bytes.push(b'\n');
+            }
+        }
+        Ok(bytes)
+    }
+}
+
+/// The command as a header has it.
+fn command_line(argv: &[String]) -> String {
+    let words = argv.iter().map(|word| Quoted(&word.replace(['\n', '\r'], " ")).to_string());
+    words.collect::<Vec<_>>().join(" ")
+}
+
+fn put(values: [f32; 3], format: Format, bytes: &mut Vec<u8>) {
+    match format {
+        Format::Ascii => {
+            let [r, g, b] = values.map(|value| general(f64::from(value), 3));
+            bytes.extend_from_slice(format!("{r} {g} {b}\n").as_bytes());
+        }
+        Format::Float => bytes.extend(values.iter().flat_map(|value| value.to_ne_bytes())),
+        Format::Double => bytes.extend(values.iter().flat_map(|value| f64::from(*value).to_ne_bytes())),
+    }
+}
