@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::render_args::number;
 use glam::{DMat3, DVec3};
 use radsight_picture::{RgbPrimaries, WHITE_EFFICACY, xyz_to_rgb};
-use radsight_spectrum::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB};
+use radsight_spectrum::{MELANOPIC_OF_RGB, Response, SCOTOPIC_OF_RGB, Sampling};
 
 /// The components of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +19,8 @@ pub(crate) enum OutputColor {
     Bands,
     /// One number: the sum of red, green and blue with these weights.
     Weighted([f64; 3]),
+    /// The same with what a response is to the bands where spectra are traced.
+    Response(Response, [f64; 3]),
 }
 
 impl OutputColor {
@@ -31,8 +33,8 @@ impl OutputColor {
             "-pRGB" => OutputColor::Rgb,
             "-pXYZ" => OutputColor::Xyz(to_xyz * WHITE_EFFICACY),
             "-pY" => OutputColor::Weighted(to_xyz.row(1).to_array().map(|weight| weight * WHITE_EFFICACY)),
-            "-pS" => OutputColor::Weighted(SCOTOPIC_OF_RGB),
-            "-pM" => OutputColor::Weighted(MELANOPIC_OF_RGB),
+            "-pS" => OutputColor::Response(Response::Scotopic, SCOTOPIC_OF_RGB),
+            "-pM" => OutputColor::Response(Response::Melanopic, MELANOPIC_OF_RGB),
             "-co" | "-co+" => OutputColor::Bands,
             "-co-" => OutputColor::Rgb,
             "-pA" => OutputColor::Weighted([1.0 / 3.0; 3]),
@@ -53,7 +55,7 @@ impl OutputColor {
     /// How many numbers a value has, of so many bands that are traced.
     pub(crate) fn components(&self, bands: usize) -> usize {
         match self {
-            OutputColor::Weighted(_) => 1,
+            OutputColor::Weighted(_) | OutputColor::Response(..) => 1,
             OutputColor::Bands => bands,
             _ => 3,
         }
@@ -73,8 +75,18 @@ impl OutputColor {
         match self {
             OutputColor::Xyz(_) => WHITE_EFFICACY,
             OutputColor::Weighted(weights) => weights.iter().sum(),
+            OutputColor::Response(response, _) => response.white_efficacy(),
             OutputColor::Rgb | OutputColor::Primaries(..) | OutputColor::Bands => 1.0,
         }
+    }
+
+    /// What a response makes of a spectrum; `None` where the colour says all that is wanted.
+    pub(crate) fn of_spectrum(&self, bands: &[f32], sampling: &Sampling) -> Option<f64> {
+        let OutputColor::Response(response, _) = self else { return None };
+        let [first, .., last] = sampling.splits_nm();
+        let shares = response.of_whole_bands(bands.len(), [first, last]);
+        let sum: f64 = bands.iter().zip(shares).map(|(band, share)| f64::from(*band) * share).sum();
+        Some(sum * response.white_efficacy())
     }
 
     /// A value in these components, of which only as many count as there are.
@@ -86,7 +98,7 @@ impl OutputColor {
                 let xyz = (*to_xyz * DVec3::from(value)).to_array();
                 xyz_to_rgb(from_xyz, xyz.map(|component| component as f32)).map(f64::from)
             }
-            OutputColor::Weighted(weights) => {
+            OutputColor::Weighted(weights) | OutputColor::Response(_, weights) => {
                 [value.iter().zip(weights).map(|(band, weight)| band * weight).sum(), 0.0, 0.0]
             }
         }

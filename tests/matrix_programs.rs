@@ -146,6 +146,8 @@ fn colors_of_spectra_are_those_of_the_real_program() {
         "-c XYZ nine.mtx",
         "-c rgb nine.mtx",
         "-c six.mtx nine.mtx",
+        "-c SM six.mtx",
+        "-c sMA nine.mtx",
     ] {
         assert_same(both(&radiance, &folder, "rmtxop", words, ""), words, 0.02);
     }

@@ -209,6 +209,51 @@ fn the_work_ends_after_the_rays_of_the_picture() {
     assert_eq!(short.text().lines().count(), 1 + RAYS.lines().count());
 }
 
+#[test]
+fn responses_of_spectra_are_those_of_real_rtrace() {
+    let Some(radiance) = Radiance::find() else { return };
+    // Rays to the sky and to the lamp, whose spectra are not those of a colour.
+    let scene = "void spectrum yellow 0 0 6 380 780 .1 .2 1.5 .9\nyellow glow sky 0 0 4 1 1 1 0\nsky source dome 0 0 4 0 0 1 360\n";
+    let folder = Folder::new();
+    folder.file("scene.rad", scene);
+    let octree = radiance.octree(&folder, &["scene.rad"]);
+    for response in ["-pS", "-pM", "-pY"] {
+        for sampling in [&["-cs", "18"][..], &["-cs", "7", "-cw", "400", "720"]] {
+            let words = [&["-h", "-w-", response], sampling].concat();
+            let ours = [&["rtrace"], &words[..], &["scene.rad"]].concat();
+            let ours = run_with(command(&ours).current_dir(folder.path("")), b"0 0 0 0 0 1\n").text();
+            let mut theirs = radiance.command("rtrace", &[&words[..], &[&octree]].concat());
+            let theirs = run_with(theirs.current_dir(folder.path("")), b"0 0 0 0 0 1\n").text();
+            let [ours, theirs] = [ours, theirs].map(|text| text.trim().parse::<f64>().expect("a number"));
+            assert!((ours / theirs - 1.0).abs() < 0.01, "{words:?}: {ours}, real {theirs}");
+        }
+    }
+}
+
+#[test]
+fn hartmanns_constant_moves_lights_and_does_not_colour_them() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let prism = "void light lamp 0 0 3 1000 1000 1000\nlamp sphere bulb 0 0 4 20 -4 0 .2\n\
+                 void dielectric glass 0 0 5 1 1 1 1.5 300\n\
+                 glass polygon a 0 0 12 0 -2 -1  0 -2 1  0 2 1  0 2 -1\n\
+                 glass polygon b 0 0 12 0 -2 -1  1.6 -2 -1 1.6 -2 1 0 -2 1\n\
+                 glass polygon c 0 0 12 1.6 -2 -1 0 2 -1 0 2 1 1.6 -2 1\n\
+                 glass polygon d 0 0 9 0 -2 1 1.6 -2 1 0 2 1\nglass polygon e 0 0 9 0 -2 -1 0 2 -1 1.6 -2 -1\n";
+    folder.file("prism.rad", prism);
+    let octree = radiance.octree(&folder, &["prism.rad"]);
+    let rays: String = (-300..300).map(|step| format!("-5 0 0 1 {} .001\n", f64::from(step) * 1e-3)).collect();
+    let mut theirs = radiance.command("rtrace", &["-h", "-w-", &octree]);
+    let theirs = run_with(theirs.current_dir(folder.path("")), rays.as_bytes()).done();
+    let mut ours = command(&["rtrace", "-h", "prism.rad"]);
+    let ours = run_with(ours.current_dir(folder.path("")), rays.as_bytes()).done();
+    same_words(&ours, &theirs, &["prism"]);
+    let values = String::from_utf8_lossy(&ours).into_owned();
+    let lit =
+        |line: &&str| line.split_whitespace().next().is_some_and(|red| red.parse::<f64>().is_ok_and(|red| red > 1.0));
+    assert!(values.lines().filter(lit).count() > 4, "the lamp is seen");
+}
+
 /// Nothing rough, and lights so small that their points do not matter.
 const GLASSWORK: &str = "
 void light lamp 0 0 3 1e8 2e8 3e8

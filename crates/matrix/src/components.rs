@@ -2,11 +2,7 @@
 
 use crate::{Matrix, MatrixError, Stored};
 use radsight_picture::{Encoding, RgbPrimaries, WHITE_EFFICACY};
-use radsight_spectrum::{Conversion, MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, Sampling, xyz_of_whole_bands};
-
-/// Scotopic efficacy of white, and melanopic, lm/W.
-const WHITE_SCOTOPIC: f64 = 412.0;
-const WHITE_MELANOPIC: f64 = 179.0;
+use radsight_spectrum::{Conversion, MELANOPIC_OF_RGB, Response, SCOTOPIC_OF_RGB, Sampling, xyz_of_whole_bands};
 
 /// What `-c` asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,13 +154,16 @@ impl Matrix {
         if letter.eq_ignore_ascii_case(&'A') {
             return Ok(vec![1.0 / components as f64; components]);
         }
-        let (weights, white) = match letter.to_ascii_uppercase() {
-            'S' => (SCOTOPIC_OF_RGB, WHITE_SCOTOPIC),
-            'M' => (MELANOPIC_OF_RGB, WHITE_MELANOPIC),
+        let (weights, response) = match letter.to_ascii_uppercase() {
+            'S' => (SCOTOPIC_OF_RGB, Response::Scotopic),
+            'M' => (MELANOPIC_OF_RGB, Response::Melanopic),
             _ => return Err(MatrixError::Letter { letter }),
         };
+        let white = response.white_efficacy();
         if components != 3 {
-            return Err(MatrixError::Made { letter, components, expected: "red, green and blue" });
+            let scale = if is_capital { white } else { 1.0 };
+            let range = [self.splits[0], self.splits[3]].map(f64::from);
+            return Ok(response.of_whole_bands(components, range).map(|share| share * scale).collect());
         }
         let scale = if is_capital { 1.0 } else { 1.0 / white };
         Ok(weights.map(|weight| weight * scale).to_vec())
@@ -196,7 +195,7 @@ mod tests {
     fn what_cannot_be_made_is_told() {
         let letters = |text: &str| Transform::Letters(text.into());
         assert!(matches!(white(1).transformed(&letters("Y"), &[]), Err(MatrixError::Made { .. })));
-        assert!(matches!(white(6).transformed(&letters("S"), &[]), Err(MatrixError::Made { .. })));
+        assert!(matches!(white(2).transformed(&letters("S"), &[]), Err(MatrixError::Made { .. })));
         assert!(matches!(white(3).transformed(&letters("q"), &[]), Err(MatrixError::Letter { letter: 'q' })));
         let four = Transform::Coefficients(vec![1.0; 4]);
         assert!(matches!(white(3).transformed(&four, &[]), Err(MatrixError::Coefficients { .. })));

@@ -17,9 +17,11 @@
 
 mod conversion;
 mod observer;
+mod response;
 mod rgb;
 mod sampling;
 
 pub use conversion::Conversion;
+pub use response::Response;
 pub use rgb::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB, xyz_of_bands, xyz_of_whole_bands, xyz_to_rgb};
 pub use sampling::Sampling;

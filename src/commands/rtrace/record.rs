@@ -198,6 +198,10 @@ impl<'o> Writer<'o> {
             }
             _ => components[..3].copy_from_slice(&self.options.color.of(value.color)),
         }
+        let sampling = &self.options.render.sampling;
+        if let Some(response) = value.spectrum.and_then(|s| self.options.color.of_spectrum(s.as_slice(), sampling)) {
+            components[0] = response;
+        }
         self.options.output_format.put(&components[..self.options.components()], out);
     }
 
