@@ -194,7 +194,8 @@ impl<'o> Year<'o> {
         let patches = SkyPatches::new(options.subdivision);
         let columns = if options.matrix == Matrix::Moments { weather.records.len() } else { 1 };
         // Text has about as many bytes as double precision.
-        if columns.saturating_mul(patches.len() * 3 * size_of::<f64>()) > MAX_OUTPUT_BYTES {
+        let number = if options.format == Format::Float { size_of::<f32>() } else { size_of::<f64>() };
+        if columns.saturating_mul(patches.len() * 3 * number) > MAX_OUTPUT_BYTES {
             return Err(Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES });
         }
         let mut warnings = Vec::new();
