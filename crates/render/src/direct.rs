@@ -201,7 +201,7 @@ impl DirectSampler<'_> {
     #[inline]
     pub(crate) fn place(&self, light: &Light, u: [f64; 2]) -> Option<LightSample> {
         let sample = light.sample(self.point, u, &self.reception.peak)?;
-        light.reaches(self.point, sample.direction, sample.distance).then_some(sample)
+        (light.share_in_range(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
 
     /// What one place gives to a point that responds to it like this.
@@ -287,7 +287,7 @@ impl DirectSampler<'_> {
         given
     }
 
-    /// Radiance of the place in the direction of the point.
+    /// Radiance of the place in the direction of the point; of a glow, as much of it as has the point within its radius.
     pub(crate) fn radiance<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
@@ -295,14 +295,16 @@ impl DirectSampler<'_> {
         sample: &LightSample,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
+        let in_range = light.share_in_range(self.point, sample.direction, sample.distance);
         if light.is_redirected() {
             // What arrives is known when it has arrived.
-            return [1.0; BANDS];
+            return [in_range; BANDS];
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let encounter = self.encounter(light, sample);
-        given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch))
+        let radiance: [f64; BANDS] = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
+        radiance.map(|band| in_range * band)
     }
 
     /// How the place is met by a ray from the point.

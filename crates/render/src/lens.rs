@@ -78,7 +78,6 @@ fn inverse_segment(radius: f64, area: f64) -> f64 {
 
 impl Lens {
     /// In square units of the radii.
-    #[cfg(test)]
     pub(crate) fn area(&self) -> f64 {
         self.area
     }

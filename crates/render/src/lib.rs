@@ -21,6 +21,7 @@ mod frame;
 mod function_lobe;
 mod gather;
 mod geometry;
+mod glow_range;
 mod indirect;
 mod lens;
 mod lettering;

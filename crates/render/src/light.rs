@@ -536,24 +536,6 @@ impl Light {
         self.form.density(receiver, direction, distance, cosine, gradient)
     }
 
-    /// Whether a glow's radius reaches a receiver from the place at `distance` along `direction`: as in Radiance, which draws places on round bodies
-    /// in their middle, it is measured from there.
-    #[inline]
-    pub(crate) fn reaches(&self, receiver: DVec3, direction: DVec3, distance: f64) -> bool {
-        if self.max_distance == f64::INFINITY {
-            return true;
-        }
-        let from_middle = match &self.form {
-            LightForm::Sphere { center, .. } => receiver.distance(*center),
-            LightForm::Cone { base, axis, .. } => {
-                let along = axis.dot(receiver + direction * distance - *base);
-                receiver.distance(*base + *axis * along)
-            }
-            _ => distance,
-        };
-        from_middle <= self.max_distance
-    }
-
     /// The factor of a spotlight's radiance at a distance.
     #[inline]
     pub(crate) fn focal_factor(&self, distance: f64) -> f64 {

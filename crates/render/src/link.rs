@@ -144,8 +144,11 @@ impl Link {
         if light.misses(self.receiver) {
             return focal;
         }
-        // Near to a round glow and far from its middle there is no light of it, as in Radiance.
-        if light.relays.is_empty() && !light.reaches(self.receiver, self.direction, length) {
+        // Near the surface of a round glow only some of it may be near enough, and none of the rest is found, as in Radiance.
+        let is_direct = light.relays.is_empty();
+        let in_range = if is_direct { light.share_in_range(self.receiver, self.direction, length) } else { 1.0 };
+        let focal = focal * in_range;
+        if focal <= 0.0 {
             return 0.0;
         }
         let other = light.density(self.receiver, self.direction, length, cosine, &self.reception.peak);

@@ -1,6 +1,6 @@
 //! What `rpict -defaults` prints.
 
-use super::options::{DEFAULT_EFFORT, Options};
+use super::options::Options;
 use crate::render_args;
 use radsight_frame::Effort;
 
@@ -33,7 +33,7 @@ pub(super) fn text(options: &Options) -> String {
     ] {
         lines.push(format!("-{name} {value:.6}\t\t\t# {what}"));
     }
-    lines.push(match options.effort.unwrap_or(DEFAULT_EFFORT) {
+    lines.push(match options.effort() {
         Effort::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
         Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of a pixel"),
     });

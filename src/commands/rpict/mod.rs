@@ -11,7 +11,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::view_args;
-use options::{DEFAULT_EFFORT, Options};
+use options::Options;
 use output::{PictureWriter, Recovered, Start};
 use radsight_frame::{Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
@@ -117,7 +117,7 @@ impl Picture {
             return Ok(());
         }
         let mut report = Report::new(options.report);
-        let mut frame = Frame::new(renderer, self.lens, options.effort.unwrap_or(DEFAULT_EFFORT));
+        let mut frame = Frame::new(renderer, self.lens, options.effort());
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);

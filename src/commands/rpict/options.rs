@@ -15,8 +15,14 @@ use radsight_render::{Gathering, RenderOptions, Unshared};
 /// Rays that no pixel exceeds for an asked error.
 const MOST_SAMPLES: u32 = 1024;
 
-/// What is spent on a pixel when nothing is said.
-pub(super) const DEFAULT_EFFORT: Effort = Effort::Error { error: 0.05, most: 32 };
+/// The same when nothing is said.
+const USUAL_SAMPLES: u32 = 32;
+
+/// The error that is asked for when nothing is said: of pictures with a sample in every pixel (`-ps 1`), of those with the fewest, and how it grows with
+/// the root of the spacing between.
+const LEAST_ERROR: f64 = 0.02;
+const LARGEST_ERROR: f64 = 0.04;
+const ERROR_OF_SPACING: f64 = 0.015;
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -36,7 +42,9 @@ pub(super) struct Options {
     pub(super) pixel_jitter: f64,
     pub(super) motion: f64,
     pub(super) aperture: f64,
-    /// How many rays a pixel gets; `None` for as many as [`DEFAULT_EFFORT`].
+    /// Pixels between Radiance's samples. Here every pixel has its own: this tells only how good the picture shall be.
+    pub(super) sample_spacing: f64,
+    /// How many rays a pixel gets, where that is said.
     pub(super) effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
@@ -80,6 +88,7 @@ impl Default for Options {
             pixel_jitter: 0.67,
             motion: 0.0,
             aperture: 0.0,
+            sample_spacing: 4.0,
             effort: None,
             threads: None,
             report: 0,
@@ -107,10 +116,16 @@ impl Options {
         Ok(options)
     }
 
+    /// How many rays a pixel gets.
+    pub(super) fn effort(&self) -> Effort {
+        let usual = (ERROR_OF_SPACING * self.sample_spacing.sqrt()).clamp(LEAST_ERROR, LARGEST_ERROR);
+        self.effort.unwrap_or(Effort::Error { error: usual, most: USUAL_SAMPLES })
+    }
+
     /// Shared irradiance takes its part of the error that is asked for: half of it as noise, and what bends it away, which grows as the
     /// square of the distance that records reach.
     fn share_error(&mut self) {
-        if let Effort::Error { error, .. } = self.effort.unwrap_or(DEFAULT_EFFORT) {
+        if let Effort::Error { error, .. } = self.effort() {
             let gathering = &mut self.render.gathering;
             gathering.noise = 0.5 * error;
             gathering.accuracy = gathering.accuracy.min(error.sqrt());
@@ -177,8 +192,9 @@ impl Options {
             "-pj" => self.pixel_jitter = share(words, "a share of a pixel from 0 to 1")?,
             "-pm" => self.motion = share(words, "a share of the time between frames from 0 to 1")?,
             "-pd" => self.aperture = positive(words, "the diameter of the aperture, 0 or more")?,
+            "-ps" => self.sample_spacing = positive(words, "the pixels between samples")?,
             // There is nothing between samples to interpolate: every pixel has its own.
-            "-ps" | "-pt" => drop(number::<f64>(words, word, "a number")?),
+            "-pt" => drop(number::<f64>(words, word, "a number")?),
             _ => return Ok(0),
         }
         Ok(2)
@@ -216,4 +232,31 @@ fn positive(words: &[String], expected: &str) -> Result<f64, Failure> {
         return Ok(value);
     }
     Err(Failure::usage(format!("option \"{}\" is {value}, expected {expected}", words[0])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked_error(words: &str) -> f64 {
+        let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+        let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
+        match options.effort() {
+            Effort::Error { error, .. } => error,
+            Effort::Samples(samples) => panic!("{samples} rays for each pixel"),
+        }
+    }
+
+    #[test]
+    fn pictures_with_fewer_samples_may_be_less_exact() {
+        for (words, expected) in [
+            ("rpict a.oct", 0.03),
+            ("rpict -ps 1 a.oct", 0.02),
+            ("rpict -ps 3 -ps 1 a.oct", 0.02),
+            ("rpict -ps 16 a.oct", 0.04),
+            ("rpict -ps 16 --error .1 a.oct", 0.1),
+        ] {
+            assert!((asked_error(words) - expected).abs() < 1e-12, "{words}: {}", asked_error(words));
+        }
+    }
 }
