@@ -44,34 +44,21 @@ impl Agreement {
     /// # Panics
     /// If the sizes differ.
     pub(crate) fn new(actual: &Image<f32>, expected: &Image<f32>, noise: Noise<'_>, side: usize) -> Agreement {
-        let size = (expected.width(), expected.height());
-        assert_eq!((actual.width(), actual.height()), size, "the size of the picture");
         let expected_mean = mean(expected);
-        let mut differences = Vec::new();
-        let (mut within, mut agreeing) = (0, 0);
-        let mut variance = 0.0;
-        for block in Block::all(size, side) {
-            let difference = (block.mean(actual) - block.mean(expected)).abs();
-            let scale = block.mean(expected).max(DARK * expected_mean);
-            let error = match noise {
-                Noise::Unknown => block.residual_error(expected),
-                Noise::OfValues(errors) => block.combined_error(errors),
-                Noise::Repeats(repeats) => scale * block.spread_around(expected, repeats, side),
-            };
-            variance += (error * block.count()).powi(2);
-            let share = if difference == 0.0 { 0.0 } else { difference / scale };
-            within += usize::from(share <= TOLERANCE);
-            agreeing += usize::from(share <= TOLERANCE || difference <= STANDARD_ERRORS * error);
-            differences.push(share);
-        }
-        differences.sort_by(f64::total_cmp);
+        let mut differences = differences(actual, expected, noise, side);
+        differences.sort_by(|one, two| one.share.total_cmp(&two.share));
         let count = differences.len();
+        let share_of = |is_meant: fn(&Difference) -> bool| {
+            differences.iter().filter(|difference| is_meant(difference)).count() as f64 / count as f64
+        };
+        let variance: f64 = differences.iter().map(|of| (of.error * of.block.count()).powi(2)).sum();
+        let pixels = (expected.width() * expected.height()) as f64;
         Agreement {
             mean: if expected_mean > 0.0 { mean(actual) / expected_mean - 1.0 } else { mean(actual) },
-            mean_error: variance.sqrt() / (size.0 * size.1) as f64 / expected_mean.max(f64::MIN_POSITIVE),
-            within: within as f64 / count as f64,
-            blocks: agreeing as f64 / count as f64,
-            percentile_95: differences[(0.95 * (count - 1) as f64).ceil() as usize],
+            mean_error: variance.sqrt() / pixels / expected_mean.max(f64::MIN_POSITIVE),
+            within: share_of(|difference| difference.share <= TOLERANCE),
+            blocks: share_of(|difference| difference.agrees),
+            percentile_95: differences[(0.95 * (count - 1) as f64).ceil() as usize].share,
         }
     }
 
@@ -92,6 +79,48 @@ impl fmt::Display for Agreement {
             100.0 * self.percentile_95
         )
     }
+}
+
+/// How a block of one picture differs from that of another.
+struct Difference {
+    block: Block,
+    /// Of what is expected.
+    share: f64,
+    /// Standard error of what is expected.
+    error: f64,
+    agrees: bool,
+}
+
+fn differences(actual: &Image<f32>, expected: &Image<f32>, noise: Noise<'_>, side: usize) -> Vec<Difference> {
+    let size = (expected.width(), expected.height());
+    assert_eq!((actual.width(), actual.height()), size, "the size of the picture");
+    let floor = DARK * mean(expected);
+    let difference = |block: Block| {
+        let difference = (block.mean(actual) - block.mean(expected)).abs();
+        let scale = block.mean(expected).max(floor);
+        let error = match noise {
+            Noise::Unknown => block.residual_error(expected),
+            Noise::OfValues(errors) => block.combined_error(errors),
+            Noise::Repeats(repeats) => scale * block.spread_around(expected, repeats, side),
+        };
+        let share = if difference == 0.0 { 0.0 } else { difference / scale };
+        Difference { block, share, error, agrees: share <= TOLERANCE || difference <= STANDARD_ERRORS * error }
+    };
+    Block::all(size, side).map(difference).collect()
+}
+
+/// The blocks of `side` pixels in which two pictures of the same size do not agree.
+///
+/// # Panics
+/// If the sizes differ.
+pub(crate) fn outside(actual: &Image<f32>, expected: &Image<f32>, noise: Noise<'_>, side: usize) -> Vec<Block> {
+    let differences = differences(actual, expected, noise, side);
+    differences.into_iter().filter(|difference| !difference.agrees).map(|difference| difference.block).collect()
+}
+
+/// Whether a value is within the tolerance of one that is known to a standard error.
+pub(crate) fn is_near(actual: f64, expected: f64, error: f64) -> bool {
+    (actual - expected).abs() <= f64::max(TOLERANCE * expected, STANDARD_ERRORS * error)
 }
 
 fn mean(image: &Image<f32>) -> f64 {

@@ -1,14 +1,15 @@
-//! Who is nearer to the truth where our pictures of the render tests and real Radiance's differ.
+//! Who is nearer to the truth in random blocks of the render tests, and where our pictures and real Radiance's differ.
 //!
 //! Real `rpict` shares irradiance between places and interpolates between pixels, and ours shares it too. Real `rtrace -aa 0` does neither: with many rays
 //! through a block of pixels it gives the block's radiance, and how well it is known. That is no truth where Radiance approximates in another way
 //! (`docs/differences.md`).
 
-use crate::blocks::{Agreement, Block, Noise};
+use crate::blocks::{Agreement, Block, Noise, is_near, outside};
 use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
 use crate::real_radiance::Radiance;
 use crate::{pictures_folder, shared};
 use radsight_picture::Image;
+use std::collections::HashSet;
 use std::fs;
 use std::path::Path;
 
@@ -47,11 +48,19 @@ impl Truth {
 fn truths(folder: &Path, scenes: &mut Scenes<'_>, reference: &Reference) -> Vec<Truth> {
     let path = folder.join(format!("{}-truth.tsv", reference.name));
     let text = fs::read_to_string(&path).unwrap_or_else(|_| {
+        let (width, height) = reference.size();
+        let mut random = Random(0x5eed);
+        let corners: Vec<(usize, usize)> =
+            (0..BLOCKS).map(|_| (random.below(width / SIDE) * SIDE, random.below(height / SIDE) * SIDE)).collect();
         scenes.build(reference);
-        let text = find_truths(scenes, reference);
+        let text = find_truths(scenes, reference, &corners);
         fs::write(&path, &text).expect("the truth is written");
         text
     });
+    read_truths(&text, reference)
+}
+
+fn read_truths(text: &str, reference: &Reference) -> Vec<Truth> {
     let read = |line: &str| {
         let numbers: Vec<f64> = line.split('\t').map(|word| word.parse().expect("a number")).collect();
         let corner = (numbers[0] as usize, numbers[1] as usize);
@@ -60,13 +69,29 @@ fn truths(folder: &Path, scenes: &mut Scenes<'_>, reference: &Reference) -> Vec<
     text.lines().map(read).collect()
 }
 
-fn find_truths(scenes: &Scenes<'_>, reference: &Reference) -> String {
-    let (width, height) = reference.size();
+/// The truth of those of these blocks of which it was found before, and of so many more that there are enough.
+fn truths_of(blocks: &[Block], folder: &Path, scenes: &mut Scenes<'_>, reference: &Reference) -> Vec<Truth> {
+    let path = folder.join(format!("{}-outside.tsv", reference.name));
+    let mut text = fs::read_to_string(&path).unwrap_or_default();
+    let corner = |block: &Block| (block.left, block.top);
+    let known: HashSet<_> = read_truths(&text, reference).iter().map(|truth| corner(&truth.block)).collect();
+    let mut unknown: Vec<_> = blocks.iter().map(corner).filter(|corner| !known.contains(corner)).collect();
+    let missing = BLOCKS.saturating_sub(blocks.len() - unknown.len()).min(unknown.len());
     let mut random = Random(0x5eed);
-    let corners: Vec<(usize, usize)> =
-        (0..BLOCKS).map(|_| (random.below(width / SIDE) * SIDE, random.below(height / SIDE) * SIDE)).collect();
+    let drawn: Vec<_> = (0..missing).map(|_| unknown.swap_remove(random.below(unknown.len()))).collect();
+    if !drawn.is_empty() {
+        scenes.build(reference);
+        text.push_str(&find_truths(scenes, reference, &drawn));
+        fs::write(&path, &text).expect("the truth is written");
+    }
+    let wanted: HashSet<_> = blocks.iter().map(corner).collect();
+    read_truths(&text, reference).into_iter().filter(|truth| wanted.contains(&corner(&truth.block))).collect()
+}
+
+fn find_truths(scenes: &Scenes<'_>, reference: &Reference, corners: &[(usize, usize)]) -> String {
+    let mut random = Random(0x5eed ^ corners.len() as u64);
     let mut places = Vec::new();
-    for (left, top) in &corners {
+    for (left, top) in corners {
         for _ in 0..RAYS {
             for pixel in 0..SIDE * SIDE {
                 let (x, y) = (left + pixel % SIDE, top + pixel / SIDE);
@@ -148,5 +173,40 @@ fn blocks_against_their_truth() {
         let again = repeats(&folder, &reference);
         let truths = truths(&folder, &mut scenes, &reference);
         println!("{}", row(&reference, &radiance_values(&picture), &again, &truths));
+    }
+}
+
+/// A line of the table of blocks that do not agree.
+fn row_outside(reference: &Reference, ours: &Image<f32>, outside: usize, truths: &[Truth]) -> String {
+    let near = |picture: &Image<f32>| {
+        truths.iter().filter(|truth| is_near(truth.block.mean(picture), truth.radiance, truth.error)).count()
+    };
+    let nearer = truths.iter().filter(|truth| truth.difference(ours) < truth.difference(&reference.picture)).count();
+    format!(
+        "| `{}` | {outside} | {} | {nearer} | {} | {} | {:.1} % | {:.1} % |",
+        reference.name,
+        truths.len(),
+        near(ours),
+        near(&reference.picture),
+        100.0 * median_difference(ours, truths),
+        100.0 * median_difference(&reference.picture, truths)
+    )
+}
+
+/// Prints the other table: who is nearer to the truth in the blocks in which our pictures do not agree with the references.
+#[test]
+#[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
+fn blocks_outside_against_their_truth() {
+    let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
+    let mut scenes = Scenes::new(&shared, &radiance);
+    for reference in Reference::all(&shared) {
+        let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
+        let Ok(picture) = fs::read(path) else { continue };
+        let ours = radiance_values(&picture);
+        let again = repeats(&folder, &reference);
+        let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(&again) };
+        let blocks = outside(&ours, &reference.picture, noise, SIDE);
+        let truths = truths_of(&blocks, &folder, &mut scenes, &reference);
+        println!("{}", row_outside(&reference, &ours, blocks.len(), &truths));
     }
 }
