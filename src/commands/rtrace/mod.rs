@@ -119,7 +119,7 @@ fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &
         let mut bytes = Vec::new();
         for (ray, found) in rays.iter().zip(found) {
             let found = if limits { found.map(|found| found.clipped(ray.length)) } else { *found };
-            writer.write(ray, found.as_ref(), &mut bytes);
+            writer.write(ray, found.as_ref(), None, &mut bytes);
         }
         bytes
     });
@@ -136,7 +136,7 @@ fn trace_all(
 ) -> Vec<Option<Found>> {
     if effort == Effort::Samples(1) && limits.is_none() {
         let traced = renderer.trace_all(first_index, rays);
-        return traced.into_iter().map(|traced| traced.map(|traced| Found::Traced(traced, None))).collect();
+        return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
     }
     rays.par_iter()
         .enumerate()
@@ -147,7 +147,7 @@ fn trace_all(
                 if let Some(limits) = &limits {
                     worker.limit_distance(limits[place]);
                 }
-                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort), None))
+                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort)))
             },
         )
         .collect()

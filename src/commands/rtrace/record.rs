@@ -14,10 +14,9 @@ const NOWHERE: f64 = 1e10;
 
 /// What was found out of a ray.
 #[derive(Clone, Copy, Debug)]
-#[allow(clippy::large_enum_variant)]
 pub(super) enum Found {
-    /// Everything, where that is wanted with what mirror images bring.
-    Traced(Traced, Option<ToldRay>),
+    /// Everything.
+    Traced(Traced),
     /// Only where it ends.
     Cast(Option<FirstHit>),
     /// That nothing is nearer than where it was to end.
@@ -32,7 +31,7 @@ impl Found {
 
     fn hit(&self) -> Option<FirstHit> {
         match self {
-            Found::Traced(traced, _) => traced.first_hit,
+            Found::Traced(traced) => traced.first_hit,
             Found::Cast(hit) => *hit,
             Found::Clipped => None,
         }
@@ -41,65 +40,42 @@ impl Found {
 
 /// What can be written of a ray.
 #[derive(Clone, Copy, Debug)]
-struct Record {
+struct Record<'t> {
     origin: DVec3,
     direction: DVec3,
     hit: Option<FirstHit>,
     /// Where it ended. What is infinitely far away has no place; Radiance gives the ray's origin.
     end: DVec3,
     value: RayValue,
-    coefficient: RayValue,
-    weight: f64,
     effective_distance: f64,
-    mirrored: RayValue,
-    unmirrored: RayValue,
-    mirrored_distance: f64,
-    unmirrored_distance: f64,
+    /// What else is told of it, where that is wanted.
+    told: Option<&'t ToldRay>,
 }
 
 const BLACK: RayValue = RayValue { color: [0.0; 3], spectrum: None };
 
-impl Record {
+impl<'t> Record<'t> {
     /// That of an input ray; of one without direction nothing was found.
-    fn of_input(input: &InputRay, found: Option<&Found>) -> Record {
+    fn of_input(input: &InputRay, found: Option<&Found>, told: Option<&'t ToldRay>) -> Record<'t> {
         let hit = found.and_then(Found::hit);
         let near = hit.filter(|hit| hit.distance < NOWHERE);
         let end = match (found, input.ray) {
             (Some(Found::Clipped), Some(ray)) => ray.at(input.length),
             _ => near.map_or(input.origin, |hit| hit.point),
         };
-        let nothing = Record {
-            origin: input.origin,
-            direction: input.ray.map_or(DVec3::ZERO, |ray| ray.direction),
-            hit,
-            end,
-            value: BLACK,
-            // The input ray is the whole of itself.
-            coefficient: RayValue { color: [1.0; 3], spectrum: None },
-            weight: 1.0,
-            effective_distance: NOWHERE,
-            mirrored: BLACK,
-            unmirrored: BLACK,
-            mirrored_distance: NOWHERE,
-            unmirrored_distance: NOWHERE,
+        let (value, effective_distance) = match found {
+            Some(Found::Traced(traced)) => {
+                (RayValue { color: traced.value, spectrum: traced.spectrum }, traced.effective_distance)
+            }
+            _ => (BLACK, NOWHERE),
         };
-        let Some(Found::Traced(traced, told)) = found else { return nothing };
-        let value = RayValue { color: traced.value, spectrum: traced.spectrum };
-        let seen = Record { value, effective_distance: traced.effective_distance, ..nothing };
-        match told {
-            None => seen,
-            Some(told) => Record {
-                mirrored: told.mirrored,
-                unmirrored: told.unmirrored,
-                mirrored_distance: told.mirrored_distance,
-                unmirrored_distance: told.unmirrored_distance,
-                ..seen
-            },
-        }
+        let direction = input.ray.map_or(DVec3::ZERO, |ray| ray.direction);
+        let told = told.filter(|_| matches!(found, Some(Found::Traced(_))));
+        Record { origin: input.origin, direction, hit, end, value, effective_distance, told }
     }
 
     /// That of a ray that came of another.
-    fn of_told(told: &ToldRay) -> Record {
+    fn of_told(told: &'t ToldRay) -> Record<'t> {
         let near = told.hit.filter(|hit| hit.distance < NOWHERE);
         Record {
             origin: told.ray.origin,
@@ -107,19 +83,20 @@ impl Record {
             hit: told.hit,
             end: near.map_or(told.ray.origin, |hit| hit.point),
             value: told.value,
-            coefficient: told.coefficient,
-            weight: told.weight,
             effective_distance: told.effective_distance,
-            mirrored: told.mirrored,
-            unmirrored: told.unmirrored,
-            mirrored_distance: told.mirrored_distance,
-            unmirrored_distance: told.unmirrored_distance,
+            told: Some(told),
         }
+    }
+
+    /// How much of its value counts; all of it of an input ray.
+    fn coefficient(&self) -> RayValue {
+        self.told.map_or(RayValue { color: [1.0; 3], spectrum: None }, |told| told.coefficient)
     }
 
     /// What it brings to the first ray.
     fn contribution(&self) -> RayValue {
-        let RayValue { color, spectrum } = self.coefficient;
+        let Some(told) = self.told else { return self.value };
+        let RayValue { color, spectrum } = told.coefficient;
         let color = std::array::from_fn(|band| color[band] * self.value.color[band]);
         let spectrum = match (spectrum, self.value.spectrum) {
             (Some(coefficient), Some(value)) => Some(coefficient.times(&value)),
@@ -127,6 +104,15 @@ impl Record {
             (_, None) => None,
         };
         RayValue { color, spectrum }
+    }
+
+    fn mirrored(&self) -> [RayValue; 2] {
+        self.told.map_or([BLACK; 2], |told| [told.mirrored, told.unmirrored])
+    }
+
+    fn mirrored_distances(&self) -> [f64; 2] {
+        let distances = self.told.map(|told| [told.mirrored_distance, told.unmirrored_distance]);
+        distances.unwrap_or([NOWHERE; 2]).map(|distance| distance.min(NOWHERE))
     }
 }
 
@@ -143,9 +129,9 @@ impl<'o> Writer<'o> {
     }
 
     /// Appends the record of one input ray, if anything is wanted of it.
-    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, out: &mut Vec<u8>) {
+    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, told: Option<&ToldRay>, out: &mut Vec<u8>) {
         if !self.options.output.is_empty() {
-            self.put_record(&Record::of_input(input, found), &self.options.output, out);
+            self.put_record(&Record::of_input(input, found, told), &self.options.output, out);
         }
     }
 
@@ -154,7 +140,7 @@ impl<'o> Writer<'o> {
         self.put_record(&Record::of_told(told), fields, out);
     }
 
-    fn put_record(&self, record: &Record, fields: &[Field], out: &mut Vec<u8>) {
+    fn put_record(&self, record: &Record<'_>, fields: &[Field], out: &mut Vec<u8>) {
         let format = self.options.output_format;
         let vector = |value: Option<DVec3>| value.unwrap_or(DVec3::ZERO).to_array();
         let hit = record.hit;
@@ -162,15 +148,15 @@ impl<'o> Writer<'o> {
             match field {
                 Field::Value => self.put_value(&record.value, out),
                 Field::Contribution => self.put_value(&record.contribution(), out),
-                Field::Coefficient => self.put_share(&record.coefficient, out),
-                Field::Mirrored => self.put_value(&record.mirrored, out),
-                Field::Unmirrored => self.put_value(&record.unmirrored, out),
-                Field::Weight => format.put(&[record.weight], out),
+                Field::Coefficient => self.put_share(&record.coefficient(), out),
+                Field::Mirrored => self.put_value(&record.mirrored()[0], out),
+                Field::Unmirrored => self.put_value(&record.mirrored()[1], out),
+                Field::Weight => format.put(&[record.told.map_or(1.0, |told| told.weight)], out),
                 Field::Direction => format.put(&record.direction.to_array(), out),
                 Field::Origin => format.put(&record.origin.to_array(), out),
                 Field::EffectiveDistance => format.put(&[record.effective_distance.min(NOWHERE)], out),
-                Field::MirroredDistance => format.put(&[record.mirrored_distance.min(NOWHERE)], out),
-                Field::UnmirroredDistance => format.put(&[record.unmirrored_distance.min(NOWHERE)], out),
+                Field::MirroredDistance => format.put(&record.mirrored_distances()[..1], out),
+                Field::UnmirroredDistance => format.put(&record.mirrored_distances()[1..], out),
                 Field::FirstDistance => format.put(&[hit.map_or(NOWHERE, |hit| hit.distance.min(NOWHERE))], out),
                 Field::Local => format.put(&hit.map_or([0.0; 2], |hit| hit.local), out),
                 Field::Point => format.put(&record.end.to_array(), out),

@@ -53,18 +53,20 @@ pub(super) fn answers(options: &Options, renderer: &Renderer, first_index: u64, 
         || renderer.worker(),
         |worker, (place, input)| {
             let mut bytes = Vec::new();
-            let found = input.ray.as_ref().map(|ray| {
-                if options.limits_distance {
-                    worker.limit_distance(input.length);
-                }
-                let (traced, told) = worker.tree(first_index + place as u64, ray);
-                if let Some(tree) = &options.tree {
-                    write_tree(options, renderer.plan(), tree, (&writer, &told), &mut bytes);
-                }
-                let found = Found::Traced(traced, told.last().copied());
-                if options.limits_rays() { found.clipped(input.length) } else { found }
-            });
-            writer.write(input, found.as_ref(), &mut bytes);
+            let Some(ray) = &input.ray else {
+                writer.write(input, None, None, &mut bytes);
+                return bytes;
+            };
+            if options.limits_distance {
+                worker.limit_distance(input.length);
+            }
+            let (traced, told) = worker.tree(first_index + place as u64, ray);
+            if let Some(tree) = &options.tree {
+                write_tree(options, renderer.plan(), tree, (&writer, &told), &mut bytes);
+            }
+            let found = Found::Traced(traced);
+            let found = if options.limits_rays() { found.clipped(input.length) } else { found };
+            writer.write(input, Some(&found), told.last(), &mut bytes);
             bytes
         },
     );
