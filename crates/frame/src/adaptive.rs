@@ -1,10 +1,12 @@
 //! As many rays as each pixel needs.
 //!
-//! A pixel's samples are doubled until its estimated error is below the asked share of its value. The estimate is half the difference of
-//! the means of the two halves of its samples: for independent samples its mean square is that of the error of the mean, and
-//! for those of a low-discrepancy sequence it is larger, which is the safe side. One such difference says little, so the squares
-//! of neighbours are averaged, and those of the doubling before count too.
+//! Samples of pixels are doubled, where that lowers the picture's error most (`allocation.rs`), until its estimate is the asked one.
+//! It rests on half the difference h of the means of the two halves of a pixel's samples: if the squared error of a mean falls by a factor g with each
+//! doubling, so does h², and the squared error of both halves together is h²·g/(1 − g); for independent samples g = ½ and the factor is 1, for those of
+//! a low-discrepancy sequence both are smaller. One such difference says little, so the squares of neighbours are averaged, and
+//! those of the doubling before count too; g is that of a whole block.
 
+use crate::allocation::{Pooled, chosen};
 use crate::lens::{Lens, LensRay};
 use radsight_render::{Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;
@@ -22,8 +24,8 @@ const FIRST_SAMPLES: u32 = 4;
 /// Pixels that are finished together; whole rows.
 const BLOCK: usize = 1 << 14;
 
-/// What is darker than this share of the picture's typical pixel need not be more exact than that is.
-const DARK: f64 = 0.1;
+/// This share of the picture's typical value is added in squares to that of a pixel where an error is taken relative to it: what is darker need not be more exact.
+const DARK: f64 = 0.01;
 
 /// Brighter pixels than this many times the median do not count further for what is typical.
 const DAZZLING: f64 = 10.0;
@@ -38,7 +40,8 @@ pub enum Effort {
     Samples(u32),
     /// As few as the error allows.
     Error {
-        /// Estimated standard error, as a share of the pixel's value or of a tenth of the picture's typical one, whichever is larger.
+        /// Estimated error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all pixels: d the standard error of a value v, m what is
+        /// typical of the band.
         error: f64,
         /// At most so many, at most [`MAX_SAMPLES`].
         most: u32,
@@ -51,8 +54,8 @@ struct Pixel {
     sum: [f64; 3],
     samples: u32,
     /// Squares of the half differences of the means of halves, for the last two doublings.
-    last: f64,
-    before: f64,
+    last: [f32; 3],
+    before: [f32; 3],
 }
 
 impl Pixel {
@@ -62,10 +65,11 @@ impl Pixel {
 
     /// Takes in the second half of its samples.
     fn double(&mut self, second_half: [f64; 3]) {
-        let difference: f64 = second_half.iter().zip(self.sum).map(|(second, first)| second - first).sum();
-        let half_difference = difference / (3.0 * f64::from(2 * self.samples));
         self.before = self.last;
-        self.last = half_difference * half_difference;
+        self.last = std::array::from_fn(|band| {
+            let half_difference = (second_half[band] - self.sum[band]) / f64::from(2 * self.samples);
+            (half_difference * half_difference) as f32
+        });
         self.sum = std::array::from_fn(|band| self.sum[band] + second_half[band]);
         self.samples *= 2;
     }
@@ -78,8 +82,8 @@ pub struct Frame<'r> {
     lens: Lens,
     effort: Effort,
     pixels: Vec<Pixel>,
-    /// Value below which an error is not relative any more.
-    floor: f64,
+    /// What is added in squares to the bands of a pixel where an error is taken relative to them.
+    floors: [f64; 3],
 }
 
 impl<'r> Frame<'r> {
@@ -87,10 +91,10 @@ impl<'r> Frame<'r> {
     #[must_use]
     pub fn new(renderer: &'r Renderer, lens: Lens, effort: Effort) -> Frame<'r> {
         let pixels = vec![Pixel::default(); lens.columns() * lens.rows()];
-        let mut frame = Frame { renderer, lens, effort, pixels, floor: 0.0 };
+        let mut frame = Frame { renderer, lens, effort, pixels, floors: [0.0; 3] };
         if let Effort::Error { .. } = effort {
             frame.begin();
-            frame.floor = DARK * typical(&frame.pixels);
+            frame.floors = typical(&frame.pixels).map(|band| DARK * band);
         }
         frame
     }
@@ -112,7 +116,10 @@ impl<'r> Frame<'r> {
             Effort::Error { error, most } => {
                 let most = most.min(MAX_SAMPLES);
                 loop {
-                    let chosen = self.choose(&range, error, most);
+                    let pooled = self.pool(&range);
+                    let samples = |pixel: usize| self.pixels[range.start + pixel].samples;
+                    let mut chosen = chosen(&pooled, samples, error, most);
+                    chosen.iter_mut().for_each(|pixel| *pixel += range.start);
                     if chosen.is_empty() {
                         break;
                     }
@@ -185,36 +192,65 @@ impl<'r> Frame<'r> {
         }
     }
 
-    /// The pixels of a block whose error is too large.
-    fn choose(&self, range: &Range<usize>, error: f64, most: u32) -> Vec<usize> {
-        let is_open = |&index: &usize| {
-            let pixel = &self.pixels[index];
-            let value = pixel.mean().iter().sum::<f64>() / 3.0;
-            let allowed = error * value.max(self.floor);
-            pixel.samples < most && self.squared_error(range, index) > allowed * allowed
-        };
-        range.clone().into_par_iter().with_min_len(1024).filter(is_open).collect()
+    /// What is known of the pixels of a block.
+    fn pool(&self, range: &Range<usize>) -> Pooled {
+        let gain = self.gain(range);
+        let error = |index| self.relative(&self.pixels[index], self.squared_error(range, index, gain));
+        Pooled { errors: range.clone().into_par_iter().with_min_len(1024).map(error).collect(), gain }
     }
 
-    /// The estimated squared error of a pixel, from its own samples and those of its neighbours in the block.
-    fn squared_error(&self, range: &Range<usize>, index: usize) -> f64 {
+    /// The mean of squared errors of a pixel's bands, relative to their values.
+    fn relative(&self, pixel: &Pixel, squares: [f64; 3]) -> f64 {
+        let of_band = |band: usize| {
+            let [value, floor] = [pixel.mean()[band], self.floors[band]];
+            squares[band] / (value * value + floor * floor).max(f64::MIN_POSITIVE)
+        };
+        (of_band(0) + of_band(1) + of_band(2)) / 3.0
+    }
+
+    /// What doubling samples leaves of squared errors in a block, by its pixels' last two doublings.
+    ///
+    /// One square says little, and few large ones would hide what holds for most: of each pixel the share of its second square counts. With squares of two
+    /// normally distributed numbers, whose variances have the ratio g, the shares' means have the ratio √g.
+    fn gain(&self, range: &Range<usize>) -> f64 {
+        let (mut last, mut before) = (0.0, 0.0);
+        for pixel in &self.pixels[range.clone()] {
+            let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(f64::from)));
+            let weight = 1.0 / (SMALL + squares[0] + squares[1]);
+            last += weight * squares[0];
+            before += weight * squares[1];
+        }
+        if before > 0.0 { (last / before).powi(2).clamp(GAINS[0], GAINS[1]) } else { GAINS[1] }
+    }
+
+    /// The estimated squared errors of a pixel's bands, from its own samples and those of its neighbours in the block.
+    fn squared_error(&self, range: &Range<usize>, index: usize, gain: f64) -> [f64; 3] {
         let columns = self.lens.columns();
         let (first, last) = (range.start / columns, range.end / columns - 1);
         let (column, row) = (index % columns, index / columns);
         let samples = f64::from(self.pixels[index].samples);
-        let (mut latest, mut before, mut count) = (0.0, 0.0, 0.0);
+        let (mut sums, mut weights) = ([0.0; 3], 0.0);
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &self.pixels[y * columns + x];
-                let scale = f64::from(other.samples) / samples;
-                latest += other.last * scale;
-                before += 0.5 * other.before * scale;
-                count += 1.0;
+                let weight = f64::from((2 - y.abs_diff(row) as u32) * (2 - x.abs_diff(column) as u32));
+                // With as many samples as this pixel has.
+                let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
+                for (band, sum) in sums.iter_mut().enumerate() {
+                    *sum += scale * (f64::from(other.last[band]) + gain * f64::from(other.before[band]));
+                }
+                weights += weight;
             }
         }
-        latest.max(before) / count
+        sums.map(|sum| sum / weights * gain / (1.0 - gain))
     }
 }
+
+/// Squared relative errors well below this share say little of how errors fall.
+const SMALL: f64 = 1e-6;
+
+/// What doubling can leave of squared errors: with a low-discrepancy sequence where all is smooth, and with independent samples.
+const GAINS: [f64; 2] = [0.35, 0.5];
 
 /// Sum of the radiances of some of a pixel's rays; every pixel has a scramble of the sequence of its own.
 fn sum(worker: &mut RayWorker<'_>, lens: &Lens, renderer: &Renderer, pixel: usize, samples: Range<u32>) -> [f64; 3] {
@@ -249,15 +285,16 @@ fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &LensRay) -> f64 {
     if is_clipped { NOWHERE } else { traced.effective_distance.min(NOWHERE) }
 }
 
-/// The mean of the pixels that are not black, of which a few may be dazzling.
-fn typical(pixels: &[Pixel]) -> f64 {
-    let value = |pixel: &Pixel| pixel.mean().iter().sum::<f64>() / 3.0;
-    let mut values: Vec<f64> = pixels.iter().map(value).filter(|value| *value > 0.0).collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    let most = DAZZLING * *median;
-    values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
+/// The mean of each band over the pixels that are not black in it, of which a few may be dazzling.
+fn typical(pixels: &[Pixel]) -> [f64; 3] {
+    std::array::from_fn(|band| {
+        let mut values: Vec<f64> = pixels.iter().map(|pixel| pixel.mean()[band]).filter(|value| *value > 0.0).collect();
+        if values.is_empty() {
+            return 0.0;
+        }
+        let middle = values.len() / 2;
+        let (_, median, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+        let most = DAZZLING * *median;
+        values.iter().map(|value| value.min(most)).sum::<f64>() / values.len() as f64
+    })
 }

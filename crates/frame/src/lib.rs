@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod allocation;
 mod lens;
 mod single;
 

@@ -72,8 +72,9 @@ pub(crate) struct Way {
     pub(crate) sampler: RaySampler,
 }
 
-/// Records are not nearer to each other than so many widths of the rays that see them.
+/// Records are not nearer to each other than so many widths of the rays that see them; less, down to half of that, where less noise than this is allowed.
 const LEAST_WIDTHS: f64 = 1.5;
+const FINE_NOISE: f64 = 0.0225;
 
 /// Unless there are caustics, which are as fine as can be seen.
 const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
@@ -153,7 +154,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 
     /// The irradiance of a place.
     pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
-        let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS };
+        let fineness = (self.plan.options.gathering.noise / FINE_NOISE).clamp(0.5, 1.0);
+        let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS * fineness };
         let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
         let ways: Vec<Way> = (0..look.hemisphere.len()).map(|cell| self.way(place, look, cell)).collect();
         let seen: Vec<Gathered<BANDS>> = ways.iter().map(|way| self.look(place, way.direction, way.sampler)).collect();

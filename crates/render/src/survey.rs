@@ -21,15 +21,17 @@ const MOST_RAYS: usize = 64;
 const MOST_RAYS_OF_FEW: usize = 1 << 23;
 
 /// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
-const FIRST_SHARE: usize = 8;
+const FIRST_SHARE: usize = 16;
 
 /// But with at least so many, which say how far away things are.
 const FEWEST_RAYS: usize = 32;
 
 /// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
-/// is usual, as many times as that is less.
+/// is usual, as many times as that is less. It rests on fewer, this share of them at least, where more noise is allowed than this.
 const MOST_FURTHER: f64 = 8.0;
-const USUAL_NOISE: f64 = 0.0125;
+const LEAST_RAYS: f64 = 0.25;
+const COARSE_NOISE: f64 = 0.02;
+const USUAL_NOISE: f64 = 0.03;
 const GREATEST_RIGOUR: f64 = 16.0;
 
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
@@ -263,7 +265,8 @@ impl<const BANDS: usize> Level<BANDS> {
         let wanted = plan.options.gathering.rays() as f64;
         let allowed = self.noise * fit.strength().max(DARK * typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
-        let wanted = noisy.clamp(wanted, MOST_FURTHER * self.rigour() * wanted);
+        let least = (COARSE_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
+        let wanted = noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }

@@ -35,7 +35,7 @@ pub(super) fn text(options: &Options) -> String {
     }
     lines.push(match options.effort() {
         Effort::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
-        Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of a pixel"),
+        Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of the picture"),
     });
     lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
     lines.extend(render_args::defaults(&options.render));

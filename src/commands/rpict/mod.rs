@@ -117,7 +117,7 @@ impl Picture {
             return Ok(());
         }
         let mut report = Report::new(options.report);
-        let mut frame = Frame::new(renderer, self.lens, options.effort());
+        let mut frame = Frame::new(renderer, self.lens, options.pixel_effort());
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);

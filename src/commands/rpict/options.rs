@@ -16,13 +16,21 @@ use radsight_render::{Gathering, RenderOptions, Unshared};
 const MOST_SAMPLES: u32 = 1024;
 
 /// The same when nothing is said.
-const USUAL_SAMPLES: u32 = 32;
+const USUAL_SAMPLES: u32 = 128;
 
 /// The error that is asked for when nothing is said: of pictures for which Radiance samples many of the pixels, of those with the fewest, and how it grows
 /// with the root of the spacing between.
 const LEAST_ERROR: f64 = 0.03;
 const LARGEST_ERROR: f64 = 0.04;
 const ERROR_OF_SPACING: f64 = 0.015;
+
+/// What of an error goes to the noise and the reach of shared irradiance, and to pixels; values that reach no farther than this are good enough for
+/// any error. When nothing is said the noise is less: a picture is then looked at, and blotches are seen more than grain.
+const NOISE_SHARE: f64 = 1.5;
+const USUAL_NOISE_SHARE: f64 = 0.5;
+const REACH_SHARE: f64 = 0.5;
+const NEAR_ENOUGH: f64 = 0.1;
+const PIXEL_SHARE: f64 = 0.8;
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -116,19 +124,30 @@ impl Options {
         Ok(options)
     }
 
-    /// How many rays a pixel gets.
+    /// What is spent on the picture.
     pub(super) fn effort(&self) -> Effort {
         let usual = (ERROR_OF_SPACING * self.sample_spacing.sqrt()).clamp(LEAST_ERROR, LARGEST_ERROR);
         self.effort.unwrap_or(Effort::Error { error: usual, most: USUAL_SAMPLES })
     }
 
-    /// Shared irradiance takes its part of the error that is asked for: half of it as noise, and what bends it away, which grows as the
-    /// square of the distance that records reach.
+    /// Gives shared irradiance its part of the error that is asked for. A value's noise may be more than the error, since a pixel sees several values;
+    /// what bends them away from the truth grows as the square of the distance that they reach.
     fn share_error(&mut self) {
         if let Effort::Error { error, .. } = self.effort() {
+            let share = if self.effort.is_some() { NOISE_SHARE } else { USUAL_NOISE_SHARE };
             let gathering = &mut self.render.gathering;
-            gathering.noise = 0.5 * error;
-            gathering.accuracy = gathering.accuracy.min(error.sqrt());
+            gathering.noise = share * error;
+            gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
+        }
+    }
+
+    /// How many rays a pixel gets: where irradiance is shared, as many as the pixels' part of the error allows.
+    pub(super) fn pixel_effort(&self) -> Effort {
+        match self.effort() {
+            Effort::Error { error, most } if self.render.ambient_bounces > 0 => {
+                Effort::Error { error: PIXEL_SHARE * error, most }
+            }
+            effort => effort,
         }
     }
 
