@@ -75,6 +75,51 @@ impl Pixel {
     }
 }
 
+/// How good a picture is, as far as its own samples tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The error of [`Effort::Error`] that is left.
+    pub error: f64,
+    /// With 95 % confidence it is no farther away from this.
+    pub uncertainty: f64,
+    /// Mean number of rays a pixel.
+    pub rays: f64,
+}
+
+/// Sums over finished pixels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Finished {
+    pixels: f64,
+    rays: f64,
+    /// Of squared errors, and of their squares.
+    errors: f64,
+    squares: f64,
+}
+
+impl Finished {
+    fn add(&mut self, error: f64, samples: u32) {
+        self.pixels += 1.0;
+        self.rays += f64::from(samples);
+        self.errors += error;
+        self.squares += error * error;
+    }
+
+    fn estimate(&self) -> Option<Estimate> {
+        let mean = self.errors / self.pixels;
+        let variance = (self.squares / self.pixels - mean * mean).max(0.0) * SHARING / self.pixels;
+        let error = mean.sqrt();
+        // The root's standard error is that of the square over twice the root.
+        let uncertainty = if error > 0.0 { 0.5 * CONFIDENCE * variance.sqrt() / error } else { 0.0 };
+        (self.pixels > 0.0).then(|| Estimate { error, uncertainty, rays: self.rays / self.pixels })
+    }
+}
+
+/// Standard errors within which a normally distributed number is in 95 % of all cases.
+const CONFIDENCE: f64 = 1.96;
+
+/// So many pixels have one independent estimate: each is a mean over its neighbours (the inverse of the sum of their squared weights).
+const SHARING: f64 = 7.1;
+
 /// A picture in the making.
 #[derive(Debug)]
 pub struct Frame<'r> {
@@ -84,6 +129,7 @@ pub struct Frame<'r> {
     pixels: Vec<Pixel>,
     /// What is added in squares to the bands of a pixel where an error is taken relative to them.
     floors: [f64; 3],
+    finished: Finished,
 }
 
 impl<'r> Frame<'r> {
@@ -91,7 +137,7 @@ impl<'r> Frame<'r> {
     #[must_use]
     pub fn new(renderer: &'r Renderer, lens: Lens, effort: Effort) -> Frame<'r> {
         let pixels = vec![Pixel::default(); lens.columns() * lens.rows()];
-        let mut frame = Frame { renderer, lens, effort, pixels, floors: [0.0; 3] };
+        let mut frame = Frame { renderer, lens, effort, pixels, floors: [0.0; 3], finished: Finished::default() };
         if let Effort::Error { .. } = effort {
             frame.begin();
             frame.floors = typical(&frame.pixels).map(|band| DARK * band);
@@ -121,6 +167,9 @@ impl<'r> Frame<'r> {
                     let mut chosen = chosen(&pooled, samples, error, most);
                     chosen.iter_mut().for_each(|pixel| *pixel += range.start);
                     if chosen.is_empty() {
+                        let pixels = &self.pixels[range.clone()];
+                        let errors = pooled.errors.iter().zip(pixels);
+                        errors.for_each(|(error, pixel)| self.finished.add(*error, pixel.samples));
                         break;
                     }
                     self.double(&chosen);
@@ -128,6 +177,12 @@ impl<'r> Frame<'r> {
             }
         }
         self.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
+    }
+
+    /// How good the pixels are that are finished; `None` where no error was asked for.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Estimate> {
+        self.finished.estimate()
     }
 
     /// Distances along the rays through the middles of the pixels of some rows, scene units, by way of mirrors and panes; 1e10 for

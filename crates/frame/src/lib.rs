@@ -13,6 +13,6 @@ mod allocation;
 mod lens;
 mod single;
 
-pub use adaptive::{Effort, Frame, MAX_SAMPLES};
+pub use adaptive::{Effort, Estimate, Frame, MAX_SAMPLES};
 pub use lens::{Lens, LensRay};
 pub use single::average;

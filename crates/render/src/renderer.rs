@@ -65,6 +65,14 @@ impl Renderer {
         }
     }
 
+    /// The standard error that rays left in gathered irradiance, as a share of it: rms over the points it was gathered from. `None` where none is shared. What
+    /// sharing bends away from the truth comes on top.
+    #[must_use]
+    pub fn irradiance_noise(&self) -> Option<f64> {
+        let SharedIrradiance { grey, color } = &self.shared;
+        grey.as_ref().map(GatheredIrradiance::noise).or_else(|| color.as_ref().map(GatheredIrradiance::noise))
+    }
+
     /// A worker for the calling thread.
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {

@@ -144,6 +144,18 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         }
     }
 
+    /// The standard error that rays leave in what the eye sees of it, as a share: rms over all records.
+    pub(crate) fn noise(&self) -> f64 {
+        let cache = &self.seen.cache;
+        let typical = cache.typical();
+        let share = |index: usize| {
+            let fit = cache.fitted(index).1;
+            fit.standard_error() / fit.strength().max(DARK * typical).max(f64::MIN_POSITIVE)
+        };
+        let squares: f64 = (0..cache.len()).map(|index| share(index).powi(2)).sum();
+        (squares / cache.len().max(1) as f64).sqrt()
+    }
+
     /// Where the eye has seen diffuse surfaces, and where these have.
     pub(crate) fn caches(&self) -> Caches<'_, BANDS> {
         [Some(&self.seen.cache), Some(&self.beyond.cache)]

@@ -13,7 +13,7 @@ use crate::output_color::OutputColor;
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
-use radsight_frame::{Frame, Lens};
+use radsight_frame::{Estimate, Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use sequence::Sequence;
@@ -141,8 +141,24 @@ impl Picture {
             row = block.end;
             report.tell(row as f64 / rows as f64);
         }
+        if options.effort.is_some() && !options.reading.no_warnings {
+            frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
+        }
         Ok(())
     }
+}
+
+/// What came of an error that was asked for.
+fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
+    let Estimate { error, uncertainty, rays } = estimate;
+    let shared = renderer.irradiance_noise().map_or(String::new(), |noise| {
+        format!("; places of shared irradiance have {:.2} %, and what sharing bends", 100.0 * noise)
+    });
+    format!(
+        "rpict: note: the error of pixels is {:.2} % ± {:.2} % (95 %) with {rays:.1} rays each{shared}\n",
+        100.0 * error,
+        100.0 * uncertainty
+    )
 }
 
 /// What stands before the pixels.
