@@ -162,6 +162,9 @@ impl Emission {
     }
 }
 
+/// Below the exponential of minus this a peak is nothing.
+const NEGLIGIBLE: f64 = 30.0;
+
 /// Cosines that differ by less may be the same.
 const ROUNDING: f64 = 1e-9;
 
@@ -184,7 +187,11 @@ impl Reception {
             // The chord of the angle.
             let width = (2.0 - 2.0 * half_width.cos).max(0.0).sqrt();
             let off = (towards.distance(self.peak.axis) - width).max(0.0);
-            response += self.peak.height * (-self.peak.width * off * off).exp();
+            let exponent = self.peak.width * off * off;
+            // Away from the peak there is the floor.
+            if exponent < NEGLIGIBLE {
+                response += self.peak.height * (-exponent).exp();
+            }
         }
         response
     }

@@ -55,9 +55,6 @@ impl Program for Own {
             Light::Direct => vec![series("samples", true, samples("")), series("error", false, errors(""))],
             Light::Indirect => vec![
                 series("paths", true, samples(PATHS)),
-                series("shared -aa .2", false, samples("-aa .2 -ad 256")),
-                series("shared -aa .1", false, samples("-aa .1 -ad 1024")),
-                series("shared -aa .05", false, samples("-aa .05 -ad 4096")),
                 series("error", false, errors("")),
             ],
         }
