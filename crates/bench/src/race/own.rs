@@ -53,10 +53,7 @@ impl Program for Own {
         let series = |name: &str, unbiased: bool, settings| Series { name: name.to_owned(), unbiased, settings };
         match scene.light {
             Light::Direct => vec![series("samples", true, samples("")), series("error", false, errors(""))],
-            Light::Indirect => vec![
-                series("paths", true, samples(PATHS)),
-                series("error", false, errors("")),
-            ],
+            Light::Indirect => vec![series("paths", true, samples(PATHS)), series("error", false, errors(""))],
         }
     }
 
