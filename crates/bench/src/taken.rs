@@ -17,6 +17,17 @@ pub(crate) struct Taken {
     pub(crate) peak: f64,
 }
 
+impl Taken {
+    /// The same without the time of a part; never less than nothing.
+    pub(crate) fn less(self, part: Taken) -> Taken {
+        let less = |time: f64, part: f64| (time - part).max(LEAST_TIME);
+        Taken { processor: less(self.processor, part.processor), wall: less(self.wall, part.wall), peak: self.peak }
+    }
+}
+
+/// What a clock can tell, s.
+const LEAST_TIME: f64 = 1e-3;
+
 /// Runs a program in `folder` by way of `radsight-bench cost`, which this reads; `input` and `output` are its streams, else nothing is.
 pub(crate) fn taken(
     program: &mut Command,

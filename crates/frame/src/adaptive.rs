@@ -53,7 +53,7 @@ pub enum Effort {
 struct Pixel {
     sum: [f64; 3],
     samples: u32,
-    /// Squares of the half differences of the means of halves, for the last two doublings.
+    /// Half differences of the means of halves, for the last two doublings.
     last: [f32; 3],
     before: [f32; 3],
 }
@@ -66,10 +66,8 @@ impl Pixel {
     /// Takes in the second half of its samples.
     fn double(&mut self, second_half: [f64; 3]) {
         self.before = self.last;
-        self.last = std::array::from_fn(|band| {
-            let half_difference = (second_half[band] - self.sum[band]) / f64::from(2 * self.samples);
-            (half_difference * half_difference) as f32
-        });
+        self.last =
+            std::array::from_fn(|band| ((second_half[band] - self.sum[band]) / f64::from(2 * self.samples)) as f32);
         self.sum = std::array::from_fn(|band| self.sum[band] + second_half[band]);
         self.samples *= 2;
     }
@@ -270,7 +268,7 @@ impl<'r> Frame<'r> {
     fn gain(&self, range: &Range<usize>) -> f64 {
         let (mut last, mut before) = (0.0, 0.0);
         for pixel in &self.pixels[range.clone()] {
-            let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(f64::from)));
+            let squares = [pixel.last, pixel.before].map(|bands| self.relative(pixel, bands.map(square)));
             let weight = 1.0 / (SMALL + squares[0] + squares[1]);
             last += weight * squares[0];
             before += weight * squares[1];
@@ -292,13 +290,17 @@ impl<'r> Frame<'r> {
                 // With as many samples as this pixel has.
                 let scale = 0.5 * weight * (f64::from(other.samples) / samples).powf(-gain.log2());
                 for (band, sum) in sums.iter_mut().enumerate() {
-                    *sum += scale * (f64::from(other.last[band]) + gain * f64::from(other.before[band]));
+                    *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
                 }
                 weights += weight;
             }
         }
         sums.map(|sum| sum / weights * gain / (1.0 - gain))
     }
+}
+
+fn square(difference: f32) -> f64 {
+    f64::from(difference) * f64::from(difference)
 }
 
 /// Squared relative errors well below this share say little of how errors fall.

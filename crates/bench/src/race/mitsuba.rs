@@ -113,6 +113,10 @@ impl Program for Mitsuba {
         measure(&mut command, None, Some(&self.flat), "").map(|_| ())
     }
 
+    fn reading(&self, _: &Scene) -> Option<Command> {
+        None
+    }
+
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
         let [output, told] = ["mitsuba.pfm", "mitsuba.txt"].map(|name| folder.join(name));
         let mut command = Command::new(&self.python);

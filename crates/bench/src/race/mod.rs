@@ -16,12 +16,13 @@ use crate::capture::print;
 use crate::error::BenchError;
 use crate::radiance::Radiance;
 use crate::radsight::Radsight;
+use crate::taken::Taken;
 use crate::{machine, scaling};
 use accuracy::Accuracy;
 use catalog::{Places, SCENES, chosen};
 use mitsuba::{Mitsuba, VARIANTS};
 use own::Own;
-use program::Program;
+use program::{Program, Team, reading};
 use real::{Real, RealKind};
 use reference::{Reference, Wanted, put};
 use result::{CSV_HEADING, Clock, Entrant, Run, SceneResult, Summary};
@@ -57,7 +58,13 @@ pub(crate) fn run(arguments: &Race) -> Result<(), BenchError> {
             continue;
         };
         let result = bench.scene(scene, &references)?;
-        print(&format!("\n{}: {}\n{}", result.scene.name, result.reference.check, page::runs(&result)));
+        print(&format!(
+            "\n{}: {}\nreading, not counted: {}\n{}",
+            result.scene.name,
+            result.reference.check,
+            result.read,
+            page::runs(&result)
+        ));
         results.push(result);
         // After every scene: a long run that is ended keeps what it has.
         let csv: String = results.iter().map(SceneResult::to_csv).collect();
@@ -135,32 +142,54 @@ impl<'a> Bench<'a> {
         }
         let wanted = Wanted { noise: self.arguments.reference_noise, seconds: self.arguments.reference_budget };
         let reference = Reference::make(&scene, &self.own, self.real.first(), wanted, (self.folder, references))?;
-        let mut entrants = Vec::new();
+        let (mut entrants, mut read) = (Vec::new(), Vec::new());
         let programs = std::iter::once(&self.own as &dyn Program)
             .chain(self.real.iter().map(|real| real as &dyn Program))
             .chain(self.mitsuba.iter().map(|mitsuba| mitsuba as &dyn Program));
         for program in programs {
-            for series in program.series(&scene) {
-                let mut entrant = Entrant {
-                    team: program.team(),
-                    program: program.name(),
-                    series: series.name,
-                    unbiased: series.unbiased,
-                    runs: Vec::new(),
-                };
-                for setting in series.settings {
-                    eprintln!("{}: {} {}", scene.name, entrant.program, setting.label);
-                    let (taken, picture) = program.render(&scene, &setting, self.folder)?;
-                    let accuracy = Accuracy::new(&picture, &reference.image).less(reference.noise);
-                    let is_last = taken.processor > self.arguments.budget;
-                    entrant.runs.push(Run { label: setting.label, taken, accuracy, picture });
-                    if is_last {
-                        break;
-                    }
+            match self.race(program, &scene, &reference) {
+                Ok((of_program, reading)) => {
+                    entrants.extend(of_program);
+                    read.push(format!("{} {:.3} s", program.name(), reading.processor));
                 }
-                entrants.push(entrant);
+                // Of what others cannot do the rest of the race goes on.
+                Err(reason) if program.team() != Team::Radsight => {
+                    self.missing.push(format!("{} on {}: {reason}", program.name(), scene.name));
+                }
+                Err(reason) => return Err(reason),
             }
         }
-        Ok(SceneResult { scene, reference, entrants })
+        Ok(SceneResult { scene, reference, read: read.join(", "), entrants })
+    }
+    /// Runs a program's series until the budget ends them; gives what reading the scene took, too.
+    fn race(
+        &self,
+        program: &dyn Program,
+        scene: &Scene,
+        reference: &Reference,
+    ) -> Result<(Vec<Entrant>, Taken), BenchError> {
+        let reading = reading(program, scene)?;
+        let mut entrants = Vec::new();
+        for series in program.series(scene) {
+            let mut entrant = Entrant {
+                team: program.team(),
+                program: program.name(),
+                series: series.name,
+                unbiased: series.unbiased,
+                runs: Vec::new(),
+            };
+            for setting in series.settings {
+                eprintln!("{}: {} {}", scene.name, entrant.program, setting.label);
+                let (taken, picture) = program.render(scene, &setting, self.folder)?;
+                let accuracy = Accuracy::new(&picture, &reference.image).less(reference.noise);
+                let is_last = taken.processor > self.arguments.budget;
+                entrant.runs.push(Run { label: setting.label, taken: taken.less(reading), accuracy, picture });
+                if is_last {
+                    break;
+                }
+            }
+            entrants.push(entrant);
+        }
+        Ok((entrants, reading))
     }
 }

@@ -7,6 +7,7 @@ use crate::radsight::Radsight;
 use crate::taken::{Taken, taken};
 use radsight_picture::Image;
 use std::path::Path;
+use std::process::Command;
 
 /// `radsight rpict`.
 #[derive(Debug)]
@@ -61,9 +62,15 @@ impl Program for Own {
         Ok(())
     }
 
+    fn reading(&self, scene: &Scene) -> Option<Command> {
+        let mut command = self.radsight.command(&["rtrace", "-h"]);
+        command.args(&scene.task).args(&scene.files);
+        Some(command)
+    }
+
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
         let output = folder.join("own.hdr");
-        let mut command = self.radsight.command(&["rpict", "-pj", "1"]);
+        let mut command = self.radsight.command(&["rpict", "-w-", "-pj", "1"]);
         command.args(scene.frame()).args(&scene.task).args(&setting.options).args(&scene.files);
         scene.place(&mut command);
         let taken = taken(&mut command, &scene.folder, None, Some(&output))?;

@@ -2,9 +2,10 @@
 
 use super::scene::Scene;
 use crate::error::BenchError;
-use crate::taken::Taken;
+use crate::taken::{Taken, taken};
 use radsight_picture::{Image, read_image};
 use std::path::Path;
+use std::process::Command;
 
 /// A way of rendering whose settings differ in effort only, the cheapest first.
 #[derive(Clone, Debug)]
@@ -53,9 +54,28 @@ pub(crate) trait Program {
     /// Gets ready what is not measured, in `folder`.
     fn prepare(&mut self, scene: &Scene, folder: &Path) -> Result<(), BenchError>;
 
-    /// Renders, and tells what that took.
+    /// The program as it reads a scene that is ready for it, and answers no ray; `None` where that is not in what rendering takes.
+    fn reading(&self, scene: &Scene) -> Option<Command>;
+
+    /// Renders, and tells what that took, reading included.
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError>;
 }
+
+/// What reading a scene takes, the least of some runs; nothing where that is not measured with the rest.
+pub(crate) fn reading(program: &dyn Program, scene: &Scene) -> Result<Taken, BenchError> {
+    let mut least = Taken { processor: 0.0, wall: 0.0, peak: 0.0 };
+    let Some(mut command) = program.reading(scene) else { return Ok(least) };
+    scene.place(&mut command);
+    for run in 0..READINGS {
+        let taken = taken(&mut command, &scene.folder, None, None)?;
+        if run == 0 || taken.processor < least.processor {
+            least = taken;
+        }
+    }
+    Ok(least)
+}
+
+const READINGS: u32 = 3;
 
 /// Reads any picture.
 pub(crate) fn read_picture(path: &Path) -> Result<Image<f32>, BenchError> {

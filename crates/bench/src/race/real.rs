@@ -9,6 +9,7 @@ use crate::radiance::Radiance;
 use crate::taken::{Taken, taken};
 use radsight_picture::Image;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// More rays a pixel are traced in turns, so that files stay small.
 const RAYS_AT_ONCE: u32 = 256;
@@ -170,6 +171,12 @@ impl Program for Real<'_> {
         let mut command = self.radiance.command("oconv");
         scene.place(command.args(&scene.files));
         measure(&mut command, None, Some(&self.octree), HINT).map(|_| ())
+    }
+
+    fn reading(&self, scene: &Scene) -> Option<Command> {
+        let mut command = self.radiance.command("rtrace");
+        command.arg("-h").args(&scene.task).arg(&self.octree);
+        Some(command)
     }
 
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {

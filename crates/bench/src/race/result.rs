@@ -28,13 +28,8 @@ impl Clock {
 
     pub(crate) fn words(self) -> &'static str {
         match self {
-            Clock::Processor => {
-                "processor time of all threads; radsight's with reading the scene, Radiance's without oconv and vwrays, Mitsuba's \
-                 without start and translation"
-            }
-            Clock::Wall => {
-                "wall time; radsight's with reading the scene, Radiance's without oconv and vwrays, Mitsuba's without start and translation"
-            }
+            Clock::Processor => "processor time of all threads, without start and reading or translating the scene",
+            Clock::Wall => "wall time, without start and reading or translating the scene",
         }
     }
 }
@@ -43,6 +38,7 @@ impl Clock {
 #[derive(Clone, Debug)]
 pub(crate) struct Run {
     pub(crate) label: String,
+    /// Without reading the scene.
     pub(crate) taken: Taken,
     pub(crate) accuracy: Accuracy,
     pub(crate) picture: Image<f32>,
@@ -63,6 +59,8 @@ pub(crate) struct Entrant {
 pub(crate) struct SceneResult {
     pub(crate) scene: Scene,
     pub(crate) reference: Reference,
+    /// What reading the scene took each program: processor time.
+    pub(crate) read: String,
     pub(crate) entrants: Vec<Entrant>,
 }
 
@@ -233,7 +231,7 @@ mod tests {
     fn result(entrants: Vec<Entrant>) -> SceneResult {
         let image = Image::filled(1, 1, 3, 1.0).unwrap();
         let reference = Reference { image, noise: 0.0, rays: 1, check: String::new() };
-        SceneResult { scene: Scene::new("s", "", Path::new("."), "", "", 0), reference, entrants }
+        SceneResult { scene: Scene::new("s", "", Path::new("."), "", "", 0), reference, read: String::new(), entrants }
     }
 
     #[test]
