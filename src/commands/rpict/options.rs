@@ -27,7 +27,7 @@ const ERROR_OF_SPACING: f64 = 0.015;
 /// What of an error goes to the noise and the reach of shared irradiance, and to pixels; values that reach no farther than this are good enough for
 /// any error. When nothing is said the noise is less: a picture is then looked at, and blotches are seen more than grain.
 const NOISE_SHARE: f64 = 1.5;
-const USUAL_NOISE_SHARE: f64 = 1.0;
+const USUAL_NOISE_SHARE: f64 = 0.7;
 const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 const PIXEL_SHARE: f64 = 0.8;
