@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
-use crate::sky_patches::{Light, Sky, SkyPatches, WHITE_EFFICACY};
+use crate::sky_patches::{Light, Sky, SkyPatches, WHITE_EFFICACY, towards};
 use crate::sun::{Site, Sun, day_of_year, simple_declination, simple_time_adjustment};
 use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text, general};
 use crate::weather::{Quantity, Record, Weather};
@@ -224,10 +224,10 @@ impl<'o> Year<'o> {
     fn step_through(&mut self, weather: &Weather) -> Result<(), Error> {
         for record in &weather.records {
             self.note_dew_point(record.dew_point);
-            if record.month == 2 && record.day == 29 {
+            let is_leap_day = record.month == 2 && record.day == 29;
+            if is_leap_day {
                 self.leap_days = 1;
             }
-            let is_leap_day = record.month == 2 && record.day == 29;
             let day = day_of_year(record.month, record.day) + if is_leap_day { 0 } else { self.leap_days };
             self.step(weather.quantity, record, day)?;
         }
@@ -247,7 +247,8 @@ impl<'o> Year<'o> {
         let sun = self.sun(record, day);
         let altitude = sun.altitude(&self.site);
         let azimuth = sun.azimuth(&self.site) + PI - self.options.rotation;
-        let is_up = altitude > -(0.5 * SUN_DEGREES).to_radians();
+        let radius = (0.5 * SUN_DEGREES).to_radians();
+        let is_up = altitude > -radius;
         if self.options.by_day_only && !is_up {
             return Ok(());
         }
@@ -272,7 +273,6 @@ impl<'o> Year<'o> {
         let sky = Sky::new(&Light { quantity, direct, diffuse: record.diffuse, water, day: day as f64, altitude });
         let sky = if self.options.is_solar { sky.solar() } else { sky };
         if is_up {
-            let radius = (0.5 * SUN_DEGREES).to_radians();
             let radiance = sky.direct_illuminance / (WHITE_EFFICACY * PI * radius * radius);
             self.write_sun(minute, (altitude, azimuth), radiance)?;
         }
@@ -342,7 +342,7 @@ impl<'o> Year<'o> {
             return Ok(());
         }
         let [r, g, b] = self.options.sun.map(|band| Exponential(radiance * band, 3));
-        let [x, y, z] = [altitude.cos() * azimuth.sin(), altitude.cos() * azimuth.cos(), altitude.sin()];
+        let [x, y, z] = towards(altitude, azimuth);
         write!(self.suns, "\nvoid light solar{minute}\n0\n0\n3 {r} {g} {b}\n")?;
         write!(self.suns, "\nsolar{minute} source sun{minute}\n0\n0\n4 {x:.6} {y:.6} {z:.6} {SUN_DEGREES:.4}\n")?;
         if self.options.modifiers.is_some() {

@@ -115,9 +115,6 @@ impl SkyPatches {
         count: usize,
         solid_angle: Option<f64>,
     ) -> Vec<(usize, f64)> {
-        let towards = |altitude: f64, azimuth: f64| {
-            [altitude.cos() * azimuth.sin(), altitude.cos() * azimuth.cos(), altitude.sin()]
-        };
         let sun = towards(altitude, azimuth);
         let nearness = |(index, patch): (usize, &[f64; 3])| {
             let [x, y, z] = towards(patch[0], patch[1]);
@@ -189,6 +186,11 @@ impl Sky {
             ..self
         }
     }
+}
+
+/// The unit direction of an altitude and an azimuth from north to east: east, north and up.
+pub(crate) fn towards(altitude: f64, azimuth: f64) -> [f64; 3] {
+    [altitude.cos() * azimuth.sin(), altitude.cos() * azimuth.cos(), altitude.sin()]
 }
 
 fn conditions(light: &Light, sun_zenith: f64, [direct, diffuse]: [f64; 2], most: f64) -> Conditions {

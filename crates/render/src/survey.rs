@@ -4,7 +4,7 @@ use crate::gather::{Caches, Look, Place, Survey};
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
-use radsight_irradiance::{Cache, Hemisphere, Limits, Record};
+use radsight_irradiance::{Cache, Fit, Hemisphere, Limits, Record};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -150,7 +150,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         let typical = cache.typical();
         let share = |index: usize| {
             let fit = cache.fitted(index).1;
-            fit.standard_error() / fit.strength().max(DARK * typical).max(f64::MIN_POSITIVE)
+            fit.standard_error() / weighed_against(fit, typical).max(f64::MIN_POSITIVE)
         };
         let squares: f64 = (0..cache.len()).map(|index| share(index).powi(2)).sum();
         (squares / cache.len().max(1) as f64).sqrt()
@@ -275,7 +275,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn looks_missing(&self, plan: &RenderPlan, index: usize, typical: f64) -> usize {
         let (record, fit) = self.cache.fitted(index);
         let wanted = plan.options.gathering.rays() as f64;
-        let allowed = self.noise * fit.strength().max(DARK * typical);
+        let allowed = self.noise * weighed_against(fit, typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
         let least = (COARSE_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
         let wanted = noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
@@ -313,6 +313,11 @@ impl<const BANDS: usize> Level<BANDS> {
             self.cache.adopt(index, fit);
         }
     }
+}
+
+/// What an error of irradiance is taken relative to.
+fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
+    fit.strength().max(DARK * typical)
 }
 
 /// Where these rays want irradiance that the cache does not have.

@@ -161,6 +161,7 @@ impl<'a> Bench<'a> {
         }
         Ok(SceneResult { scene, reference, read: read.join(", "), entrants })
     }
+
     /// Runs a program's series until the budget ends them; gives what reading the scene took, too.
     fn race(
         &self,
