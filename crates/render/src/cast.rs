@@ -2,9 +2,26 @@
 
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, PrimitiveId, Ray};
-use crate::trace::FirstHit;
 use glam::DVec3;
 use radsight_ir::{ModifierHandle, ModifierKind, Scene, SurfaceHandle};
+
+/// Where the first ray ended.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstHit {
+    /// Distance, scene units.
+    pub distance: f64,
+    /// The point.
+    pub point: DVec3,
+    /// Unit geometric normal, the way the surface faces, which may be away from the ray.
+    pub normal: DVec3,
+    /// Unit normal with textures.
+    pub perturbed_normal: DVec3,
+    /// The surface of the whole scene: a mesh or an instance where the ray ends within one.
+    pub surface: SurfaceHandle,
+    /// Local coordinates on a mesh; zero elsewhere.
+    pub local: [f64; 2],
+    pub(crate) primitive: PrimitiveId,
+}
 
 impl FirstHit {
     pub(crate) fn at(hit: &Hit, distance: f64) -> FirstHit {

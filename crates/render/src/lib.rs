@@ -61,6 +61,7 @@ mod visible_side;
 mod weak_highlight;
 
 pub use bands::BandValues;
+pub use cast::FirstHit;
 pub use contribution::Contribution;
 pub use options::{
     AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RenderOptions,
@@ -70,5 +71,5 @@ pub use plan::{Decision, ModelRequest, ModelSource, NoModels, RenderPlan};
 pub use radsight_spectrum::Sampling;
 pub use ray::{Ray, Spread};
 pub use renderer::{RayWorker, Renderer};
-pub use trace::{FirstHit, Traced};
+pub use trace::Traced;
 pub use tree::{RayValue, ToldRay};

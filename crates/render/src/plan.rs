@@ -2,6 +2,7 @@
 
 use crate::antimatter::all_cut;
 use crate::bands::BandLayout;
+use crate::cast::FirstHit;
 use crate::cast::material_name;
 use crate::compile::{ShaderTable, compile_shaders};
 use crate::contribution::mark_tracked;
@@ -17,7 +18,6 @@ use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
 use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
-use crate::trace::FirstHit;
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};

@@ -5,12 +5,13 @@
 
 use crate::bands::BandValues;
 use crate::beyond::luminance;
+use crate::cast::FirstHit;
 use crate::direct::DirectSampler;
 use crate::light::{Light, LightSample};
 use crate::options::{RenderOptions, ToldRays};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, Ray};
-use crate::trace::{FirstHit, Tracer, product};
+use crate::trace::{Tracer, product};
 use glam::DVec3;
 use radsight_ir::SurfaceHandle;
 

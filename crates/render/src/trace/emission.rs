@@ -1,0 +1,111 @@
+//! What a ray finds that ends at an emitter, or at nothing.
+
+use super::segment::Segment;
+use super::{Tracer, product};
+use crate::beyond::luminance;
+use crate::cast::FirstHit;
+use crate::options::Lights;
+use crate::plan::RenderPlan;
+use crate::shader::{Emitter, EmitterClass, Shader, bands};
+use crate::view::Encounter;
+use radsight_cal::Scratch;
+use radsight_ir::SurfaceHandle;
+
+impl<const BANDS: usize> Tracer<'_, BANDS> {
+    /// The ray met no surface: the first distant source around its direction.
+    pub(super) fn leave(&mut self, segment: &Segment<BANDS>) {
+        let segment = &self.dimmed(segment, self.medium(segment.medium), f64::INFINITY);
+        let direction = segment.ray.direction;
+        let plan = self.plan;
+        let Some((surface, shader)) = plan.sky_at(direction, segment.link.is_some()) else { return };
+        let Some(emitter) = shader.kind.emitter() else { return };
+        let encounter = Encounter::distant(direction);
+        if segment.depth == 0 && self.first_hit.is_none() {
+            self.first_hit = Some(FirstHit::distant(surface, direction));
+        }
+        if let Some(tree) = &mut self.tree {
+            tree.end(segment.node, FirstHit::distant(surface, direction));
+        }
+        let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
+        self.emit(segment, shader, emitter, &encounter, share);
+    }
+
+    pub(crate) fn emit(
+        &mut self,
+        segment: &Segment<BANDS>,
+        shader: &Shader,
+        emitter: &Emitter,
+        encounter: &Encounter,
+        share: f64,
+    ) {
+        if share <= 0.0 {
+            return;
+        }
+        let mut radiance: [f64; BANDS] = emission(self.plan, shader, emitter, encounter, &mut self.workspace.scratch);
+        if share < 1.0 {
+            radiance = given(radiance);
+        }
+        self.add(segment, product(segment.throughput, radiance).map(|band| band * share));
+        if let Some(contributions) = &mut self.contributions {
+            contributions.add(shader, encounter, product(segment.throughput, radiance).map(|band| band * share));
+        }
+    }
+
+    /// How much of the emission that a ray found counts: all of it, unless light sampling could have found it too.
+    pub(crate) fn emission_share(
+        &self,
+        segment: &Segment<BANDS>,
+        surface: SurfaceHandle,
+        emitter: &Emitter,
+        distance: f64,
+        cosine: f64,
+    ) -> f64 {
+        let Some(link) = &segment.link else {
+            // A glow that is too far away to be sampled is a surface as any other.
+            let total = segment.travelled + distance;
+            let far = matches!(emitter.class, EmitterClass::Glow(radius) if radius >= 0.0 && total > radius);
+            return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
+        };
+        let overcounted = match emitter.class {
+            EmitterClass::Glow(radius) => link.behind_illum || radius < 0.0,
+            EmitterClass::Illum => link.behind_illum,
+            EmitterClass::Light => false,
+        };
+        if overcounted { 0.0 } else { link.share(self.plan, surface, distance, cosine) }
+    }
+}
+
+/// How much of the emission counts that a drawn ray finds within a mesh or an instance, where no light is sampled: as in Radiance only
+/// glows that are far away take part in interreflection.
+pub(super) fn placed_share(emitter: &Emitter, distance: f64) -> f64 {
+    match emitter.class {
+        EmitterClass::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
+        _ => 0.0,
+    }
+}
+
+/// Radiance that leaves an emitter against the ray.
+pub(crate) fn emission<const BANDS: usize>(
+    plan: &RenderPlan,
+    shader: &Shader,
+    emitter: &Emitter,
+    encounter: &Encounter,
+    scratch: &mut Scratch,
+) -> [f64; BANDS] {
+    if let Some((cos_half_angle, axis)) = emitter.cone
+        && -encounter.direction.dot(axis) < cos_half_angle
+    {
+        return [0.0; BANDS];
+    }
+    let own = bands(emitter.radiance);
+    if shader.steps.is_empty() {
+        return own;
+    }
+    product(own, shader.appearance::<BANDS>(&plan.scene, encounter, scratch).color)
+}
+
+/// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its
+/// table. It is still seen as that, as in Radiance.
+pub(crate) fn given<const BANDS: usize>(emission: [f64; BANDS]) -> [f64; BANDS] {
+    if luminance(&emission) > 0.0 { emission } else { [0.0; BANDS] }
+}

@@ -1,0 +1,400 @@
+//! Following a ray to its radiance.
+//!
+//! At every point that is not perfectly specular all lights are sampled (or, where there are many, some by their promise), and the
+//! highlight, and with `-ab` the diffuse component, is sampled too; the two ways of finding a light are weighted with the balance heuristic
+//! (Veach and Guibas, SIGGRAPH 1995), so each is used where it is good and light that comes back by way of a mirror is found. Perfectly specular
+//! reflections and refractions branch while branches are few, then one is chosen by weight; there is no limit to their depth but
+//! Russian roulette.
+
+mod emission;
+mod illumination;
+mod passage;
+mod roulette;
+mod segment;
+mod shade;
+
+pub(crate) use emission::{emission, given};
+pub(crate) use passage::Passage;
+pub(crate) use segment::{MediumId, Segment};
+pub(crate) use shade::{reflect, shading_normal};
+
+use crate::antimatter::{Cut, CutId, Meeting};
+use crate::bands::BandValues;
+use crate::cast::FirstHit;
+use crate::contribution::Contributions;
+use crate::gather::{Caches, Survey};
+use crate::medium::Medium;
+use crate::model_light::ModelBatch;
+use crate::options::{BackFaces, Quantity};
+use crate::plan::RenderPlan;
+use crate::ray::{Hit, Ray};
+use crate::shader::{GlossyKind, Kind};
+use crate::surface_light::LitPoint;
+use crate::tree::{Course, NodeId, Tree};
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+use radsight_sampling::RaySampler;
+use radsight_spectrum::Sampling;
+use std::f64::consts::PI;
+
+/// Memory of one thread.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    pub(crate) scratch: Scratch,
+    /// Places on lights, for a model that is asked about all of them at once.
+    pub(crate) batch: ModelBatch,
+}
+
+/// What a ray brings.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced {
+    /// Radiance in W/(sr·m²), or irradiance in W/m², as the options ask; in a grey scene the three bands are equal, of a spectrum it is
+    /// the colour.
+    pub value: [f64; 3],
+    /// The same in each band where spectra are traced.
+    pub spectrum: Option<BandValues>,
+    /// The first surface, or distant source.
+    pub first_hit: Option<FirstHit>,
+    /// Distance along the ray to what is seen, through plane mirrors and panes; infinite for none.
+    pub effective_distance: f64,
+}
+
+/// Branches beyond this many are chosen from at random.
+const MAX_BRANCHES: usize = 32;
+
+/// Follows rays through a plan, in `BANDS` bands; one a thread.
+#[derive(Debug)]
+pub(crate) struct Tracer<'p, const BANDS: usize> {
+    pub(crate) plan: &'p RenderPlan,
+    /// Number of the ray in hand.
+    pub(crate) index: u64,
+    pub(crate) sampler: RaySampler,
+    /// The next unused set of dimensions.
+    pub(crate) next_set: u32,
+    pub(crate) workspace: Workspace,
+    waiting: Vec<Segment<BANDS>>,
+    /// Media that the present ray has met; the first fills the scene.
+    media: Vec<Medium<BANDS>>,
+    /// What was cut away for the present ray; the first is nothing.
+    pub(crate) cuts: Vec<Cut>,
+    pub(crate) radiance: [f64; BANDS],
+    first_hit: Option<FirstHit>,
+    /// Whether the ray went on behind that as if nothing were there.
+    first_is_passed: bool,
+    effective_distance: f64,
+    /// Irradiance that was gathered before.
+    pub(crate) caches: Caches<'p, BANDS>,
+    /// While looking for points whose irradiance is wanted.
+    pub(crate) survey: Option<Survey<BANDS>>,
+    /// What the present ray owes to the modifiers that are tracked; `None` where none is.
+    pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
+    /// All rays that come of the present one; `None` where they are not wanted.
+    pub(crate) tree: Option<Box<Tree<BANDS>>>,
+    /// How far the rays are followed before they are reflected, scene units.
+    pub(crate) limit: f64,
+}
+
+/// A ray that was put aside.
+#[derive(Debug)]
+pub(crate) struct SetAside<const BANDS: usize> {
+    sampler: RaySampler,
+    next_set: u32,
+    waiting: Vec<Segment<BANDS>>,
+    media: Vec<Medium<BANDS>>,
+    cuts: Vec<Cut>,
+    radiance: [f64; BANDS],
+    first_hit: Option<FirstHit>,
+    /// Whether the ray went on behind that as if nothing were there.
+    first_is_passed: bool,
+    effective_distance: f64,
+    tree: Option<Box<Tree<BANDS>>>,
+}
+
+impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
+    pub(crate) fn new(plan: &'p RenderPlan, caches: Caches<'p, BANDS>) -> Self {
+        Tracer {
+            plan,
+            index: 0,
+            sampler: RaySampler::new(plan.options.seed, 0),
+            next_set: 0,
+            workspace: Workspace::default(),
+            waiting: Vec::with_capacity(MAX_BRANCHES),
+            media: vec![plan.global_medium()],
+            cuts: vec![Cut::default()],
+            radiance: [0.0; BANDS],
+            first_hit: None,
+            first_is_passed: false,
+            effective_distance: f64::INFINITY,
+            caches,
+            survey: None,
+            contributions: Contributions::wanted(&plan.options),
+            tree: Tree::wanted(&plan.options),
+            limit: f64::INFINITY,
+        }
+    }
+
+    /// Traces ray number `index`.
+    pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
+        self.index = index;
+        let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
+        self.tree.iter_mut().for_each(|tree| tree.clear());
+        let start = Segment {
+            ray: *ray,
+            from: None,
+            throughput: [1.0; BANDS],
+            travelled: 0.0,
+            link: None,
+            depth: 0,
+            reflections: 0,
+            ambient_bounces: self.plan.options.ambient_bounces,
+            medium,
+            cut: CutId::default(),
+            cut_beyond: CutId::default(),
+            follows_no_diffuse: false,
+            direct_view: true,
+            node: NodeId::NONE,
+        };
+        if self.plan.options.quantity == Quantity::Irradiance {
+            let node = self.told(&start, Course::Passed);
+            self.irradiance(&Segment { throughput: [PI; BANDS], node, ..start });
+            self.follow_waiting();
+        } else {
+            self.finish(start);
+        }
+        Traced {
+            value: self.rgb(&self.radiance),
+            spectrum: self.spectrum(&self.radiance),
+            first_hit: self.first_hit,
+            effective_distance: self.effective_distance,
+        }
+    }
+
+    /// The values of bands where spectra are traced.
+    pub(crate) fn spectrum(&self, places: &[f64; BANDS]) -> Option<BandValues> {
+        (BANDS > 3).then(|| BandValues::new(self.plan.layout.collect(places)))
+    }
+
+    /// Values as red, green and blue.
+    pub(crate) fn rgb(&self, places: &[f64; BANDS]) -> [f64; 3] {
+        if BANDS <= 3 {
+            return std::array::from_fn(|band| places[band.min(BANDS - 1)]);
+        }
+        let mut bands = [0.0; Sampling::MOST_BANDS];
+        for (band, value) in bands.iter_mut().zip(self.plan.layout.collect(places)) {
+            *band = value;
+        }
+        self.plan.layout.sampling().rgb(&bands)
+    }
+
+    /// Forgets the ray before; the next one begins in this medium.
+    pub(crate) fn begin(&mut self, sampler: RaySampler, medium: Medium<BANDS>) -> MediumId {
+        self.sampler = sampler;
+        self.next_set = 0;
+        self.media.truncate(1);
+        self.cuts.truncate(1);
+        self.radiance = [0.0; BANDS];
+        self.first_hit = None;
+        self.first_is_passed = false;
+        self.effective_distance = f64::INFINITY;
+        if medium == self.media[0] {
+            return MediumId(0);
+        }
+        self.media.push(medium);
+        MediumId(1)
+    }
+
+    /// Follows a ray and all that come of it.
+    pub(crate) fn finish(&mut self, segment: Segment<BANDS>) {
+        self.push(segment);
+        self.follow_waiting();
+    }
+
+    fn follow_waiting(&mut self) {
+        while let Some(segment) = self.waiting.pop() {
+            if let Some(contributions) = &mut self.contributions {
+                contributions.close(self.radiance, self.waiting.len());
+            }
+            self.follow(segment);
+        }
+    }
+
+    /// How many rays wait to be followed.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// How far away the first surface was; infinite for none.
+    pub(crate) fn first_distance(&self) -> f64 {
+        self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
+    }
+
+    /// Puts the ray in hand aside, for others to be followed in between.
+    pub(crate) fn set_aside(&mut self) -> SetAside<BANDS> {
+        SetAside {
+            sampler: self.sampler,
+            next_set: self.next_set,
+            waiting: std::mem::take(&mut self.waiting),
+            media: self.media.clone(),
+            cuts: self.cuts.clone(),
+            radiance: self.radiance,
+            first_hit: self.first_hit,
+            first_is_passed: self.first_is_passed,
+            effective_distance: self.effective_distance,
+            tree: self.tree.take(),
+        }
+    }
+
+    /// Goes on with the ray that was put aside.
+    pub(crate) fn take_up(&mut self, ray: SetAside<BANDS>) {
+        let SetAside {
+            sampler,
+            next_set,
+            waiting,
+            media,
+            cuts,
+            radiance,
+            first_hit,
+            first_is_passed,
+            effective_distance,
+            tree,
+        } = ray;
+        self.tree = tree;
+        (self.sampler, self.next_set, self.waiting) = (sampler, next_set, waiting);
+        (self.media, self.cuts) = (media, cuts);
+        (self.radiance, self.effective_distance) = (radiance, effective_distance);
+        (self.first_hit, self.first_is_passed) = (first_hit, first_is_passed);
+    }
+
+    /// Irradiance is π times the radiance of a white Lambertian surface.
+    fn irradiance(&mut self, start: &Segment<BANDS>) {
+        let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
+        let normal = start.ray.direction;
+        let point = LitPoint::glossy(&white, false, [1.0; BANDS], normal, normal, normal);
+        self.light_and_scatter(start, start.ray.origin, None, &point, 0.0);
+    }
+
+    /// What fills the scene outside of all bodies.
+    pub(crate) fn global_medium(&self) -> Medium<BANDS> {
+        self.media[0]
+    }
+
+    pub(crate) fn medium(&self, id: MediumId) -> Medium<BANDS> {
+        self.media[id.0 as usize]
+    }
+
+    pub(crate) fn add_medium(&mut self, medium: Medium<BANDS>) -> MediumId {
+        if medium == self.media[0] {
+            return MediumId(0);
+        }
+        self.media.push(medium);
+        MediumId((self.media.len() - 1) as u32)
+    }
+
+    /// A ray that goes on as if nothing had been met, or a first one.
+    pub(crate) fn push(&mut self, segment: Segment<BANDS>) {
+        self.push_on(segment, Course::Passed);
+    }
+
+    fn push_on(&mut self, mut segment: Segment<BANDS>, course: Course) {
+        if self.waiting.len() < MAX_BRANCHES && segment.throughput.iter().any(|band| *band > 0.0) {
+            segment.node = self.told(&segment, course);
+            self.waiting.push(segment);
+        }
+    }
+
+    /// The name of a ray that is sent on, where rays are told.
+    fn told(&mut self, segment: &Segment<BANDS>, course: Course) -> NodeId {
+        let Some(tree) = &mut self.tree else { return NodeId::NONE };
+        tree.begin(segment.node, course, segment.ray, segment.throughput)
+    }
+
+    fn follow(&mut self, mut segment: Segment<BANDS>) {
+        // Invisible surfaces and back faces are passed in this loop.
+        loop {
+            let met = self.plan.first_hit(&segment.ray, segment.from);
+            let distance = met.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
+            if segment.reflections == 0 && segment.travelled + distance > self.limit {
+                return;
+            }
+            let Some(mut hit) = met else {
+                return self.leave(&segment);
+            };
+            if self.plan.has_antimatter {
+                let meeting = self.meet(segment.cut, segment.ray.direction, &mut hit);
+                let (Meeting::Surface(beyond) | Meeting::Nothing(beyond)) = meeting;
+                segment.cut_beyond = beyond;
+                if meeting == Meeting::Nothing(beyond) {
+                    segment = self.unmet(&segment, &hit);
+                    continue;
+                }
+            }
+            let shader = self.plan.shader_at(hit.shader);
+            if matches!(shader.kind, Kind::Transparent) {
+                segment = self.unmet(&segment, &hit);
+                continue;
+            }
+            segment.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
+            let behind = segment.ray.direction.dot(hit.front) > 0.0;
+            let can_hide = self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
+            if behind && can_hide {
+                segment = self.unmet(&segment, &hit);
+                continue;
+            }
+            if self.contributions.is_some() {
+                self.note_met(&segment, &hit, shader);
+            }
+            return self.shade(&segment, &hit, shader);
+        }
+    }
+
+    /// Goes on as if nothing had been hit.
+    pub(crate) fn pass_through(&mut self, segment: &Segment<BANDS>, hit: &Hit) {
+        if segment.direct_view {
+            self.effective_distance = f64::INFINITY;
+        }
+        let next = self.passed_through(*segment, hit);
+        self.push(next);
+    }
+
+    /// The ray goes on behind a surface that does nothing to it.
+    fn unmet(&mut self, segment: &Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
+        if segment.depth == 0 && self.first_hit.is_none() {
+            self.first_hit = Some(FirstHit::at(hit, segment.travelled + hit.distance));
+            self.first_is_passed = true;
+        }
+        let segment = self.dimmed(segment, self.medium(segment.medium), hit.distance);
+        let mut onward = self.passed_through(segment, hit);
+        if let Some(tree) = &mut self.tree {
+            tree.end(segment.node, FirstHit::at(hit, hit.distance));
+            onward.node = tree.begin(segment.node, Course::Passed, onward.ray, onward.throughput);
+        }
+        onward
+    }
+
+    /// The same ray, on the other side of what it hit.
+    pub(crate) fn passed_through(&self, mut segment: Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
+        segment.ray.origin = hit.point;
+        segment.from = Some(hit.primitive);
+        segment.cut = segment.cut_beyond;
+        segment.travelled += hit.distance;
+        if let Some(link) = &mut segment.link {
+            link.length += hit.distance;
+        }
+        segment
+    }
+
+    /// Adds what the first ray gets from the end of one of its own.
+    fn add(&mut self, segment: &Segment<BANDS>, brought: [f64; BANDS]) {
+        for (sum, brought) in self.radiance.iter_mut().zip(brought) {
+            *sum += brought;
+        }
+        if let Some(tree) = &mut self.tree {
+            tree.add(segment.node, brought);
+        }
+    }
+}
+
+#[inline]
+pub(crate) fn product<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
+    std::array::from_fn(|band| a[band] * b[band])
+}

@@ -1,0 +1,54 @@
+//! How long paths are, and how weak ones end.
+
+use super::segment::Segment;
+use super::{MAX_BRANCHES, Tracer};
+use crate::options::PathLimit;
+use radsight_sampling::DimensionSet;
+
+/// A path shorter than this is never ended by roulette.
+const ROULETTE_DEPTH: u32 = 4;
+
+/// Paths that carry less than this share may be ended.
+const ROULETTE_SHARE: f64 = 0.25;
+
+/// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
+const MAX_DEPTH: u32 = 4096;
+
+impl<const BANDS: usize> Tracer<'_, BANDS> {
+    /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
+    /// path is as weak as it would be if its rays were not favoured.
+    pub(crate) fn go_on(
+        &mut self,
+        (throughput, favour): ([f64; BANDS], f64),
+        segment: &Segment<BANDS>,
+        reflections: u32,
+    ) -> Option<[f64; BANDS]> {
+        let strongest = favour * throughput.iter().copied().fold(0.0, f64::max);
+        let depth = segment.depth + 1;
+        if strongest <= 0.0 || depth > MAX_DEPTH {
+            return None;
+        }
+        let least = self.plan.options.least_weight;
+        let roulette = match self.plan.options.path_limit {
+            PathLimit::Cut(most) if reflections > most || strongest < least => return None,
+            PathLimit::RouletteUpTo(most) if reflections > most => return None,
+            PathLimit::Cut(_) => 0.0,
+            PathLimit::Roulette | PathLimit::RouletteUpTo(_) => least,
+        };
+        let crowded = self.waiting.len() + 2 >= MAX_BRANCHES;
+        let survival = if crowded {
+            strongest.min(0.5)
+        } else {
+            // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
+            let drawn = segment.link.is_some() && depth >= ROULETTE_DEPTH;
+            let share = if drawn { roulette.max(ROULETTE_SHARE) } else { roulette };
+            if share > 0.0 { (strongest / share).min(1.0) } else { 1.0 }
+        };
+        if survival >= 1.0 {
+            return Some(throughput);
+        }
+        let u = self.sampler.take(DimensionSet::render(self.next_set))[0];
+        self.next_set += 1;
+        (u < survival).then(|| throughput.map(|band| band / survival))
+    }
+}

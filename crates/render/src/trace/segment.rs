@@ -1,0 +1,47 @@
+//! A ray of a path, with what the path has brought along.
+
+use crate::antimatter::CutId;
+use crate::link::Link;
+use crate::ray::{PrimitiveId, Ray};
+use crate::tree::NodeId;
+
+/// Names a medium that the present ray has met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MediumId(pub(super) u32);
+
+/// A ray that waits to be traced.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment<const BANDS: usize> {
+    pub(crate) ray: Ray,
+    pub(crate) from: Option<PrimitiveId>,
+    pub(crate) throughput: [f64; BANDS],
+    pub(crate) travelled: f64,
+    pub(crate) link: Option<Link>,
+    pub(crate) depth: u32,
+    /// Reflections of any kind, which are limited.
+    pub(crate) reflections: u32,
+    pub(crate) ambient_bounces: u32,
+    /// What fills the space that the ray crosses.
+    pub(crate) medium: MediumId,
+    /// What is cut away for the ray, and for what passes through the surface that it has met.
+    pub(crate) cut: CutId,
+    pub(crate) cut_beyond: CutId,
+    /// Whether interreflection is left out at the surface that the ray has met.
+    pub(crate) follows_no_diffuse: bool,
+    /// Whether this is still the direct view, through nothing but plane mirrors and panes.
+    pub(crate) direct_view: bool,
+    /// Its name, where rays are told; before it is sent on, that of the ray above it.
+    pub(crate) node: NodeId,
+}
+
+impl<const BANDS: usize> Segment<BANDS> {
+    /// Whether it was drawn from what a surface scatters, at its origin or before.
+    pub(crate) fn is_scattered(&self) -> bool {
+        self.link.is_some()
+    }
+
+    /// How many times as often its last drawn ray was drawn as by the lobe alone.
+    pub(crate) fn favour(&self) -> f64 {
+        self.link.map_or(1.0, |link| link.favour)
+    }
+}
