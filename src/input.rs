@@ -102,6 +102,18 @@ pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Res
     Ok(inputs)
 }
 
+/// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
+pub(crate) fn expanded_scene_text(program: &str, path: &str) -> Result<Vec<u8>, Failure> {
+    let text: Vec<u8> = read_source(path, |path| read_file(path, "scene file"))?;
+    let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
+    if !has_commands {
+        return Ok(text);
+    }
+    let loader = DiskLoader::new(Commands::Refused);
+    let made = radsight_parse::xform(&["xform".to_owned()], Some(&text), &loader);
+    made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("{program}: \"{path}\": {error}")))
+}
+
 /// Reads scenes and gives everything that was found.
 pub(crate) fn read(inputs: Vec<Input>, commands: Commands, options: &ReadOptions) -> Read {
     let loader: &dyn Loader = &DiskLoader::new(commands);

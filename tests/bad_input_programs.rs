@@ -94,7 +94,7 @@ fn options_that_are_wrong() {
         ("rpict -aE", &["option \"-aE\" ends the command line"]),
         ("oconv -q scene.rad", &["-q"]),
         ("rvu scene.rad", &["rvu is not part of radsight", "rpict"]),
-        ("mkillum scene.rad", &["mkillum is not part of radsight"]),
+        ("mkpmap scene.rad", &["mkpmap is not part of radsight"]),
         ("gensdaymtx a b", &["gensdaymtx is not part of radsight"]),
     ] {
         if parts.is_empty() {

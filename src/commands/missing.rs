@@ -3,9 +3,8 @@
 use crate::failure::Failure;
 
 /// The programs, and what is said of them.
-const MISSING: [(&[&str], &str); 11] = [
+const MISSING: [(&[&str], &str); 10] = [
     (&["rvu", "rview", "rholo"], "expected rpict, which renders the same view: add -x, -y and -o"),
-    (&["mkillum"], "light is followed through windows as they are: leave its step out, as rad does here"),
     (
         &["mkpmap", "pmapdump"],
         "there are no photon maps: highlights find light by way of mirrors and bodies in rpict itself",

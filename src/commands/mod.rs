@@ -8,6 +8,7 @@ mod features;
 mod install_links;
 mod matrix;
 mod missing;
+mod mkillum;
 pub(crate) mod mksource;
 mod obj2mesh;
 mod oconv;
@@ -31,7 +32,7 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = ["mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rfluxmtx", "rpict", "rtrace", "vwrays"];
+    let own = ["mkillum", "mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rfluxmtx", "rpict", "rtrace", "vwrays"];
     own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
 }
 
@@ -42,6 +43,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         return Some(outcome);
     }
     match name {
+        "mkillum" => return Some(mkillum::run(words)),
         "mksource" => return Some(mksource::run(words)),
         "obj2mesh" => return Some(obj2mesh::run(words)),
         "oconv" => return Some(oconv::run(words)),

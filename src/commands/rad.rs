@@ -141,10 +141,9 @@ impl Arguments {
                 self.note("mkpmap is not run: light is followed without photon maps");
                 Ok(())
             }
-            Some("mkillum") => self.keep_windows(&words, output.unwrap_or_default()),
-            Some(name @ ("oconv" | "rpict" | "pfilt")) => self.run_own(name, &words[1..], output),
+            Some(name @ ("oconv" | "mkillum" | "rpict" | "pfilt")) => self.run_own(name, &words[1..], output),
             _ => Err(Failure::input(format!(
-                "rad: program \"{}\" is not part of radsight, expected oconv, rpict or pfilt",
+                "rad: program \"{}\" is not part of radsight, expected oconv, mkillum, rpict or pfilt",
                 words[0]
             ))),
         };
@@ -165,7 +164,7 @@ impl Arguments {
         let fault = |error: std::io::Error| Failure::fault(format!("rad: cannot run {name}: {}", reason(&error)));
         let mut command = Command::new(std::env::current_exe().map_err(fault)?);
         command.arg(name);
-        if let (Some(threads), "rpict") = (self.threads, name) {
+        if let (Some(threads), "rpict" | "mkillum") = (self.threads, name) {
             command.args(["-n", &threads.to_string()]);
         }
         command.args(words).stdin(Stdio::null());
@@ -179,19 +178,6 @@ impl Arguments {
         }
         // What is wrong was said by the program itself.
         Err(Failure::input(format!("rad: {name} failed ({status})")))
-    }
-
-    /// Radiance's `mkillum` gives windows a light of their own, which spares `rpict` to look for the sun through them. Here light is
-    /// followed through windows as they are, so they stay.
-    fn keep_windows(&self, words: &[String], output: &str) -> Outcome {
-        self.note("mkillum is not run: light is followed through the surfaces as they are");
-        let files = words.iter().skip_while(|word| *word != "<").skip(1);
-        let mut text = Vec::new();
-        for file in files {
-            text.extend(read_file(file, "scene file")?);
-            text.push(b'\n');
-        }
-        write_file(output, &text)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Senders and receivers of flux: the surfaces between which `rfluxmtx` finds a matrix of coefficients, and the directions by which each divides it.
 //!
 //! Surfaces that follow a comment `#@rfluxmtx h=BASIS u=UP o=FILE` form a [`Group`]. Of a receiver, [`ReceiverWords`] makes the options with which
-//! `rcontrib` sorts what arrives; a [`Sender`] makes the rays that leave, so many for each of its directions.
+//! `rcontrib` sorts what arrives; a [`Sender`] makes the rays that leave, so many for each of its directions. An [`IllumSurface`] makes rays that look
+//! through a window, and puts what they find in the order of the data files with which `mkillum` makes the window a light.
 //!
 //! Guarantees: directions are numbered as Radiance's function files number them; a ray is a function of its number alone; no input makes anything
 //! panic. Knows neither scene text nor files.
@@ -22,17 +23,21 @@
 
 mod basis;
 mod error;
+mod illum;
 mod parameters;
 mod receiver;
 mod sender;
 mod surface;
+mod toward;
 
 pub use basis::{Basis, Klems};
 pub use error::FluxError;
+pub use illum::{IllumDetail, IllumSurface, LightRay};
 pub use parameters::{Hand, Parameters};
 pub use receiver::ReceiverWords;
 pub use sender::Sender;
 pub use surface::{FluxSurface, Shape};
+pub use toward::Toward;
 
 use glam::DVec3;
 

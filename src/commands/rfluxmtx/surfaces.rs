@@ -2,9 +2,8 @@
 
 use super::options::Options;
 use super::wrong;
-use crate::disk::{Commands, DiskLoader};
 use crate::failure::Failure;
-use crate::input::{read_file, read_source};
+use crate::input::expanded_scene_text;
 use radsight_diag::SourceMap;
 use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
 use radsight_parse::Kind;
@@ -47,7 +46,7 @@ pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
 
 /// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
 fn surfaces(options: &Options, path: &str) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
-    let text = scene_text(path)?;
+    let text = expanded_scene_text("rfluxmtx", path)?;
     let mistake = |error: SyntaxError| {
         let mut sources = SourceMap::default();
         let source = sources.add(path, text.clone(), None);
@@ -95,16 +94,4 @@ fn shape(kind: Kind) -> Option<Shape> {
 
 fn names(primitive: &Primitive<'_>) -> [String; 2] {
     [primitive.modifier, primitive.name].map(|word| String::from_utf8_lossy(&primitive.text(word)).into_owned())
-}
-
-/// The text of a file with that of its commands, which `xform` puts in.
-fn scene_text(path: &str) -> Result<Vec<u8>, Failure> {
-    let text: Vec<u8> = read_source(path, |path| read_file(path, "scene file"))?;
-    let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
-    if !has_commands {
-        return Ok(text);
-    }
-    let loader = DiskLoader::new(Commands::Refused);
-    let made = radsight_parse::xform(&["xform".to_owned()], Some(&text), &loader);
-    made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("rfluxmtx: \"{path}\": {error}")))
 }

@@ -1,0 +1,328 @@
+//! A surface as a light of its own: rays over all directions in which it shines, and how what they bring is spread over those.
+
+use crate::surface::{FluxSurface, Shape};
+use crate::{FluxError, Toward};
+use glam::DVec3;
+use radsight_sampling::{DimensionSet, RaySampler};
+use std::f64::consts::{PI, TAU};
+
+/// A surface that becomes a light, with its directions and the rays for each.
+///
+/// Directions are cells of two angles. Those of a flat surface have the same projected solid angle: rows are even in the square of the sine of the
+/// angle to the normal, columns in the angle around it. Those of a ball have the same solid angle, around the scene's z axis.
+#[derive(Clone, Debug)]
+pub struct IllumSurface {
+    outline: Outline,
+    cells: [usize; 2],
+    samples: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Outline {
+    Flat {
+        surface: FluxSurface,
+        /// Unit: u, v and the normal.
+        axes: [DVec3; 3],
+        /// How far before the surface rays start, so that they pass it.
+        lift: f64,
+    },
+    Ball {
+        middle: DVec3,
+        radius: f64,
+    },
+}
+
+/// How finely a light is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IllumDetail {
+    /// Directions for each steradian, projected if the surface is flat; 0 for one that shines evenly.
+    pub density: u32,
+    /// Rays for each direction.
+    pub samples: u32,
+}
+
+/// More directions than any light needs: rays for all of them are in memory at once.
+const MOST_RAYS: u64 = 1 << 25;
+
+/// How far before the surface rays start, as a share of its size.
+const LIFT: f64 = 0.005;
+
+/// Tells the points of these surfaces from those of other rays.
+const SEED: u64 = 0x696c_6c75;
+
+impl IllumSurface {
+    /// A polygon or ring with its real arguments.
+    ///
+    /// # Errors
+    /// When their number is wrong, they make no surface, or there are too many rays.
+    pub fn flat(name: &str, shape: Shape, numbers: &[f64], detail: IllumDetail) -> Result<IllumSurface, FluxError> {
+        let surface = FluxSurface::new(name, shape, numbers)?;
+        if surface.is_distant() {
+            return Err(FluxError::SendingSource { surface: name.to_owned() });
+        }
+        let normal = surface.normal;
+        let u = long_edge(shape, numbers, surface.area).unwrap_or_else(|| normal.any_orthonormal_vector());
+        let size = match (shape, numbers) {
+            (Shape::Ring, [.., a, b]) => a.max(*b),
+            _ => surface.area.sqrt(),
+        };
+        let axes = [u, normal.cross(u), normal];
+        let directions = (PI * f64::from(detail.density)).floor();
+        let rows = (directions / PI).sqrt();
+        IllumSurface::new(name, Outline::Flat { surface, axes, lift: LIFT * size }, [rows, PI], detail)
+    }
+
+    /// A sphere with its real arguments.
+    ///
+    /// # Errors
+    /// When their number is wrong, they make no surface, or there are too many rays.
+    pub fn ball(name: &str, numbers: &[f64], detail: IllumDetail) -> Result<IllumSurface, FluxError> {
+        let wrong = |what| FluxError::Surface { surface: name.to_owned(), what };
+        let [x, y, z, radius] = *numbers else { return Err(wrong("has not as many numbers as its type")) };
+        if radius.is_nan() || radius <= 0.0 {
+            return Err(wrong("has no area"));
+        }
+        let directions = (4.0 * PI * f64::from(detail.density)).floor();
+        let rows = (directions * 2.0 / PI).sqrt();
+        IllumSurface::new(name, Outline::Ball { middle: DVec3::new(x, y, z), radius }, [rows, 0.5 * PI], detail)
+    }
+
+    fn new(
+        name: &str,
+        outline: Outline,
+        [rows, columns_per_row]: [f64; 2],
+        detail: IllumDetail,
+    ) -> Result<IllumSurface, FluxError> {
+        let rounded = |number: f64| (number + 0.5).floor().max(1.0);
+        let cells = if detail.density == 0 {
+            [1.0, 1.0]
+        } else {
+            let rows = rounded(rows);
+            [rows, rounded(columns_per_row * rows)]
+        };
+        let samples = f64::from(detail.samples.max(1));
+        if cells[0] * cells[1] * samples > MOST_RAYS as f64 {
+            return Err(FluxError::Surface { surface: name.to_owned(), what: "is asked for too many rays" });
+        }
+        Ok(IllumSurface { outline, cells: cells.map(|count| count as usize), samples: samples as usize })
+    }
+
+    /// Rows and columns of directions.
+    #[must_use]
+    pub fn cells(&self) -> [usize; 2] {
+        self.cells
+    }
+
+    /// Rays for each direction.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// How many rays there are: those of a direction together, rows after each other.
+    #[must_use]
+    pub fn rays(&self) -> usize {
+        self.cells[0] * self.cells[1] * self.samples
+    }
+
+    /// Unit vectors u, v and the normal, around which directions of a flat surface are counted.
+    #[must_use]
+    pub fn axes(&self) -> Option<[DVec3; 3]> {
+        match &self.outline {
+            Outline::Flat { axes, .. } => Some(*axes),
+            Outline::Ball { .. } => None,
+        }
+    }
+
+    /// Origin and unit direction of ray number `number`: it starts just before the surface and goes through it, against the way in which the light
+    /// will shine.
+    #[must_use]
+    pub fn ray(&self, number: usize) -> [DVec3; 2] {
+        let [a, b, c, d] = RaySampler::new(SEED, number as u64).take(DimensionSet::CAMERA);
+        let cell = number / self.samples;
+        let row = ((cell / self.cells[1]) as f64 + a) / self.cells[0] as f64;
+        let around = TAU * ((cell % self.cells[1]) as f64 + b - 0.5) / self.cells[1] as f64;
+        match &self.outline {
+            Outline::Flat { surface, axes: [u, v, normal], lift } => {
+                let (sin, cos) = (row.sqrt(), (1.0 - row).max(0.0).sqrt());
+                let shining = *u * (sin * around.cos()) + *v * (sin * around.sin()) + *normal * cos;
+                [surface.place([c, d]) + shining * *lift, -shining]
+            }
+            Outline::Ball { middle, radius } => {
+                let height = 1.0 - 2.0 * row;
+                let sin = (1.0 - height * height).max(0.0).sqrt();
+                let shining = DVec3::new(sin * around.cos(), sin * around.sin(), height);
+                let (u, v) = shining.any_orthonormal_pair();
+                // Even over the disk that is seen from there; a little outside of the ball.
+                let (side, out) = (c.sqrt() * *radius, *radius * (1.01 - c).sqrt());
+                let (up, across) = (TAU * d).sin_cos();
+                [*middle + u * (side * across) + v * (side * up) + shining * out, -shining]
+            }
+        }
+    }
+
+    /// A ray from place number `number` of a flat surface to a light that is behind it; `None` where it is not.
+    #[must_use]
+    pub fn ray_to_light(&self, light: &Toward, number: usize) -> Option<LightRay> {
+        let Outline::Flat { surface, axes: [u, v, normal], lift } = &self.outline else { return None };
+        let [a, b, c, d] = RaySampler::new(!SEED, number as u64).take(DimensionSet::CAMERA);
+        let place = surface.place([a, b]);
+        let (direction, solid_angle) = light.draw(place, [c, d])?;
+        let cosine = -normal.dot(direction);
+        if cosine <= 1e-6 {
+            return None;
+        }
+        let row = ((1.0 - cosine * cosine).max(0.0) * self.cells[0] as f64) as usize;
+        let around = (-v.dot(direction)).atan2(-u.dot(direction)) / TAU;
+        let column = (around.rem_euclid(1.0) * self.cells[1] as f64 + 0.5) as usize % self.cells[1];
+        let cells = (self.cells[0] * self.cells[1]) as f64;
+        Some(LightRay {
+            origin: place - direction * *lift,
+            direction,
+            cell: row.min(self.cells[0] - 1) * self.cells[1] + column,
+            weight: cells / PI * cosine * solid_angle,
+        })
+    }
+
+    /// The means of all directions as a table whose rows and columns overlap with their neighbours, as data files have them: columns close
+    /// around with the first once more, and rows go on beyond the pole so that the mean of the first stands at it.
+    #[must_use]
+    pub fn table(&self, means: &[f64]) -> Vec<Vec<f64>> {
+        let closed = |row: &[f64]| row.iter().chain(row.first()).copied().collect::<Vec<f64>>();
+        let mirrored = |row: &[f64]| {
+            let twice = 2.0 * row.iter().sum::<f64>() / row.len() as f64;
+            closed(&row.iter().map(|value| twice - value).collect::<Vec<f64>>())
+        };
+        let rows: Vec<&[f64]> = means.chunks_exact(self.cells[1]).collect();
+        let beyond = |row: Option<&&[f64]>| row.map(|row| mirrored(row));
+        let last = if self.axes().is_none() { beyond(rows.last()) } else { None };
+        beyond(rows.first()).into_iter().chain(rows.iter().map(|row| closed(row))).chain(last).collect()
+    }
+
+    /// Where the first and the last row of [`IllumSurface::table`] stand: at the square of the cosine of the angle to the normal, or for a ball at the
+    /// cosine of the angle to the z axis.
+    #[must_use]
+    pub fn row_ends(&self) -> [f64; 2] {
+        let rows = self.cells[0] as f64;
+        match self.outline {
+            Outline::Flat { .. } => [1.0 + 0.5 / rows, 0.5 / rows],
+            Outline::Ball { .. } => [1.0 + 1.0 / rows, -1.0 - 1.0 / rows],
+        }
+    }
+}
+
+/// A ray towards a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightRay {
+    /// Where it starts.
+    pub origin: DVec3,
+    /// Unit.
+    pub direction: DVec3,
+    /// Number of the direction in which the light counts.
+    pub cell: usize,
+    /// What the light's radiance is multiplied by; the mean over all places adds to that of the direction.
+    pub weight: f64,
+}
+
+/// The direction of the first edge that is as long as the side of a square of the same area: rows of windows stand along it.
+fn long_edge(shape: Shape, numbers: &[f64], area: f64) -> Option<DVec3> {
+    if shape != Shape::Polygon {
+        return None;
+    }
+    let vertices: Vec<DVec3> = numbers.chunks_exact(3).map(DVec3::from_slice).collect();
+    let before = vertices.last().into_iter().chain(&vertices);
+    let edges = before.zip(&vertices).map(|(from, to)| *to - *from);
+    let mut long = edges.filter(|edge| edge.length_squared() >= area - 1e-6);
+    long.next()?.try_normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: [f64; 12] = [0., 0., 1., 0., 0., 3., 4., 0., 3., 4., 0., 1.];
+
+    fn window(density: u32, samples: u32) -> IllumSurface {
+        IllumSurface::flat("w", Shape::Polygon, &WINDOW, IllumDetail { density, samples }).unwrap()
+    }
+
+    #[test]
+    fn rays_go_through_the_surface_against_its_light() {
+        let surface = window(48, 4);
+        assert_eq!((surface.cells(), surface.rays()), ([7, 22], 7 * 22 * 4));
+        let [u, _, normal] = surface.axes().unwrap();
+        assert!(u.x.abs() == 1.0 && normal.y.abs() == 1.0, "{u} {normal}");
+        for number in 0..surface.rays() {
+            let [origin, direction] = surface.ray(number);
+            let distance = -origin.y / direction.y;
+            let at = origin + direction * distance;
+            assert!(distance > 0.0 && normal.dot(direction) < 0.0);
+            assert!((0.0..=4.0).contains(&at.x) && (1.0..=3.0).contains(&at.z), "{at}");
+        }
+    }
+
+    #[test]
+    fn directions_of_a_flat_surface_have_the_same_projected_solid_angle() {
+        let surface = window(20, 8);
+        let [_, _, normal] = surface.axes().unwrap();
+        let mean = (0..surface.rays()).map(|number| -normal.dot(surface.ray(number)[1])).sum::<f64>();
+        // The mean cosine of a cosine distribution is two thirds.
+        assert!((mean / surface.rays() as f64 - 2.0 / 3.0).abs() < 0.003);
+    }
+
+    #[test]
+    fn rays_of_a_ball_come_from_all_around() {
+        let detail = IllumDetail { density: 10, samples: 8 };
+        let surface = IllumSurface::ball("b", &[1., 2., 3., 0.5], detail).unwrap();
+        let middle = DVec3::new(1.0, 2.0, 3.0);
+        let mut sum = DVec3::ZERO;
+        for number in 0..surface.rays() {
+            let [origin, direction] = surface.ray(number);
+            assert!((origin - middle).length() > 0.5 && (middle - origin).cross(direction).length() <= 0.5);
+            sum += direction;
+        }
+        assert!(sum.length() / (surface.rays() as f64) < 0.01, "{sum}");
+    }
+
+    #[test]
+    fn the_light_of_a_small_source_has_its_projected_solid_angle() {
+        let surface = window(48, 1);
+        let [_, _, normal] = surface.axes().unwrap();
+        let direction = DVec3::new(0.3, -2.0 * normal.y, 1.0).normalize();
+        let sun = Toward::Distant { direction, cosine: 5f64.to_radians().cos() };
+        let cells: f64 = (surface.cells()[0] * surface.cells()[1]) as f64;
+        let count = 500;
+        let rays: Vec<LightRay> = (0..count).filter_map(|number| surface.ray_to_light(&sun, number)).collect();
+        assert_eq!(rays.len(), count);
+        let found = rays.iter().map(|ray| ray.weight).sum::<f64>() / count as f64;
+        let cosine = 2.0 / 5.09f64.sqrt();
+        let expected = cells * cosine * 5f64.to_radians().sin().powi(2);
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+        assert!(rays.iter().all(|ray| ray.cell < cells as usize));
+        // Its own rays in that direction agree about the cell.
+        let [origin, direction] = surface.ray(rays[0].cell);
+        assert!(direction.dot(rays[0].direction) > 0.9 && origin.is_finite());
+    }
+
+    #[test]
+    fn tables_close_around_and_go_on_beyond_the_pole() {
+        let surface = window(1, 1);
+        assert_eq!(surface.cells(), [1, 3]);
+        assert_eq!(surface.table(&[1.0, 2.0, 6.0]), [vec![5.0, 4.0, 0.0, 5.0], vec![1.0, 2.0, 6.0, 1.0]]);
+        assert_eq!(surface.row_ends(), [1.5, 0.5]);
+        let even = window(0, 1);
+        assert_eq!((even.cells(), even.rays()), ([1, 1], 1));
+    }
+
+    #[test]
+    fn what_makes_no_light_is_told() {
+        let detail = IllumDetail { density: 1 << 30, samples: 1 << 20 };
+        let error = IllumSurface::flat("w", Shape::Polygon, &WINDOW, detail).unwrap_err();
+        assert_eq!(error.to_string(), "surface \"w\" is asked for too many rays");
+        let detail = IllumDetail { density: 1, samples: 1 };
+        for numbers in [&[0., 0., 0., 0.][..], &[0., 0., 0., f64::NAN], &[1.0]] {
+            assert!(IllumSurface::ball("b", numbers, detail).is_err());
+        }
+        assert!(IllumSurface::flat("s", Shape::Source, &[0., 0., 1., 5.], detail).is_err());
+    }
+}

@@ -1,0 +1,91 @@
+//! The lights of a scene, for surfaces that become lights themselves (`l+`): what shines through those must shine from them.
+
+use crate::commands::mkillum::options::Options;
+use crate::failure::Failure;
+use crate::input::{Planned, plan};
+use radsight_flux::{FluxSurface, IllumSurface, Shape as Form, Toward};
+use radsight_ir::{Material, ModifierKind, Rgb, Scene, Shape, Surface};
+use radsight_render::{Lights, Ray, RenderOptions, Renderer};
+
+/// Finds light that comes straight from lights, by way of panes alone.
+///
+/// Of each ray towards a light two values are found, once with lights that are seen and once without: the difference is the light's.
+#[derive(Debug)]
+pub(super) struct LightFinder {
+    lights: Vec<Toward>,
+    seen: Renderer,
+    unseen: Renderer,
+}
+
+impl LightFinder {
+    pub(super) fn new(options: &Options) -> Result<LightFinder, Failure> {
+        let render =
+            |lights| RenderOptions { lights, ambient_bounces: 0, ambient_value: Rgb::BLACK, ..options.render.clone() };
+        let renderer = |lights| -> Result<Renderer, Failure> {
+            let Planned { plan, .. } = plan(&options.scenes, None, &options.reading, render(lights))?;
+            Ok(Renderer::new(plan))
+        };
+        let seen = renderer(Lights::Visible)?;
+        let scene = seen.plan().scene();
+        let lights = scene.surfaces.items().iter().filter_map(|surface| light(scene, surface)).collect();
+        Ok(LightFinder { lights, unseen: renderer(Lights::Invisible)?, seen })
+    }
+
+    /// Adds to the means of a surface's directions what lights bring, with so many rays to each as a direction has.
+    pub(super) fn add(&self, surface: &IllumSurface, means: &mut [[f64; 3]]) {
+        let rays = self
+            .lights
+            .iter()
+            .flat_map(|light| (0..surface.samples()).filter_map(|number| surface.ray_to_light(light, number)));
+        let rays: Vec<_> = rays.collect();
+        let to_trace: Vec<Option<Ray>> =
+            rays.iter().map(|ray| Some(Ray { origin: ray.origin, direction: ray.direction })).collect();
+        let values = self.seen.trace_all(0, &to_trace).into_iter().zip(self.unseen.trace_all(0, &to_trace));
+        for (ray, (seen, unseen)) in rays.iter().zip(values) {
+            let (Some(seen), Some(unseen)) = (seen, unseen) else { continue };
+            for (band, mean) in means[ray.cell].iter_mut().enumerate() {
+                let light = (seen.value[band] - unseen.value[band]).max(0.0);
+                *mean += light * ray.weight / surface.samples() as f64;
+            }
+        }
+    }
+}
+
+/// A surface towards which rays are sent.
+fn light(scene: &Scene, surface: &Surface) -> Option<Toward> {
+    let material = scene.chain(surface.modifier).find_map(|(_, modifier)| match &modifier.kind {
+        ModifierKind::Material(material) => Some(material),
+        _ => None,
+    });
+    let shines = match material? {
+        Material::Light { .. } | Material::Spotlight { .. } => true,
+        Material::Glow { max_radius, .. } => *max_radius > 0.0,
+        _ => false,
+    };
+    if !shines {
+        return None;
+    }
+    match surface.shape {
+        Shape::Polygon { start, count } => {
+            let vertices = &scene.vertices[start as usize..][..count as usize];
+            let numbers: Vec<f64> = vertices.iter().flat_map(|vertex| vertex.to_array()).collect();
+            FluxSurface::new("light", Form::Polygon, &numbers).ok().map(Toward::Surface)
+        }
+        Shape::Ring(ring) => {
+            let ring = &scene.rings[ring];
+            let (middle, normal) = (ring.center, ring.normal);
+            let numbers =
+                [middle.x, middle.y, middle.z, normal.x, normal.y, normal.z, ring.inner_radius, ring.outer_radius];
+            FluxSurface::new("light", Form::Ring, &numbers).ok().map(Toward::Surface)
+        }
+        Shape::Sphere(sphere) => {
+            let sphere = &scene.spheres[sphere];
+            Some(Toward::Ball { middle: sphere.center, radius: sphere.radius })
+        }
+        Shape::Source(source) => {
+            let source = &scene.sources[source];
+            Some(Toward::Distant { direction: source.direction, cosine: (0.5 * source.extent.full_angle).cos() })
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,206 @@
+//! `mkillum`: windows as lights of their own.
+//!
+//! `mkillum [options of rtrace] OCTREE [< FILE…]`: each polygon, ring and sphere of the files (or of standard input) becomes an `illum` with the light
+//! that rays find that look through it; comments `#@mkillum` say how (`m=` its name, `f=` the data files, `c=` colours, `d=` directions, `s=` rays,
+//! `b=` from which brightness on, `l+` a `light`, `i= e= a n` which surfaces, `o=` the file for the result).
+
+mod lights;
+mod options;
+mod output;
+mod parameters;
+
+use crate::failure::{Failure, Outcome, say};
+use crate::input::{Planned, conclude, expanded_scene_text, plan, use_threads};
+use crate::output::write_standard_output;
+use lights::LightFinder;
+use options::Options;
+use output::{Output, Written, brightness, mean};
+use parameters::{Becomes, Parameters};
+use radsight_diag::SourceMap;
+use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
+use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
+use radsight_parse::{Kind, Role};
+use radsight_render::{Lights, Ray, RenderOptions, Renderer, Spread};
+
+/// What begins a comment for this program.
+const MARK: &str = "#@mkillum";
+
+/// Brighter than nothing.
+const TINY: f64 = 1e-6;
+
+/// Runs the program; `words[0]` is its name.
+pub(crate) fn run(words: &[String]) -> Outcome {
+    let options = Options::parse(words)?;
+    if options.print_defaults {
+        return write_standard_output(options.defaults().as_bytes());
+    }
+    use_threads(options.threads)?;
+    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let mut work = Work {
+        renderer: Renderer::new(plan),
+        light_finder: None,
+        parameters: Parameters::default(),
+        output: Output::new(&options.command),
+        next_ray: 0,
+        options: &options,
+    };
+    options.inputs.iter().try_for_each(|input| work.read(input))?;
+    work.output.finish()?;
+    conclude(work.renderer.plan(), registry.as_ref(), &sources)
+}
+
+struct Work<'a> {
+    options: &'a Options,
+    renderer: Renderer,
+    /// Once a surface becomes a `light`: then lights are not seen by chance but looked for.
+    light_finder: Option<(LightFinder, Renderer)>,
+    parameters: Parameters,
+    output: Output,
+    next_ray: u64,
+}
+
+impl Work<'_> {
+    fn warn(&self, text: &str) {
+        if !self.options.reading.no_warnings {
+            say(&format!("mkillum: warning - {text}\n"));
+        }
+    }
+
+    fn read(&mut self, path: &str) -> Outcome {
+        let text = expanded_scene_text("mkillum", path)?;
+        let mistake = |error: SyntaxError| {
+            let mut sources = SourceMap::default();
+            let source = sources.add(path, text.clone(), None);
+            Failure::diagnostics(&[error.diagnostic(source)], &sources)
+        };
+        let mut items = Items::new(&text).map_err(mistake)?;
+        while let Some(item) = items.advance() {
+            match item.map_err(mistake)? {
+                Item::Comment(place) => {
+                    let comment = String::from_utf8_lossy(&text[place.start as usize..place.end as usize]);
+                    self.comment(comment.trim_end(), path)?;
+                }
+                Item::Alias(alias) => {
+                    let [modifier, name, target] = [alias.modifier, alias.name, alias.target]
+                        .map(|word| String::from_utf8_lossy(&alias.text(word)).into_owned());
+                    self.output.alias([&modifier, &name, &target]);
+                }
+                Item::Primitive(primitive) => self.primitive(&primitive)?,
+                // Those were carried out before.
+                Item::Command(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn comment(&mut self, comment: &str, path: &str) -> Outcome {
+        let ours = comment.strip_prefix(MARK).filter(|rest| rest.starts_with(char::is_whitespace));
+        let Some(words) = ours else {
+            self.output.line(comment);
+            return Ok(());
+        };
+        let said = self.parameters.read(words);
+        if let Some(file) = said.output {
+            self.output.go_to(file)?;
+        }
+        if said.is_processed {
+            self.warn(&format!("{path} was processed before, and is passed on as it is"));
+            return Ok(());
+        }
+        self.output.put_header();
+        if !said.unknown.is_empty() {
+            let unknown = said.unknown.join(" ");
+            self.warn(&format!(
+                "{path}: \"{unknown}\" after {MARK} means nothing, expected m= f= c= d= s= b= i= e= o= a n l+ or l-"
+            ));
+            self.output.line(&format!("# mkillum: the following option line has {} error(s):", said.unknown.len()));
+        }
+        self.output.line(&format!("# {}", &comment[2..]));
+        Ok(())
+    }
+
+    fn primitive(&mut self, primitive: &Primitive<'_>) -> Outcome {
+        self.output.put_header();
+        let text = |word| String::from_utf8_lossy(&primitive.text(word)).into_owned();
+        let modifier = text(primitive.modifier);
+        let written = Written {
+            kind: primitive.kind.name(),
+            is_surface: primitive.kind.role() == Role::Surface,
+            name: text(primitive.name),
+            strings: primitive.strings.iter().map(|word| text(*word)).collect(),
+            integers: primitive.integers.to_vec(),
+            reals: primitive.reals.to_vec(),
+        };
+        if !written.is_surface || !self.parameters.selected.has(&modifier) {
+            self.output.primitive(&modifier, &written);
+            return Ok(());
+        }
+        let Parameters { density, samples, .. } = self.parameters;
+        let detail = IllumDetail { density, samples };
+        let (name, numbers) = (written.name.as_str(), primitive.reals);
+        let surface = match primitive.kind {
+            Kind::Polygon => IllumSurface::flat(name, Shape::Polygon, numbers, detail),
+            Kind::Ring => IllumSurface::flat(name, Shape::Ring, numbers, detail),
+            Kind::Sphere => IllumSurface::ball(name, numbers, detail),
+            _ => {
+                self.warn(&format!(
+                    "no light is made of {} \"{name}\", expected a polygon, ring or sphere",
+                    written.kind
+                ));
+                self.output.primitive(&modifier, &written);
+                return Ok(());
+            }
+        };
+        match surface {
+            Ok(surface) => self.light(&modifier, &written, &surface),
+            Err(error @ FluxError::Surface { what: "has no area", .. }) => {
+                self.warn(&format!("{error}, and no light is made of it"));
+                self.output.primitive(&modifier, &written);
+                Ok(())
+            }
+            Err(error) => Err(Failure::input(format!("mkillum: {error}"))),
+        }
+    }
+
+    fn light(&mut self, modifier: &str, written: &Written, surface: &IllumSurface) -> Outcome {
+        if self.parameters.density == 0 && surface.axes().is_none() {
+            self.warn(&format!("sphere \"{}\" shines evenly", written.name));
+        }
+        let mut means = self.means(surface)?;
+        if let (Some((finder, _)), Becomes::Light) = (&self.light_finder, self.parameters.becomes) {
+            finder.add(surface, &mut means);
+        }
+        if brightness(mean(&means)) <= self.parameters.least_brightness + TINY {
+            self.output.primitive(modifier, written);
+            return Ok(());
+        }
+        self.output.light(&mut self.parameters, (modifier, written), surface, &means)
+    }
+
+    /// The mean radiance of each direction.
+    fn means(&mut self, surface: &IllumSurface) -> Result<Vec<[f64; 3]>, Failure> {
+        let rays = (0..surface.rays()).map(|number| {
+            let [origin, direction] = surface.ray(number);
+            Some(Ray { origin, direction })
+        });
+        let rays: Vec<Option<Ray>> = rays.collect();
+        if self.parameters.becomes == Becomes::Light && self.light_finder.is_none() {
+            let options = self.options;
+            let unseen = RenderOptions { lights: Lights::Invisible, ..options.render.clone() };
+            let Planned { plan, .. } = plan(&options.scenes, None, &options.reading, unseen)?;
+            self.light_finder = Some((LightFinder::new(options)?, Renderer::new(plan)));
+        }
+        let renderer = match (&mut self.light_finder, self.parameters.becomes) {
+            (Some((_, unseen)), Becomes::Light) => unseen,
+            _ => &mut self.renderer,
+        };
+        renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+        let traced = renderer.trace_all(self.next_ray, &rays);
+        self.next_ray += rays.len() as u64;
+        let means = traced.chunks(surface.samples()).map(|direction| {
+            let sum = |band: usize| direction.iter().flatten().map(|traced| traced.value[band]).sum::<f64>();
+            std::array::from_fn(|band| sum(band) / surface.samples() as f64)
+        });
+        Ok(means.collect())
+    }
+}

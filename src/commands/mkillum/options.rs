@@ -1,0 +1,122 @@
+//! The options of `mkillum`: those of rendering, and the files.
+
+use super::parameters::{Becomes, Colors, Parameters};
+use crate::args::Reading;
+use crate::expand::options_before_scenes;
+use crate::failure::Failure;
+use crate::render_args::{self, number, take_definition, take_irradiance, take_one, take_own};
+use radsight_render::{Gathering, PathLimit, RenderOptions};
+
+/// What is asked.
+#[derive(Debug)]
+pub(super) struct Options {
+    pub(super) render: RenderOptions,
+    pub(super) threads: Option<usize>,
+    pub(super) reading: Reading,
+    pub(super) scenes: Vec<String>,
+    /// The files with surfaces; `-` for standard input.
+    pub(super) inputs: Vec<String>,
+    /// The words up to the inputs, as the header has them.
+    pub(super) command: Vec<String>,
+    /// Whether only the defaults are to be printed.
+    pub(super) print_defaults: bool,
+}
+
+impl Options {
+    /// Reads the words, of which the first is the program's name.
+    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+        // Radiance's defaults.
+        let gathering =
+            Gathering { accuracy: 0.1, resolution: 256, divisions: 1024, super_samples: 512, ..Gathering::default() };
+        let render = RenderOptions {
+            gathering,
+            ambient_bounces: 2,
+            mirror_relays: 3,
+            highlight_threshold: 0.15,
+            least_weight: 1e-4,
+            path_limit: PathLimit::RouletteUpTo(10),
+            ..RenderOptions::default()
+        };
+        let mut options = Options {
+            render,
+            threads: None,
+            reading: Reading::default(),
+            scenes: Vec::new(),
+            inputs: Vec::new(),
+            command: Vec::new(),
+            print_defaults: false,
+        };
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        if options.print_defaults {
+            return Ok(options);
+        }
+        if let Some(place) = options.scenes.iter().position(|word| word == "<") {
+            options.inputs = options.scenes.split_off(place + 1);
+            options.scenes.pop();
+            if options.inputs.is_empty() {
+                return Err(Failure::usage("mkillum: no file is named after \"<\", expected files with surfaces"));
+            }
+        } else {
+            options.inputs.push("-".to_owned());
+        }
+        if options.scenes.is_empty() {
+            return Err(Failure::usage("mkillum: no scene is named, expected an octree or scene files"));
+        }
+        options.command.extend(options.scenes.iter().cloned());
+        Ok(options)
+    }
+
+    /// Takes one option; gives how many words it used.
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let mut used = take_one(words, &mut self.render)?;
+        if used == 0 {
+            used = take_own(words, &mut self.reading, &mut self.render)?;
+        }
+        if used == 0 {
+            used = take_definition(words, &mut self.reading)?;
+        }
+        if used == 0 {
+            // Irradiance of surfaces is no radiance of windows: as in Radiance it does not count.
+            used = take_irradiance(words, &mut RenderOptions::default());
+        }
+        if used > 0 {
+            return Ok(used);
+        }
+        let word = words[0].as_str();
+        match word {
+            "-w" => self.reading.no_warnings = true,
+            "-defaults" => self.print_defaults = true,
+            "-n" => {
+                self.threads = Some(number(words, word, "a number of threads")?);
+                return Ok(2);
+            }
+            _ => return Err(Failure::usage(format!("mkillum: option \"{word}\" is not supported"))),
+        }
+        Ok(1)
+    }
+
+    /// The options as they stand, for `-defaults`.
+    pub(super) fn defaults(&self) -> String {
+        let parameters = Parameters::default();
+        let colors = match parameters.colors {
+            Colors::Nothing => "c=n\t\t\t\t# color none",
+            Colors::Mean => "c=a\t\t\t\t# color average",
+            Colors::Spread => "c=d\t\t\t\t# color distribution",
+        };
+        let becomes = match parameters.becomes {
+            Becomes::Illum => "l-\t\t\t\t# light type off",
+            Becomes::Light => "l+\t\t\t\t# light type on",
+        };
+        let mut lines = vec![
+            format!("m={:<15}\t\t# material name", parameters.material),
+            format!("f={:<15}\t\t# data file name", parameters.data_file),
+            colors.to_owned(),
+            becomes.to_owned(),
+            format!("d={}\t\t\t\t# density of directions", parameters.density),
+            format!("s={}\t\t\t\t# samples per direction", parameters.samples),
+            format!("b={:.6}\t\t\t# minimum average brightness", parameters.least_brightness),
+        ];
+        lines.extend(render_args::defaults(&self.render));
+        lines.join("\n") + "\n"
+    }
+}
