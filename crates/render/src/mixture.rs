@@ -41,6 +41,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 (segment.throughput.map(|band| band * passing), segment.favour()),
                 segment,
                 segment.reflections,
+                None,
             )
         {
             let next = self.passed_through(Segment { throughput, ..*segment }, hit);

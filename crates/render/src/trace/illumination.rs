@@ -117,7 +117,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     ) {
         let throughput = product(segment.throughput, drawn.weight);
         let reflections = segment.reflections + 1;
-        let Some(throughput) = self.go_on((throughput, drawn.favour), segment, reflections) else { return };
+        let share = (throughput, drawn.favour);
+        let Some(throughput) = self.go_on(share, segment, reflections, Some(lobe)) else { return };
         let mut link = match drawn.density {
             Density::Continuous(density) => {
                 let at = (from.point, drawn.direction);

@@ -81,7 +81,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
         let reflections = segment.reflections + u32::from(reflected);
         let cut = if reflected { segment.cut } else { segment.cut_beyond };
-        let Some(throughput) = self.go_on((throughput, segment.favour()), segment, reflections) else { return };
+        let share = (throughput, segment.favour());
+        let Some(throughput) = self.go_on(share, segment, reflections, None) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Reflection { .. } | Passage::Sheet { .. } => true,
             Passage::Refraction { flat } | Passage::Prism { flat } => !flat,

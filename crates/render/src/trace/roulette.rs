@@ -2,26 +2,32 @@
 
 use super::segment::Segment;
 use super::{MAX_BRANCHES, Tracer};
+use crate::link::Lobe;
 use crate::options::PathLimit;
 use radsight_sampling::DimensionSet;
 
 /// A path shorter than this is never ended by roulette.
 const ROULETTE_DEPTH: u32 = 4;
 
-/// Paths that carry less than this share may be ended.
+/// Paths that carry less than this share may be ended where their next ray is drawn from the diffuse component.
 const ROULETTE_SHARE: f64 = 0.25;
+
+/// Other rays may be the narrow view of a light, thousands of times as bright as what is around. One that was kept by chance shows it so many times as bright again as
+/// the chance was small: these paths end later.
+const ROULETTE_SHARE_OF_VIEWS: f64 = 0.01;
 
 /// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
 const MAX_DEPTH: u32 = 4096;
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
-    /// path is as weak as it would be if its rays were not favoured.
+    /// path is as weak as it would be if its rays were not favoured. `lobe` is from what the next ray is drawn, if it is.
     pub(crate) fn go_on(
         &mut self,
         (throughput, favour): ([f64; BANDS], f64),
         segment: &Segment<BANDS>,
         reflections: u32,
+        lobe: Option<Lobe>,
     ) -> Option<[f64; BANDS]> {
         let strongest = favour * throughput.iter().copied().fold(0.0, f64::max);
         let depth = segment.depth + 1;
@@ -41,7 +47,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         } else {
             // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
             let drawn = segment.link.is_some() && depth >= ROULETTE_DEPTH;
-            let share = if drawn { roulette.max(ROULETTE_SHARE) } else { roulette };
+            let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_SHARE } else { ROULETTE_SHARE_OF_VIEWS };
+            let share = if drawn { roulette.max(usual) } else { roulette };
             if share > 0.0 { (strongest / share).min(1.0) } else { 1.0 }
         };
         if survival >= 1.0 {

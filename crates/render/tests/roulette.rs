@@ -1,0 +1,63 @@
+//! Weak paths that end at random, against rays that are all followed.
+
+mod build;
+
+use build::{Builder, traced, values};
+use glam::DVec3;
+use radsight_ir::Ring;
+use radsight_render::{Gathering, Quantity, Ray, RenderOptions};
+use std::f64::consts::{PI, TAU};
+
+const RAYS: usize = 16_384;
+
+/// A lamp's highlight on a rough ceiling, behind four dark panes.
+fn highlight_behind_panes() -> Builder {
+    let mut scene = Builder::default();
+    let pane = scene.glass([0.3; 3], 1.52);
+    let ceiling = scene.metal([0.9; 3], 1.0, 0.05);
+    let lamp = scene.light([1e4; 3]);
+    let square = |height: f64, half: f64| {
+        [[half, half], [half, -half], [-half, -half], [-half, half]].map(|[x, y]| DVec3::new(x, y, height))
+    };
+    for height in [0.1, 0.2, 0.3, 0.4] {
+        scene.polygon(pane, &square(height, 10.0));
+    }
+    scene.polygon(ceiling, &square(1.0, 10.0));
+    scene.ring(
+        lamp,
+        Ring { center: DVec3::new(0.3, 0.0, 0.5), normal: DVec3::Z, inner_radius: 0.0, outer_radius: 0.05 },
+    );
+    scene
+}
+
+/// Mean, and its standard error as a share of it.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count * (count - 1.0))).sqrt() / mean)
+}
+
+#[test]
+fn a_highlight_behind_dark_panes_is_found_by_most_rays_that_look_there() {
+    let scene = highlight_behind_panes();
+    // The eye's own rays through panes are all followed: as many over the hemisphere, by its cosine.
+    let around: Vec<Ray> = (0..RAYS)
+        .map(|index| {
+            let share = (index as f64 + 0.5) / RAYS as f64;
+            let (sin, cos) = (TAU * (index as f64 * 0.618_033_988_749_895).fract()).sin_cos();
+            let direction = DVec3::new(share.sqrt() * cos, share.sqrt() * sin, (1.0 - share).sqrt());
+            Ray::new(DVec3::ZERO, direction).expect("the test's ray is one")
+        })
+        .collect();
+    let seen: Vec<f64> =
+        traced(&scene, RenderOptions::default(), &around).iter().map(|traced| traced.value[0]).collect();
+    let (radiance, error_of_eye) = mean_and_error(&seen);
+    let gathering = Gathering { accuracy: 0.0, ..Gathering::default() };
+    let options =
+        RenderOptions { quantity: Quantity::Irradiance, ambient_bounces: 1, gathering, ..RenderOptions::default() };
+    let (irradiance, error) = mean_and_error(&values(&scene, options, DVec3::ZERO, DVec3::Z, RAYS));
+    let expected = PI * radiance;
+    assert!((irradiance / expected - 1.0).abs() < 3.0 * error.hypot(error_of_eye), "{irradiance} against {expected}");
+    assert!(error < 2.0 * error_of_eye, "±{error}, where rays of the eye leave ±{error_of_eye}");
+}
