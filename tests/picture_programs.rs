@@ -297,6 +297,7 @@ fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
     for (forward, back, file) in [
         ("ra_bmp a.hdr", "ra_bmp -r", "out.bmp"),
         ("ra_bmp -b -e +1 a.hdr", "ra_bmp -r", "out.bmp"),
+        ("ra_bmp -e -1 -p .64 .33 .3 .6 .15 .06 .3127 .329 a.hdr", "ra_bmp -r", "out.bmp"),
         ("ra_tiff a.hdr", "ra_tiff -r", "out.tif"),
         ("ra_tiff -b a.hdr", "ra_tiff -r", "out.tif"),
         ("ra_tiff -w a.hdr", "ra_tiff -r", "out.tif"),
@@ -395,6 +396,8 @@ fn falsecolor_has_the_pixels_of_the_real_one() {
         "-i a.hdr -log 2 -s 500 -pal hot",
         "-i a.hdr -cp -pal eco",
         "-i a.hdr -e -s auto",
+        "-i a.hdr -odim 2 5",
+        "-i a.hdr -e -odim 2 3 -orct 5 10 135 220 -m 1",
     ] {
         let words = words(options);
         let real = run_with(radiance.command(words[0], &words[1..]).current_dir(folder.path("")), b"").done();
@@ -402,6 +405,66 @@ fn falsecolor_has_the_pixels_of_the_real_one() {
         let pixels = |bytes: &[u8]| Picture::read(bytes).expect("a picture").pixels().clone();
         assert!(pixels(&real) == pixels(&ours), "{words:?}");
     }
+}
+
+#[test]
+fn values_are_written_over_a_part_of_the_picture() {
+    let folder = Folder::new();
+    let file = folder.file("a.hdr", gradient(240, 100));
+    let run = |options: &str| {
+        let words: Vec<&str> = ["falsecolor", "-lw", "0", "-i", &file].into_iter().chain(options.split(' ')).collect();
+        radsight_with(&words, b"")
+    };
+    let plain = Picture::read(&run("-m 1").done()).expect("a picture").values();
+    let written = Picture::read(&run("-m 1 -odim 2 2 -orct 120 0 240 100").done()).expect("a picture").values();
+    let changed = |from: usize, to: usize| {
+        // The values stand a pixel higher than their shadow, and so does the upper border.
+        let differs = |at: &usize| plain.pixel(at % 240, at / 240) != written.pixel(at % 240, at / 240 + 1);
+        (0..240 * 100).filter(|at| (from..to).contains(&(at % 240))).filter(differs).count()
+    };
+    assert_eq!(changed(0, 118), 0);
+    assert!(changed(118, 240) > 100);
+    for (options, message) in [
+        ("-odim 40 40", "40 x 40 values leave no room for letters of 10 pixels in 240 x 100"),
+        (
+            "-odim 2 2 -orct 10 10 300 50",
+            "\"-orct\" with 10 10 300 50: expected left, lower, right and upper border within 240 x 100",
+        ),
+        ("-odim 2 2 -orct 10 10 5 50", "\"-orct\" with 10 10 5 50"),
+        ("-odim 2", "option \"-odim\" ends the command line"),
+    ] {
+        let run = run(options);
+        assert_eq!((run.code, run.output.len()), (2, 0), "{options}: {}", run.messages);
+        assert!(run.messages.contains(message), "{options}: {}", run.messages);
+    }
+}
+
+#[test]
+fn frames_of_an_animation_are_taken_apart() {
+    let Some(radiance) = Radiance::find() else { return };
+    let frame = |number: usize| {
+        let mut picture = Picture::read(&gradient(20 + number, 9)).expect("a picture");
+        picture.header_mut().push_variable("FRAME", &number.to_string());
+        picture.to_bytes()
+    };
+    let animation: Vec<u8> = [1, 2, 4].into_iter().flat_map(frame).collect();
+    for words in ["ra_rgbe -n 2", "ra_rgbe -r -n 4", "ra_rgbe -n 3", "ra_rgbe -e +1 -r", "ra_rgbe"] {
+        let words: Vec<&str> = words.split(' ').collect();
+        let mut program = radiance.command(words[0], &words[1..]);
+        // Real ra_rgbe tells all of the path by which it was called.
+        let path = program.get_program().to_string_lossy().into_owned();
+        let real = without_dates(&worked(run_with(&mut program, &animation), &words));
+        let ours = without_dates(&worked(radsight_with(&words, &animation), &words));
+        let bytes = |text: &[u8]| text.iter().map(|byte| char::from(*byte)).collect::<String>();
+        assert!(bytes(&real).replace(&path, "ra_rgbe") == bytes(&ours), "{words:?} gives other bytes");
+    }
+    let folder = Folder::new();
+    folder.file("all.hdr", &animation);
+    let mut program = command(&["ra_rgbe", "all.hdr", "f%02d.hdr"]);
+    run_with(program.current_dir(folder.path("")), b"").done();
+    assert_eq!(folder.names(), ["all.hdr", "f01.hdr", "f02.hdr", "f04.hdr"]);
+    let torn = run_with(&mut command(&["ra_rgbe", "-n", "4"]), &animation[..animation.len() - 9]);
+    assert_eq!(torn.code, 1, "{}", torn.messages);
 }
 
 #[test]

@@ -49,6 +49,12 @@ fn pcond_gives_the_pixels_of_the_real_one() {
     folder.file("room.hdr", lamps(120, 80, "-vtv -vh 60 -vv 42"));
     folder.file("fixed.txt", "10 20\n60 5\n");
     folder.file("histogram.txt", "-1 3\n0 10\n1 20\n2 4\n3 1\n");
+    let corner = |k: u32| [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+    let pair = |[red, green, blue]: [f64; 3]| {
+        format!("{red} {green} {blue} {} {} {}\n", 0.9 * red + 0.05, green * green, 0.8 * blue + 0.1 * red)
+    };
+    let map: String = (0..8).map(corner).chain([[0.4, 0.5, 0.3], [0.7, 0.2, 0.6]]).map(pair).collect();
+    folder.file("map.cwp", map);
     let shared = std::env::var_os("RADSIGHT_SHARED").map(|folder| PathBuf::from(folder).join("radiance/loose/hdr"));
     let cabin = shared.map(|folder| folder.join("cabin.hdr")).filter(|path| path.exists());
     if let Some(cabin) = cabin {
@@ -66,6 +72,8 @@ fn pcond_gives_the_pixels_of_the_real_one() {
             ("-e +1.5", ""),
             ("-u 300 -d 2000", ""),
             ("-p .64 .33 .3 .6 .15 .06 .3127 .329", ""),
+            ("-l -m map.cwp", ""),
+            ("-m map.cwp", ""),
             ("-i .3 -h-", "fixed.txt"),
             ("-I", "histogram.txt"),
         ] {
@@ -129,7 +137,10 @@ fn wrong_input_of_pcond_is_told() {
     check(&["pcond", "-u", "0", &picture], "", 2, "option \"-u\" is followed by 0, expected more than");
     check(&["pcond", "-d", "1", &picture], "", 2, "expected more than 1");
     check(&["pcond", "-i", ".5", "-I", &picture], "", 2, "expected one");
-    check(&["pcond", "-m", "warp", &picture], "", 2, "is not supported");
+    let lonely = folder.file("lonely.cwp", "1 2 3 4 5 6\n");
+    check(&["pcond", "-m", "missing.cwp", &picture], "", 1, "missing.cwp");
+    check(&["pcond", "-m", &lonely, &picture], "", 1, "expected two colours or more, with six numbers for each");
+    check(&["pcond", "-m", &lonely, "-f", &uncalibrated, &picture], "", 1, "expected two colours");
     check(&["pcond", "-f", &uncalibrated, &picture], "", 1, "expected \"rxa(i)");
     check(&["pcond", &black], "", 1, "the picture is black");
     check(&["pcond", &wide], "", 1, "degrees of the fovea wide");

@@ -13,6 +13,7 @@ mod luminance;
 mod mapping;
 mod scotopic;
 mod veil;
+mod warp;
 
 use crate::ToolError;
 use crate::drand48::Drand48;
@@ -26,6 +27,7 @@ use mapping::{Mapping, ToneMap};
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter};
 use std::io::{Read, Seek, Write};
 use veil::Veil;
+pub use warp::ColorWarp;
 
 /// Which limits of the eye are imitated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

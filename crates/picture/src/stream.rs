@@ -98,6 +98,18 @@ impl<R: Read> PictureReader<R> {
         PictureReader::over(bytes, header, encoding, components, resolution, Storage::Exponent)
     }
 
+    /// The picture that follows in the same source, once all of this one was read, as frames of an animation do; `None` at the end of the source.
+    ///
+    /// # Errors
+    /// As [`PictureReader::new`].
+    pub fn next_picture(mut self) -> Result<Option<PictureReader<R>>, PictureError> {
+        if self.bytes.is_at_end()? {
+            return Ok(None);
+        }
+        let header = self.bytes.parse(LONGEST_HEADER, Header::read)?;
+        PictureReader::of_picture(self.bytes, header).map(Some)
+    }
+
     /// Reads the header and the size of a picture, or of a matrix of floats with one or three components, whose components count as
     /// those of an RGBE picture.
     ///
@@ -381,6 +393,13 @@ impl<R: Read> Bytes<R> {
             }
             self.fetch(held.max(CHUNK))?;
         }
+    }
+
+    fn is_at_end(&mut self) -> Result<bool, PictureError> {
+        if self.start == self.buffer.len() && !self.ended {
+            self.fetch(CHUNK)?;
+        }
+        Ok(self.start == self.buffer.len())
     }
 
     fn fetch(&mut self, count: usize) -> Result<(), PictureError> {

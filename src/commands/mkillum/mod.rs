@@ -18,9 +18,11 @@ use output::{Output, Written, brightness, mean};
 use parameters::{Becomes, Parameters};
 use radsight_diag::SourceMap;
 use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
+use radsight_frame::average;
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
 use radsight_parse::{Kind, Role};
-use radsight_render::{Lights, Ray, RenderOptions, Renderer, Spread};
+use radsight_render::{Lights, Ray, RayWorker, RenderOptions, Renderer};
+use rayon::prelude::*;
 
 /// What begins a comment for this program.
 const MARK: &str = "#@mkillum";
@@ -181,24 +183,27 @@ impl Work<'_> {
     fn means(&mut self, surface: &IllumSurface) -> Result<Vec<[f64; 3]>, Failure> {
         let rays = (0..surface.rays()).map(|number| {
             let [origin, direction] = surface.ray(number);
-            Some(Ray { origin, direction })
+            Ray { origin, direction }
         });
-        let rays: Vec<Option<Ray>> = rays.collect();
+        let rays: Vec<Ray> = rays.collect();
         if self.parameters.becomes == Becomes::Light && self.light_finder.is_none() {
             let options = self.options;
             let unseen = RenderOptions { lights: Lights::Invisible, ..options.render.clone() };
             let Planned { plan, .. } = plan(&options.scenes, None, &options.reading, unseen)?;
             self.light_finder = Some((LightFinder::new(options)?, Renderer::new(plan)));
         }
-        let renderer = match (&mut self.light_finder, self.parameters.becomes) {
+        let renderer = match (&self.light_finder, self.parameters.becomes) {
             (Some((_, unseen)), Becomes::Light) => unseen,
-            _ => &mut self.renderer,
+            _ => &self.renderer,
         };
-        renderer.gather_irradiance(&rays, Spread::UNKNOWN);
-        let traced = renderer.trace_all(self.next_ray, &rays);
+        let (effort, first) = (self.options.effort(), self.next_ray);
+        let trace = |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| {
+            average(worker, first + place as u64, ray, effort).value
+        };
+        let values: Vec<[f64; 3]> = rays.par_iter().enumerate().map_init(|| renderer.worker(), trace).collect();
         self.next_ray += rays.len() as u64;
-        let means = traced.chunks(surface.samples()).map(|direction| {
-            let sum = |band: usize| direction.iter().flatten().map(|traced| traced.value[band]).sum::<f64>();
+        let means = values.chunks(surface.samples()).map(|direction| {
+            let sum = |band: usize| direction.iter().map(|value| value[band]).sum::<f64>();
             std::array::from_fn(|band| sum(band) / surface.samples() as f64)
         });
         Ok(means.collect())

@@ -2,15 +2,18 @@
 
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::args::Reading;
+use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::render_args::{self, number, take_definition, take_irradiance, take_one, take_own};
+use radsight_frame::Effort;
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
 /// What is asked.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
+    effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) scenes: Vec<String>,
@@ -22,12 +25,17 @@ pub(super) struct Options {
     pub(super) print_defaults: bool,
 }
 
+/// Paths of each ray, unless another number is asked for: rays that look around bring each direction of a window about as much noise.
+const USUAL_PATHS: u32 = 8;
+
+/// Paths that no ray exceeds for an asked error.
+const MOST_PATHS: u32 = 4096;
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        // Radiance's defaults.
-        let gathering =
-            Gathering { accuracy: 0.1, resolution: 256, divisions: 1024, super_samples: 512, ..Gathering::default() };
+        // Radiance's defaults; but thousands of rays of a window are averaged, and share nothing.
+        let gathering = Gathering { accuracy: 0.0, divisions: 1024, super_samples: 512, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 2,
@@ -39,6 +47,7 @@ impl Options {
         };
         let mut options = Options {
             render,
+            effort: None,
             threads: None,
             reading: Reading::default(),
             scenes: Vec::new(),
@@ -63,6 +72,7 @@ impl Options {
             return Err(Failure::usage("mkillum: no scene is named, expected an octree or scene files"));
         }
         options.command.extend(options.scenes.iter().cloned());
+        options.render.gathering.accuracy = 0.0;
         Ok(options)
     }
 
@@ -79,6 +89,9 @@ impl Options {
             // Irradiance of surfaces is no radiance of windows: as in Radiance it does not count.
             used = take_irradiance(words, &mut RenderOptions::default());
         }
+        if used == 0 {
+            used = effort_args::take_one(words, MOST_PATHS, &mut self.effort)?;
+        }
         if used > 0 {
             return Ok(used);
         }
@@ -93,6 +106,11 @@ impl Options {
             _ => return Err(Failure::usage(format!("mkillum: option \"{word}\" is not supported"))),
         }
         Ok(1)
+    }
+
+    /// How many paths each ray stands for.
+    pub(super) fn effort(&self) -> Effort {
+        self.effort.unwrap_or(Effort::Samples(USUAL_PATHS))
     }
 
     /// The options as they stand, for `-defaults`.

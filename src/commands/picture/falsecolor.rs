@@ -2,12 +2,16 @@
 //!
 //! `-i picture` (else standard input), `-p picture` background of contours, `-ip picture` both; `-cl` lines, `-cb` bands, `-cp` steps, `-c0` no colours;
 //! `-s TOP` (or `auto`), `-log DECADES`, `-n DIVISIONS`, `-m MULTIPLIER`, `-l LABEL`, `-d DIGITS`, `-lw W -lh H` size of the legend, `-pal
-//! def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` own functions of `v`; `-e` marks the darkest and the brightest pixel.
+//! def|spec|pm3d|hot|eco|tbo`, `-palettes` shows them, `-r -g -b` own functions of `v`; `-e` marks the darkest and the brightest pixel; `-odim COLUMNS ROWS`
+//! writes values over the picture, or over its part `-orct LEFT LOWER RIGHT UPPER`.
+
+mod overlay;
 
 use super::files::{Source, failed, open, open_twice, output};
 use super::psign::picture_of;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
+use overlay::Overlay;
 use radsight_picture::{Header, Picture, PictureReader, WHITE_EFFICACY, encode_rgbe, general, scientific};
 use radsight_picture_tools::ToolError;
 use radsight_picture_tools::brightness::of_rgb;
@@ -26,7 +30,8 @@ const MARK_HEIGHT: usize = 32;
 /// Height over width of a letter, and letters across the legend.
 const LETTER: f64 = 8.0 / 1.67;
 
-const EXPECTED: &str = "-i -p -ip -cl -cb -cp -c0 -s -log -n -m -l -d -lw -lh -pal -palettes -r -g -b or -e";
+const EXPECTED: &str =
+    "-i -p -ip -cl -cb -cp -c0 -s -log -n -m -l -d -lw -lh -pal -palettes -r -g -b -e -odim or -orct";
 
 struct Options {
     scale: Scale,
@@ -37,6 +42,7 @@ struct Options {
     picture: String,
     background: Option<String>,
     marks_extrema: bool,
+    overlay: Overlay,
     shows_palettes: bool,
 }
 
@@ -46,11 +52,11 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     if options.shows_palettes {
         return palettes(&words);
     }
-    if options.automatic || options.marks_extrema {
+    if options.automatic || options.marks_extrema || options.has_overlay() {
         return with_file(&words, &mut options);
     }
     let reader = reader_of(open(&options.picture)?, &options.picture)?;
-    finish(&words, &options, reader, Vec::new())
+    finish(&words, &options, reader, Annotations::default())
 }
 
 /// All palettes, each with its name.
@@ -97,7 +103,12 @@ fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
         let top = automatic_top(again(&mut file)?, &options.picture)?;
         options.scale.top = options.scale.multiplier / WHITE_EFFICACY * top;
     }
-    let mut marks = Vec::new();
+    let mut annotations = Annotations { letter: MARK_HEIGHT, ..Annotations::default() };
+    if options.has_overlay() {
+        let (layers, letter) = options.overlay.layers(options, again(&mut file)?, options.legend[0])?;
+        annotations.overlay.extend(layers);
+        annotations.letter = letter;
+    }
     if options.marks_extrema {
         let reader = again(&mut file)?;
         let scale = reader.header().radiance_scale().map_err(|error| failed(&options.picture, error.into()))?;
@@ -105,11 +116,11 @@ fn with_file(words: &Words<'_>, options: &mut Options) -> Outcome {
             // With the digits that pextrem prints.
             let printed = |i: usize| scientific(f64::from(found.color[i] * scale[i]), 2).parse().unwrap_or(0.0);
             let value = (printed(0) * 0.27 + printed(1) * 0.67 + printed(2) * 0.06) * options.scale.multiplier;
-            marks.push(([found.position as i64, found.scanline as i64], options.shown(value)));
+            annotations.marks.push(([found.position as i64, found.scanline as i64], options.shown(value)));
         }
     }
     let reader = again(&mut file)?;
-    finish(words, options, reader, marks)
+    finish(words, options, reader, annotations)
 }
 
 /// A luminance near the largest, in cd/m², as `phisto` finds it: of the picture at 128 pixels, the last bin but one of 777.
@@ -137,10 +148,18 @@ fn automatic_top(reader: PictureReader<Source>, path: &str) -> Result<f64, Failu
     Ok(10f64.powf(exponent))
 }
 
-type Mark = ([i64; 2], String);
+/// What is written over the colours.
+#[derive(Default)]
+struct Annotations {
+    overlay: Vec<Layer<Source>>,
+    /// Places and the values there.
+    marks: Vec<([i64; 2], String)>,
+    /// Height of the letters of marks, in pixels.
+    letter: usize,
+}
 
 /// Colours the picture and puts the legend beside it.
-fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, marks: Vec<Mark>) -> Outcome {
+fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, annotations: Annotations) -> Outcome {
     let path = &options.picture;
     let mut format = Header::new("RADIANCE");
     format.push_variable("FORMAT", reader.encoding().name());
@@ -154,8 +173,10 @@ fn finish(words: &Words<'_>, options: &Options, reader: PictureReader<Source>, m
     falsecolor(reader, background, &options.scale, &format, &mut colored).map_err(|error| failed(path, error))?;
     let mut layers = options.legend_layers()?;
     layers.push(layer(colored, [options.legend[0], 0])?);
-    for ([x, y], value) in marks {
-        let sign = SignOptions { spacing: -0.15, aspect: 2.0, height: MARK_HEIGHT, ..SignOptions::default() };
+    layers.extend(annotations.overlay);
+    for ([x, y], value) in annotations.marks {
+        let height = annotations.letter;
+        let sign = SignOptions { spacing: -0.15, aspect: 2.0, height, ..SignOptions::default() };
         let mut mark = layer(picture_of(&value, &sign)?, [0, 0])?;
         let size = mark.size();
         mark.corner = [x + options.legend[0] - size[0] / 2, y - size[1] / 2];
@@ -234,13 +255,7 @@ impl Options {
     fn legend_text(&self, step: i64) -> Result<(Vec<u8>, Vec<u8>), Failure> {
         let lines = self.scale.divisions as i64 + i64::from(self.shows_zero());
         let letter = step.min((self.legend[0] as f64 / LETTER) as i64).max(1) as usize;
-        let sign = SignOptions {
-            spacing: -0.15,
-            foreground: [1.0; 3],
-            background: [0.0; 3],
-            height: letter,
-            ..SignOptions::default()
-        };
+        let sign = legend_sign(letter);
         let place = |line: i64| (step as f64 * line as f64 + step as f64 * 0.5) as i64;
         let mut texts = vec![(self.label.clone(), place(lines))];
         for line in 0..lines {
@@ -264,12 +279,26 @@ impl Options {
         let mut text = Vec::new();
         let composed = compose(&mut layers, far.map(|pixels| pixels as usize), [0; 4], &header, &mut text);
         composed.map_err(|error| failed("legend", error))?;
-        let read = Picture::read(&text).map_err(|error| failed("legend", error.into()))?;
-        let values = read.values();
-        let inverted = values.data().as_chunks::<3>().0.iter().flat_map(|pixel| encode_rgbe([1.0 - pixel[1]; 3]));
-        let inverted: Vec<u8> = inverted.collect();
-        Ok((picture_bytes(read.width(), read.height(), &inverted)?, text))
+        Ok((inverted(&text)?, text))
     }
+
+    fn has_overlay(&self) -> bool {
+        self.overlay.counts.iter().all(|count| *count > 0)
+    }
+}
+
+/// White letters on black.
+fn legend_sign(height: usize) -> SignOptions {
+    SignOptions { spacing: -0.15, foreground: [1.0; 3], background: [0.0; 3], height, ..SignOptions::default() }
+}
+
+/// A text's shadow.
+fn inverted(text: &[u8]) -> Result<Vec<u8>, Failure> {
+    let read = Picture::read(text).map_err(|error| failed("legend", error.into()))?;
+    let values = read.values();
+    let inverted = values.data().as_chunks::<3>().0.iter().flat_map(|pixel| encode_rgbe([1.0 - pixel[1]; 3]));
+    let inverted: Vec<u8> = inverted.collect();
+    picture_bytes(read.width(), read.height(), &inverted)
 }
 
 fn picture_bytes(columns: usize, rows: usize, stored: &[u8]) -> Result<Vec<u8>, Failure> {
@@ -304,6 +333,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         picture: "-".to_owned(),
         background: None,
         marks_extrema: false,
+        overlay: Overlay { counts: [0, 0], part: None },
         shows_palettes: false,
     };
     while let Some(option) = words.option() {
@@ -362,10 +392,18 @@ impl Options {
                 self.scale.own["-r-g-b".find(option).unwrap_or(0) / 2] = Some(component);
             }
             "-palettes" => self.shows_palettes = true,
-            "-odim" | "-orct" => {
-                return Err(Failure::usage(format!(
-                    "falsecolor: option \"{option}\" is not supported, expected {EXPECTED}"
-                )));
+            "-odim" => {
+                const MOST_VALUES: i64 = 1000;
+                for count in &mut self.overlay.counts {
+                    *count = words.integer(option)?.clamp(0, MOST_VALUES) as usize;
+                }
+            }
+            "-orct" => {
+                let mut part = [0; 4];
+                for border in &mut part {
+                    *border = words.integer(option)?;
+                }
+                self.overlay.part = Some(part);
             }
             _ => return Err(words.unknown(option, EXPECTED)),
         }

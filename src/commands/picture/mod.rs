@@ -12,6 +12,7 @@ mod pinterp;
 mod psign;
 mod pturn;
 mod pvalue;
+mod ra_rgbe;
 mod ra_xyze;
 mod raster;
 
@@ -38,7 +39,7 @@ const PROGRAMS: [(&str, Program); 18] = [
     ("ra_bmp", raster::ra_bmp),
     ("ra_png", raster::ra_png),
     ("ra_ppm", raster::ra_ppm),
-    ("ra_rgbe", ra_xyze::ra_rgbe),
+    ("ra_rgbe", ra_rgbe::run),
     ("ra_tiff", raster::ra_tiff),
     ("ra_xyze", ra_xyze::run),
 ];

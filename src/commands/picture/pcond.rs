@@ -3,7 +3,7 @@
 //! `-h` all limits of the eye, or `-a` acuity, `-v` veiling glare, `-s` contrast sensitivity, `-c` colour sensitivity, each turned over, or on (`+`)
 //! or off (`-`); `-w` weights the middle, `-i F` gives fixations from standard input a share F, `-I` takes a histogram from standard
 //! input; `-l` linear, `-e E` linear with this factor (with a sign a number of stops); `-u L` largest luminance of the display in
-//! cd/m², `-d R` its range; `-p …` its primaries, `-f FILE` its calibration by macbethcal; `-x FILE` writes the map that was used.
+//! cd/m², `-d R` its range; `-p …` its primaries, `-f FILE` its calibration by macbethcal, `-m FILE` a map of its colours; `-x FILE` writes the map that was used.
 
 use super::files::{failed, open_twice, put_file};
 use crate::commands::words::Words;
@@ -13,11 +13,12 @@ use crate::output::{check_writable, write_file};
 use crate::switch::switched;
 use radsight_picture::{RgbPrimaries, leading_number, scientific};
 use radsight_picture_tools::condition::{
-    Adaptation, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram, condition,
+    Adaptation, ColorWarp, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram,
+    condition,
 };
 use std::mem::discriminant;
 
-const EXPECTED: &str = "-h -a -v -s -c -w -l -I -i -e -p -f -u -d or -x";
+const EXPECTED: &str = "-h -a -v -s -c -w -l -I -i -e -p -f -m -u -d or -x";
 
 /// Where what the eye adapts to comes from.
 #[derive(Clone, Copy, PartialEq)]
@@ -139,9 +140,11 @@ impl Typed {
                 self.show_with(Device::Macbeth(calibration))?;
             }
             "-m" => {
-                return Err(Failure::usage(
-                    "pcond: option \"-m\" (a warp of colours, for pcwarp) is not supported, expected -p or -f",
-                ));
+                let path = words.value(option, "a file of colours and what each becomes")?;
+                let bytes = read_file(path, "map of colours")?;
+                let missing = |what| Failure::input(format!("{path}: expected {what}"));
+                let warp = ColorWarp::read(&String::from_utf8_lossy(&bytes)).map_err(missing)?;
+                self.show_with(Device::Warp(warp))?;
             }
             "-u" => self.options.display_top = above(words.number(option)?, LEAST, "-u")?,
             "-d" => self.options.display_range = above(words.number(option)?, 1.0, "-d")?,
@@ -163,7 +166,7 @@ impl Typed {
     fn show_with(&mut self, device: Device) -> Outcome {
         let is_other = discriminant(&device) != discriminant(&self.options.device);
         if is_other && self.options.device != Device::Standard {
-            return Err(Failure::usage("pcond: options \"-p\" and \"-f\" exclude each other"));
+            return Err(Failure::usage("pcond: options \"-p\", \"-f\" and \"-m\" exclude each other"));
         }
         self.options.device = device;
         Ok(())

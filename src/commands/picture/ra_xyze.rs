@@ -1,12 +1,11 @@
 //! `ra_xyze [-r] [-o] [-e E] [-c|-u] [-p rx ry gx gy bx by wx wy] [input [output]]`: between RGBE, spectra and XYZE (`-r` to RGBE); `-o` undoes exposures, `-c` and
-//! `-u` ask for run-lengths or none. `ra_rgbe [-r] [-e ±STOPS] [input [output]]`: without run-lengths, or with them (`-r`).
+//! `-u` ask for run-lengths or none.
 
 use super::files::{failed, open_picture, put_file};
-use super::raster::{rows_of, stops};
+use super::raster::rows_of;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
-use radsight_picture_tools::gamma::shifted;
 use radsight_spectrum::xyz_of_whole_bands;
 
 /// How scanlines are written.
@@ -158,51 +157,4 @@ fn header(options: &Options, words: &Words<'_>, input: &Header, recorded: f64) -
         header.push_variable("FORMAT", Encoding::Xyze.name());
     }
     header
-}
-
-/// Runs `ra_rgbe`.
-pub(super) fn ra_rgbe(mut words: Words<'_>) -> Outcome {
-    let (mut packing, mut exposure) = (Packing::Flat, 0);
-    while let Some(option) = words.option() {
-        match option {
-            "-r" => packing = Packing::RunLengths,
-            "-e" => exposure = stops(&mut words, option)?,
-            "-f" => {}
-            _ => return Err(words.unknown(option, "-r -e or -f")),
-        }
-    }
-    let (path, target) = words.input_and_output()?;
-    let mut reader = open_picture(path)?;
-    let mut header = Header::new("RADIANCE");
-    for line in reader.header().history().lines().filter(|line| !line.starts_with(b"#?")) {
-        header.push_line(&String::from_utf8_lossy(line));
-    }
-    let mut command = words.program().to_owned();
-    if exposure != 0 {
-        command.push_str(&format!(" -e {exposure:+}"));
-    }
-    if packing == Packing::RunLengths {
-        command.push_str(" -r");
-    }
-    header.push_line(&command);
-    if exposure != 0 {
-        header.push_exposure(2f64.powi(exposure));
-    }
-    let encoding = if reader.encoding() == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };
-    header.push_variable("FORMAT", encoding.name());
-    let resolution = reader.resolution();
-    let wrong = |error: radsight_picture::PictureError| failed(path, error.into());
-    put_file(target, |out| {
-        let mut writer = PictureWriter::new(out, &header, 3, resolution).map_err(wrong)?;
-        let mut pixels = vec![[0; 4]; resolution.scanline_length()];
-        for _ in 0..resolution.scanlines() {
-            reader.read_pixels(&mut pixels).map_err(wrong)?;
-            pixels.iter_mut().for_each(|pixel| *pixel = shifted(*pixel, exposure));
-            match packing {
-                Packing::Flat => writer.write_flat(pixels.as_flattened()).map_err(wrong)?,
-                Packing::RunLengths => writer.write_stored(pixels.as_flattened()).map_err(wrong)?,
-            }
-        }
-        writer.finish().map_err(wrong)
-    })
 }

@@ -9,7 +9,9 @@ use super::files::{failed, open_picture, put_file};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use glam::DMat3;
-use radsight_picture::{Encoding, Header, PictureReader, PictureWriter, Resolution, RgbPrimaries, encode_rgbe};
+use radsight_picture::{
+    Encoding, Header, PictureError, PictureReader, PictureWriter, Resolution, RgbPrimaries, encode_rgbe,
+};
 use radsight_picture_tools::gamma::shifted;
 use std::io::{Read, Write};
 
@@ -64,6 +66,22 @@ impl<R: Read> Pixels<R> {
         };
         let row = vec![[0; 4]; reader.resolution().scanline_length()];
         Pixels { reader, transform, stops, row }
+    }
+
+    /// Pixels for a display with these primaries, by its white.
+    fn for_display(mut self, primaries: &RgbPrimaries) -> Result<Pixels<R>, PictureError> {
+        let matrix = match (self.reader.encoding(), self.reader.header().primaries()?) {
+            (Encoding::Xyze, _) => primaries.xyz_to_rgb(),
+            (_, own) => own.unwrap_or(RgbPrimaries::STANDARD).rgb_to_rgb(primaries),
+        };
+        let impossible = PictureError::HeaderValue {
+            line: 0,
+            name: "PRIMARIES",
+            value: primaries.to_header_value(),
+            expected: "three colours that are not on a line, and a white between them",
+        };
+        self.transform = Some(rows_of(matrix.ok_or(impossible)?));
+        Ok(self)
     }
 
     fn size(&self) -> (usize, usize) {

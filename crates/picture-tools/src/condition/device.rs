@@ -1,6 +1,7 @@
-//! The display's colours: its primaries, or a calibration of its response by `macbethcal`.
+//! The display's colours: its primaries, a calibration of its response by `macbethcal`, or a map of colours.
 
 use super::luminance::Luminance;
+use super::warp::{ColorWarp, WarpGrid};
 use crate::ToolError;
 use crate::brightness::of_rgb;
 use radsight_picture::{Header, RgbPrimaries, leading_number};
@@ -15,6 +16,8 @@ pub enum Device {
     Primaries(RgbPrimaries),
     /// What a calibration by `macbethcal` describes.
     Macbeth(Macbeth),
+    /// What a map of colours says, by which the picture's own are moved.
+    Warp(ColorWarp),
 }
 
 /// The map that `macbethcal` writes as a `.cal` file: a matrix, then a curve of each component through six points.
@@ -97,22 +100,24 @@ fn numbers(text: &str, separators: &[&str], count: usize) -> Option<Vec<f32>> {
 
 /// What is done to each pixel for the display.
 #[derive(Clone, Debug)]
-pub(super) struct Correction {
-    matrix: [[f32; 3]; 3],
-    limits: [[f32; 3]; 2],
-    curves: Option<Macbeth>,
+pub(super) enum Correction {
+    Matrix { matrix: [[f32; 3]; 3], limits: [[f32; 3]; 2], curves: Option<Box<Macbeth>> },
+    Warp(Box<WarpGrid>),
 }
+
+/// What a display shows at least and at most.
+const UNIT: [[f32; 3]; 2] = [[0.0; 3], [1.0; 3]];
 
 impl Device {
     /// `None` where the input has the display's colours already.
     pub(super) fn correction(&self, header: &Header, luminance: &Luminance) -> Result<Option<Correction>, ToolError> {
-        const UNIT: [[f32; 3]; 2] = [[0.0; 3], [1.0; 3]];
         let output = match self {
             Device::Macbeth(_) if luminance.is_xyz() => return Err(ToolError::CalibratedXyz),
             Device::Macbeth(curves) => {
                 let (matrix, limits) = (curves.matrix, curves.limits());
-                return Ok(Some(Correction { matrix, limits, curves: Some(curves.clone()) }));
+                return Ok(Some(Correction::Matrix { matrix, limits, curves: Some(Box::new(curves.clone())) }));
             }
+            Device::Warp(warp) => return Ok(Some(Correction::Warp(Box::new(WarpGrid::new(warp))))),
             Device::Standard => RgbPrimaries::STANDARD,
             Device::Primaries(primaries) => *primaries,
         };
@@ -125,15 +130,19 @@ impl Device {
         };
         let matrix = matrix.ok_or(ToolError::Primaries)?;
         let rows = std::array::from_fn(|i| matrix.row(i).to_array().map(|value| value as f32));
-        Ok(Some(Correction { matrix: rows, limits: UNIT, curves: None }))
+        Ok(Some(Correction::Matrix { matrix: rows, limits: UNIT, curves: None }))
     }
 }
 
 impl Correction {
     pub(super) fn apply(&self, pixel: [f32; 3]) -> [f32; 3] {
-        let color = self.matrix.map(|row| row[0] * pixel[0] + row[1] * pixel[1] + row[2] * pixel[2]);
-        let color = clipped(color, self.limits);
-        match &self.curves {
+        let (matrix, limits, curves) = match self {
+            Correction::Matrix { matrix, limits, curves } => (matrix, limits, curves),
+            Correction::Warp(grid) => return clipped(grid.apply(pixel), UNIT),
+        };
+        let color = matrix.map(|row| row[0] * pixel[0] + row[1] * pixel[1] + row[2] * pixel[2]);
+        let color = clipped(color, *limits);
+        match curves {
             Some(curves) => std::array::from_fn(|i| curves.curve(i, color[i])),
             None => color,
         }

@@ -1,10 +1,11 @@
-//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`); `-r` the other way (8, 24 and 32 bits,
-//! not packed).
+//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a display with
+//! these primaries (`-p`); `-r` the other way (8, 24 and 32 bits, not packed).
 
 use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
+use radsight_picture::RgbPrimaries;
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
 
@@ -18,25 +19,42 @@ const DOTS_PER_METRE: u32 = 2835;
 /// Runs the program.
 pub(crate) fn run(mut words: Words<'_>) -> Outcome {
     let (mut direction, mut colors, mut gamma, mut exposure) = (Direction::FromRadiance, Colors::Color, GAMMA, 0);
+    let mut primaries = None;
     while let Some(option) = words.option() {
         match option {
             "-b" => colors = Colors::Grey,
             "-g" => gamma = words.number(option)?,
             "-e" => exposure = stops(&mut words, option)?,
             "-r" => direction = Direction::ToRadiance,
-            _ => return Err(words.unknown(option, "-r -b -g or -e")),
+            "-p" => {
+                let mut numbers = [0.0; 8];
+                for number in &mut numbers {
+                    *number = words.number(option)?;
+                }
+                primaries = Some(RgbPrimaries::from_array(numbers));
+            }
+            _ => return Err(words.unknown(option, "-r -b -g -e or -p")),
         }
     }
     let table = GammaTable::new(gamma);
     match direction {
-        Direction::FromRadiance => from_radiance(&words, colors, exposure, &table),
+        Direction::FromRadiance => from_radiance(&words, colors, (exposure, primaries), &table),
         Direction::ToRadiance => to_radiance(&words, exposure, &table),
     }
 }
 
-fn from_radiance(words: &Words<'_>, colors: Colors, exposure: i32, table: &GammaTable) -> Outcome {
+fn from_radiance(
+    words: &Words<'_>,
+    colors: Colors,
+    (exposure, primaries): (i32, Option<RgbPrimaries>),
+    table: &GammaTable,
+) -> Outcome {
     let (path, target) = words.input_and_output()?;
     let mut pixels = Pixels::new(open_picture(path)?, exposure);
+    // Greys are those of the usual primaries.
+    if let Some(primaries) = primaries.filter(|_| colors == Colors::Color) {
+        pixels = pixels.for_display(&primaries).map_err(|error| failed(path, error.into()))?;
+    }
     let (columns, rows) = pixels.size();
     let components = if colors == Colors::Grey { 1 } else { 3 };
     let stride = (columns * components).next_multiple_of(4);

@@ -1,0 +1,120 @@
+//! `ra_rgbe [-r] [-e ±STOPS] [-n FRAME] [input [output]]`: pictures without run-lengths, or with them (`-r`). Of an animation, whose frames follow each other
+//! in one file, all are written, each to a file of its own where `%d` in the output stands for its number, or `-n` alone.
+
+use super::files::{Source, failed, open_picture, put_file};
+use super::raster::stops;
+use crate::commands::words::Words;
+use crate::failure::{Failure, Outcome};
+use crate::file_pattern;
+use radsight_picture::{Encoding, Header, PictureError, PictureReader, PictureWriter};
+use radsight_picture_tools::gamma::shifted;
+
+/// How scanlines are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Packing {
+    Flat,
+    RunLengths,
+}
+
+/// Runs the program.
+pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    let mut options = Options { packing: Packing::Flat, exposure: 0, frame: 0 };
+    while let Some(option) = words.option() {
+        match option {
+            "-r" => options.packing = Packing::RunLengths,
+            "-e" => options.exposure = stops(&mut words, option)?,
+            "-n" => options.frame = words.integer(option)?,
+            "-f" => {}
+            _ => return Err(words.unknown(option, "-r -e -n or -f")),
+        }
+    }
+    let (path, target) = words.input_and_output()?;
+    let wrong = |error: PictureError| failed(path, error.into());
+    let mut next = Some(open_picture(path)?);
+    let mut first: Option<Header> = None;
+    while let Some(mut reader) = next {
+        let header = options.header(&words, [first.as_ref(), Some(reader.header())], reader.encoding());
+        first.get_or_insert_with(|| reader.header().clone());
+        let frame = frame_of(reader.header());
+        if options.frame == 0 || options.frame == frame {
+            let target = match target.contains('%') {
+                true => file_pattern::named("ra_rgbe", target, "", usize::try_from(frame).unwrap_or(0))?.0,
+                false => target.to_owned(),
+            };
+            options.transfer(&mut reader, &header, path, &target)?;
+        } else if options.frame < frame {
+            return Ok(());
+        } else {
+            for _ in 0..reader.resolution().scanlines() {
+                reader.read_stored().map_err(wrong)?;
+            }
+        }
+        next = reader.next_picture().map_err(wrong)?;
+    }
+    Ok(())
+}
+
+struct Options {
+    packing: Packing,
+    exposure: i32,
+    /// The only frame that is wanted; 0 for all.
+    frame: i64,
+}
+
+impl Options {
+    /// `inputs` are the headers of the first frame and of this one: as in Radiance what the first one says holds for all.
+    fn header(&self, words: &Words<'_>, inputs: [Option<&Header>; 2], encoding: Encoding) -> Header {
+        let mut header = Header::new("RADIANCE");
+        for input in inputs.into_iter().flatten() {
+            let mut history = input.history();
+            history.remove(FRAME);
+            for line in history.lines().filter(|line| !line.starts_with(b"#?")) {
+                header.push_line(&String::from_utf8_lossy(line));
+            }
+        }
+        let mut command = words.program().to_owned();
+        if self.exposure != 0 {
+            command.push_str(&format!(" -e {:+}", self.exposure));
+        }
+        if self.packing == Packing::RunLengths {
+            command.push_str(" -r");
+        }
+        header.push_line(&command);
+        if self.exposure != 0 {
+            header.push_exposure(2f64.powi(self.exposure));
+        }
+        let frame = inputs[1].map_or(0, frame_of);
+        if frame != 0 {
+            header.push_variable(FRAME, &frame.to_string());
+        }
+        let encoding = if encoding == Encoding::Xyze { Encoding::Xyze } else { Encoding::Rgbe };
+        header.push_variable("FORMAT", encoding.name());
+        header
+    }
+
+    fn transfer(&self, reader: &mut PictureReader<Source>, header: &Header, path: &str, target: &str) -> Outcome {
+        let resolution = reader.resolution();
+        let wrong = |error: PictureError| -> Failure { failed(path, error.into()) };
+        put_file(target, |out| {
+            let mut writer = PictureWriter::new(out, header, 3, resolution).map_err(wrong)?;
+            let mut pixels = vec![[0; 4]; resolution.scanline_length()];
+            for _ in 0..resolution.scanlines() {
+                reader.read_pixels(&mut pixels).map_err(wrong)?;
+                pixels.iter_mut().for_each(|pixel| *pixel = shifted(*pixel, self.exposure));
+                match self.packing {
+                    Packing::Flat => writer.write_flat(pixels.as_flattened()).map_err(wrong)?,
+                    Packing::RunLengths => writer.write_stored(pixels.as_flattened()).map_err(wrong)?,
+                }
+            }
+            writer.finish().map_err(wrong)
+        })
+    }
+}
+
+/// The line of a header with the number of a frame.
+const FRAME: &str = "FRAME";
+
+/// The number of a frame; 0 where none is told.
+fn frame_of(header: &Header) -> i64 {
+    header.assignments(FRAME).last().and_then(|found| found.value.trim().parse().ok()).unwrap_or(0)
+}
