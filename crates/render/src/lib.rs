@@ -9,6 +9,7 @@
 
 mod antimatter;
 mod bands;
+mod beam;
 mod beyond;
 mod bodies;
 mod cast;

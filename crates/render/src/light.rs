@@ -1,5 +1,6 @@
 //! Light sources with their true extent: places on them, drawn by area or by solid angle.
 
+use crate::beam::Beam;
 use crate::geometry;
 use crate::lens::Overlap;
 use crate::ray::{MemberId, PrimitiveId, Ray};
@@ -10,6 +11,7 @@ use glam::DVec3;
 use radsight_ir::{Facing, Scene, Shape, SurfaceHandle};
 use radsight_sampling::unit_disk;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 /// Index of a light in the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +28,8 @@ pub(crate) struct Light {
     pub(crate) radius: f64,
     /// A cone outside of which it is dark.
     pub(crate) cone: Option<LightCone>,
+    /// Where it shines brightest, if that is narrow; images have none.
+    pub(crate) beam: Option<Arc<Beam>>,
     /// Farther points get nothing from it (a glow's radius).
     pub(crate) max_distance: f64,
     /// F of a spotlight: the brightness is scaled by (r/(r+F))².
@@ -505,6 +509,9 @@ impl Light {
     /// A place of the light that is lit towards `receiver`, from a point of the unit square, where the highlight is bright.
     #[inline]
     pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &Peak) -> Option<LightSample> {
+        if let Some((beam, chance)) = self.beam_near(receiver) {
+            return self.sample_beam(beam, chance, receiver, [u, v], peak);
+        }
         let gradient = self.gradient(receiver, peak);
         let Some((center, normal, radius)) = self.clipped_disk() else {
             return self.form.sample(receiver, [u, v], gradient);
@@ -524,6 +531,10 @@ impl Light {
     /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
     pub(crate) fn density(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &Peak) -> f64 {
         let gradient = self.gradient(receiver, peak);
+        if let Some((beam, chance)) = self.beam_near(receiver) {
+            let by_area = self.form.density(receiver, direction, distance, cosine, gradient);
+            return chance * beam.density(-direction) + (1.0 - chance) * by_area;
+        }
         if let Some((center, normal, radius)) = self.clipped_disk()
             && let (Overlap::Part(lens), away) = self.lit_part(center, normal, radius, receiver)
         {
@@ -534,6 +545,37 @@ impl Light {
             return distance * distance * by_area / cosine;
         }
         self.form.density(receiver, direction, distance, cosine, gradient)
+    }
+
+    /// Its beam, and how often a place is drawn by that for a receiver.
+    #[inline]
+    fn beam_near(&self, receiver: DVec3) -> Option<(&Beam, f64)> {
+        let beam = self.beam.as_deref()?;
+        let chance = Beam::chance(receiver.distance(self.center), self.radius);
+        (chance > 0.0).then_some((beam, chance))
+    }
+
+    /// A place where the beam comes towards the receiver, or one anywhere.
+    fn sample_beam(
+        &self,
+        beam: &Beam,
+        chance: f64,
+        receiver: DVec3,
+        [u, v]: [f64; 2],
+        peak: &Peak,
+    ) -> Option<LightSample> {
+        let gradient = self.gradient(receiver, peak);
+        let sample = if u < chance {
+            let direction = -beam.draw([u / chance, v])?;
+            let (normal, _) = self.form.plane()?;
+            let (distance, cosine) = self.form.met(receiver, direction)?;
+            let density = self.form.density(receiver, direction, distance, cosine, gradient);
+            LightSample { direction, distance, density, normal }
+        } else {
+            self.form.sample(receiver, [(u - chance) / (1.0 - chance), v], gradient)?
+        };
+        let density = chance * beam.density(-sample.direction) + (1.0 - chance) * sample.density;
+        Some(LightSample { density, ..sample })
     }
 
     /// The factor of a spotlight's radiance at a distance.

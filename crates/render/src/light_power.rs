@@ -1,5 +1,6 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
+use crate::beam::Beam;
 use crate::light::{Light, LightForm};
 use crate::plan::RenderPlan;
 use crate::ray::Ray;
@@ -10,9 +11,13 @@ use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
 
 /// Directions in which the pattern of a light is looked at.
 const LOOKS: u32 = 16;
+
+/// Of no more lights beams are looked for: it takes milliseconds each, and large lights are few.
+const MOST_BEAMS: usize = 16;
 
 impl RenderPlan {
     /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
@@ -50,6 +55,27 @@ impl RenderPlan {
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }
 
+    /// Finds the beams of lights whose pattern makes them narrow.
+    pub(crate) fn find_beams(&mut self) {
+        let beams: Vec<(usize, Beam)> = self
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(_, light)| light.relays.is_empty() && light.cone.is_none())
+            .filter(|(_, light)| !self.shader(light.surface).steps.is_empty())
+            .take(MOST_BEAMS)
+            .filter_map(|(index, light)| Some((index, self.beam(light)?)))
+            .collect();
+        for (index, beam) in beams {
+            self.lights[index].beam = Some(Arc::new(beam));
+        }
+    }
+
+    fn beam(&self, light: &Light) -> Option<Beam> {
+        let shader = self.shader(light.surface);
+        Beam::new(&light.form, |out| self.strongest_emission(shader, &self.seen_against(light, out)))
+    }
+
     /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.
     fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> Encounter {
         let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
@@ -65,9 +91,11 @@ impl RenderPlan {
         let (x, y) = axis.any_orthonormal_pair();
         let (sin_turn, cos_turn) = (TAU * turn).sin_cos();
         let out = (axis * cos + (x * cos_turn + y * sin_turn) * sin).normalize();
-        if light.radius.is_infinite() {
-            return Encounter::distant(out);
-        }
+        if light.radius.is_infinite() { Encounter::distant(out) } else { self.seen_against(light, out) }
+    }
+
+    /// A view of the middle of a light that is not distant, against the unit direction `out` of its rays.
+    fn seen_against(&self, light: &Light, out: DVec3) -> Encounter {
         let normal = light.form.plane().map_or(out, |(normal, _)| normal);
         let distance = self.bounding_sphere().1;
         let ray = Ray { origin: light.center + out * distance, direction: -out };

@@ -399,6 +399,7 @@ mod tests {
             center,
             radius,
             cone: None,
+            beam: None,
             max_distance: f64::INFINITY,
             focal_distance: 0.0,
             relays: Vec::new(),

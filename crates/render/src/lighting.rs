@@ -77,6 +77,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         center,
         radius,
         cone,
+        beam: None,
         max_distance,
         focal_distance,
         relays: Vec::new(),

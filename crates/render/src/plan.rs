@@ -164,6 +164,7 @@ impl RenderPlan {
             unusable_met: OnceLock::new(),
             decisions: Vec::new(),
         };
+        plan.find_beams();
         if plan.lights.len() > ALWAYS_ALL {
             plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
         }

@@ -4,7 +4,7 @@ mod build;
 
 use build::{Builder, mean};
 use glam::DVec3;
-use radsight_ir::{Cone, Facing, Rgb, Ring, Sphere};
+use radsight_ir::{Cone, Facing, Material, Rgb, Ring, Sphere};
 use radsight_render::{PathLimit, Quantity, RenderOptions, Skipping};
 use std::f64::consts::PI;
 
@@ -28,6 +28,20 @@ fn a_disk_light_gives_the_irradiance_of_its_form_factor() {
     // E = πL r²/(r² + h²) under the middle of a disk.
     let expected = PI * 7.0 * radius * radius / (radius * radius + height * height);
     assert_close(mean(&scene, irradiance(), DVec3::ZERO, DVec3::Z, 4096), expected, 1e-4);
+}
+
+#[test]
+fn a_narrow_beam_of_a_large_light_is_found_from_near() {
+    let mut scene = Builder::default();
+    // Rays that meet it within 2.56° of its normal see it shine.
+    let light = scene.patterned("if(Dz-.999,5,0)", Material::Light { radiance: Rgb::WHITE });
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0);
+    scene.polygon(light, &[corner(5.0, 5.0), corner(5.0, -5.0), corner(-5.0, -5.0), corner(-5.0, 5.0)]);
+    // E = πL sin²θ of a cone about the normal.
+    let expected = PI * 5.0 * (1.0 - 0.999f64 * 0.999);
+    for place in [DVec3::ZERO, DVec3::new(4.1, -2.3, 0.0)] {
+        assert_close(mean(&scene, irradiance(), place, DVec3::Z, 4096), expected, 0.01);
+    }
 }
 
 #[test]
