@@ -34,10 +34,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
     ("diag", &[]),
-    ("flux", &["bsdf", "sampling"]),
+    ("flux", &["bsdf", "sampling", "sky"]),
     ("formats", &["picture"]),
     ("frame", &["picture", "render", "sampling"]),
-    ("generate", &["cal", "diag", "loader"]),
+    ("generate", &["cal", "diag", "loader", "sky"]),
     ("ir", &["bsdf", "cal", "diag"]),
     ("irradiance", &[]),
     ("loader", &[]),
@@ -52,6 +52,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("rif", &["generate"]),
     ("sampling", &[]),
     ("sensor", &[]),
+    ("sky", &[]),
     ("spectrum", &[]),
 ];
 

@@ -3,6 +3,7 @@
 use crate::FluxError;
 use radsight_bsdf::AngleBasis;
 use radsight_sampling::unit_disk;
+use radsight_sky::SkyDivision;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A division of the hemisphere.
@@ -34,9 +35,6 @@ pub enum Klems {
 /// No basis is divided more finely along a side: 150 million patches.
 const FINEST: u32 = 1 << 10;
 
-/// Patches of Tregenza's rings, from the horizon up; the zenith has one.
-const TREGENZA: [u32; 7] = [30, 30, 24, 24, 18, 12, 6];
-
 impl Basis {
     /// What stands after `h=`, without its sign.
     pub(crate) fn from_word(word: &str) -> Result<Basis, FluxError> {
@@ -65,7 +63,7 @@ impl Basis {
 pub(crate) enum Directions {
     Uniform,
     ShirleyChiu(u32),
-    Reinhart(u32),
+    Reinhart(SkyDivision),
     Klems(AngleBasis),
 }
 
@@ -75,7 +73,7 @@ impl Directions {
         match basis {
             Basis::Uniform => Ok(Directions::Uniform),
             Basis::ShirleyChiu(size) => Ok(Directions::ShirleyChiu(size)),
-            Basis::Reinhart(size) => Ok(Directions::Reinhart(size)),
+            Basis::Reinhart(size) => Ok(Directions::Reinhart(SkyDivision::new(size))),
             Basis::Klems(which) => klems(which).map(Directions::Klems).ok_or(FluxError::SendingCie),
             Basis::Cie => Err(FluxError::SendingCie),
         }
@@ -86,9 +84,7 @@ impl Directions {
         match self {
             Directions::Uniform => 1,
             Directions::ShirleyChiu(size) => u64::from(size * size),
-            Directions::Reinhart(size) => {
-                u64::from(TREGENZA.iter().sum::<u32>()) * u64::from(*size) * u64::from(*size) + 1
-            }
+            Directions::Reinhart(sky) => sky.patches(),
             Directions::Klems(basis) => basis.len() as u64,
         }
     }
@@ -102,7 +98,7 @@ impl Directions {
                 let (row, column) = ((patch / u64::from(*size)) as f64, (patch % u64::from(*size)) as f64);
                 unit_disk((row + a) / f64::from(*size), (column + b) / f64::from(*size))
             }
-            Directions::Reinhart(size) => return reinhart(*size, patch, [a, b]),
+            Directions::Reinhart(sky) => return reinhart(*sky, patch, [a, b]),
             Directions::Klems(basis) => {
                 let [x, y] = basis.point(patch as usize, [a, b]);
                 (x, y)
@@ -112,24 +108,14 @@ impl Directions {
     }
 }
 
-/// Rows of equal altitude, from the horizon up, each of the seven rings in `size` of them; the first patch of a row is centred on the way down (−v).
-fn reinhart(size: u32, patch: u64, [a, b]: [f64; 2]) -> [f64; 3] {
-    let rows = TREGENZA.len() as u32 * size;
-    let row_altitude = FRAC_PI_2 / (f64::from(rows) + 0.5);
-    let (mut row, mut column) = (0, patch);
-    while row < rows && column >= patches_in(size, row) {
-        column -= patches_in(size, row);
-        row += 1;
-    }
-    let (up, patches) = if row < rows { (a, patches_in(size, row)) } else { (a * a, 1) };
-    let altitude = ((f64::from(row) + up) * row_altitude).min(FRAC_PI_2);
-    let azimuth = TAU * (column as f64 + b - 0.5) / patches as f64;
+/// The first patch of a row is centred on the way down (−v).
+fn reinhart(sky: SkyDivision, patch: u64, [a, b]: [f64; 2]) -> [f64; 3] {
+    let (row, column) = sky.row_and_column(patch);
+    let up = if row < sky.rows() { a } else { a * a };
+    let altitude = ((f64::from(row) + up) * sky.row_height()).min(FRAC_PI_2);
+    let azimuth = TAU * (column as f64 + b - 0.5) / sky.columns(row) as f64;
     let (sin, cos) = altitude.sin_cos();
     [azimuth.sin() * cos, -azimuth.cos() * cos, sin]
-}
-
-fn patches_in(size: u32, row: u32) -> u64 {
-    u64::from(TREGENZA[(row / size) as usize]) * u64::from(size)
 }
 
 #[cfg(test)]
@@ -168,11 +154,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn the_sky_has_tregenzas_patches() {
-        let count = |size| Directions::Reinhart(size).len();
-        assert_eq!([count(1), count(2), count(4)], [145, 577, 2305]);
     }
 }

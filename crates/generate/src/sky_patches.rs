@@ -1,15 +1,12 @@
 //! The sky in patches: what Perez' model gives each of them at one moment.
 //!
-//! Reinhart's patches: each of Tregenza's seven rings in so many rows, each of its patches in so many columns, and the zenith. The first patch is the
-//! ground, then come the rows from the horizon up, each from north to east.
+//! Of Reinhart's patches the first is the ground, then come the rows from the horizon up, each from north to east.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::perez::{Conditions, SOLAR_CONSTANT, air_mass, clearness, eccentricity, relative_luminance};
 use crate::weather::Quantity;
-
-/// Patches of Tregenza's rings.
-const TREGENZA: [usize; 7] = [30, 30, 24, 24, 18, 12, 6];
+use radsight_sky::SkyDivision;
 
 /// Lumens per watt by which Radiance turns luminance into radiance.
 pub(crate) const WHITE_EFFICACY: f64 = 179.0;
@@ -61,13 +58,13 @@ pub(crate) struct Sky {
 
 impl SkyPatches {
     pub(crate) fn new(subdivision: usize) -> SkyPatches {
-        let rows = TREGENZA.len() * subdivision;
-        let row_height = FRAC_PI_2 / (rows as f64 + 0.5);
+        let sky = SkyDivision::new(u32::try_from(subdivision).unwrap_or(u32::MAX));
+        let row_height = sky.row_height();
         let mut patches = vec![[-FRAC_PI_2, 0.0, TAU]];
-        for row in 0..rows {
-            let count = TREGENZA[row / subdivision] * subdivision;
-            let [low, high] = [row, row + 1].map(|row| (row_height * row as f64).sin());
-            let altitude = row_height * (row as f64 + 0.5);
+        for row in 0..sky.rows() {
+            let count = sky.columns(row);
+            let [low, high] = [row, row + 1].map(|row| (row_height * f64::from(row)).sin());
+            let altitude = row_height * (f64::from(row) + 0.5);
             let solid_angle = TAU * (high - low) / count as f64;
             patches.extend((0..count).map(|column| [altitude, TAU * column as f64 / count as f64, solid_angle]));
         }
