@@ -96,6 +96,24 @@ fn distances_and_blurred_views_are_those_of_the_real_program() {
 }
 
 #[test]
+fn rays_find_what_no_picture_shows() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = folder(&radiance);
+    let view = "-vp .8 0 0 -vd -.1 1 0 -vu 0 0 1 -vv 40 -x 120 -y 100 -pa 0";
+    for fills in ["-ff", "-f0", "-fs 4"] {
+        let rays = "-av .1 .1 .1 -ab 0 scene.oct";
+        let words: Vec<&str> =
+            view.split(' ').chain(fills.split(' ')).chain(["-q", "-fr", rays, "a.hdr", "a.zbf"]).collect();
+        let real = run_with(radiance.command("pinterp", &words).current_dir(folder.path("")), b"").done();
+        let ours: Vec<&str> = std::iter::once("pinterp").chain(words.iter().copied()).collect();
+        let ours = run_with(command(&ours).current_dir(folder.path("")), b"").done();
+        let (same, [real, ours]) = compare(&real, &ours);
+        assert!(same > 0.9, "{fills}: {same} of the pixels are the same");
+        assert!((ours / real - 1.0).abs() < 0.01, "{fills}: mean {ours}, real {real}");
+    }
+}
+
+#[test]
 fn wrong_command_lines_and_input_are_told() {
     let folder = Folder::new();
     let plain = radsight_picture::Image::filled(4, 3, 3, 0.5f32).expect("a shape");
@@ -114,7 +132,9 @@ fn wrong_command_lines_and_input_are_told() {
         ("pinterp", 2, "expected pairs of a picture and its distances"),
         ("pinterp view.hdr", 2, "expected pairs of a picture and its distances"),
         ("pinterp -q9 view.hdr 1", 2, "option \"-q9\" is unknown"),
-        ("pinterp -fr x view.hdr 1", 2, "option \"-fr\""),
+        ("pinterp -fr -q view.hdr 1", 2, "rtrace: option \"-q\" is not supported"),
+        ("pinterp -fr nowhere.oct view.hdr 1", 1, "nowhere.oct"),
+        ("pinterp -fr", 2, "option \"-fr\" ends the command line"),
         ("pinterp -vh 999 view.hdr 1", 2, "view"),
         ("pinterp -x 0 view.hdr 1", 2, "a picture of 0 by"),
         ("pinterp -x 99999999 -y 99999999 -pa 0 view.hdr 1", 2, "expected 1 to"),

@@ -51,6 +51,18 @@ impl Default for InterpolateOptions {
     }
 }
 
+/// What fills a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filling {
+    /// As in the pictures.
+    pub color: [f32; 3],
+    /// Along the ray, scene units.
+    pub depth: f64,
+}
+
+/// Finds what fills the pixel at a place.
+type Find<'a> = &'a mut dyn FnMut([f64; 2]) -> Filling;
+
 /// A view in the making. Rows are counted from the bottom.
 #[derive(Clone, Debug)]
 pub struct Interpolation {
@@ -207,16 +219,44 @@ impl Interpolation {
     /// Fills what no pixel covers, and clips what is beyond the aft plane.
     pub fn finish(&mut self) {
         if let Some(reach) = self.options.fills_holes {
-            self.fill_holes(reach);
+            self.fill_holes(reach, None);
         }
         let (color, depth) = self.options.background;
-        for ((sum, weight), found) in self.sums.iter_mut().zip(&mut self.weights).zip(&mut self.depths) {
-            if *found <= 0.0 {
-                *sum = color.map(f64::from);
-                *weight = 1.0;
-                *found = f64::from(depth);
+        for at in 0..self.depths.len() {
+            if self.depths[at] <= 0.0 {
+                self.fill(at, Filling { color, depth: f64::from(depth) });
             }
         }
+        self.clip();
+    }
+
+    /// Fills what no pixel covers and is not filled from around with what is found at a place of the view (`-fr`), and clips what is beyond the aft plane.
+    pub fn finish_with(&mut self, mut find: impl FnMut([f64; 2]) -> Filling) {
+        if let Some(reach) = self.options.fills_holes {
+            self.fill_holes(reach, Some(&mut find));
+        }
+        for at in 0..self.depths.len() {
+            if self.depths[at] <= 0.0 {
+                self.fill(at, find(self.place(at)));
+            }
+        }
+        self.clip();
+    }
+
+    /// The places of the pixels that none covers: from 0 to 1 from left to right and from the bottom up.
+    #[must_use]
+    pub fn holes(&self) -> Vec<[f64; 2]> {
+        let holes = (0..self.depths.len()).filter(|at| self.depths[*at] <= 0.0);
+        holes.map(|at| self.place(at)).collect()
+    }
+
+    fn fill(&mut self, at: usize, filling: Filling) {
+        self.sums[at] = filling.color.map(f64::from);
+        self.weights[at] = 1.0;
+        self.depths[at] = filling.depth;
+    }
+
+    fn clip(&mut self) {
         for at in 0..self.depths.len() {
             let beyond = self.aft_distance(at).is_some_and(|aft| self.depths[at] > aft);
             if beyond {
@@ -239,8 +279,9 @@ impl Interpolation {
         [(x as f64 + 0.5) / self.columns as f64, (y as f64 + 0.5) / self.rows as f64]
     }
 
-    /// Copies to each hole the farther of its sides: in its column, or in its row; one next to it before one that is not.
-    fn fill_holes(&mut self, reach: usize) {
+    /// Copies to each hole the farther of its sides: in its column, or in its row; one next to it before one that is not. What is too far from
+    /// both is found otherwise, if it can be, and is background for the next hole then.
+    fn fill_holes(&mut self, reach: usize, mut find: Option<Find<'_>>) {
         // Where each column's background is; `None` until a hole has asked.
         let mut below: Vec<Option<Option<usize>>> = vec![None; self.columns];
         for y in 0..self.rows {
@@ -259,28 +300,40 @@ impl Interpolation {
                     let next = (x + 1..self.columns).find(|column| self.depths[y * self.columns + column] > 0.0);
                     self.farther(x.checked_sub(1), next, |column| y * self.columns + column)
                 });
-                let by_row = match (column, row) {
-                    (None, None) => continue,
-                    (Some(_), None) => false,
-                    (None, Some(_)) => true,
-                    (Some(column), Some(row)) => {
-                        let is_farther = self.depths[column * self.columns + x] < self.depths[y * self.columns + row];
-                        row.abs_diff(x) <= 1 || (column.abs_diff(y) > 1 && is_farther)
+                match self.background_of([x, y], [column, row], reach) {
+                    Some(source) => {
+                        self.sums[at] = self.sums[source];
+                        self.weights[at] = self.weights[source];
+                        self.depths[at] = self.depths[source];
                     }
-                };
-                let (source, away) = match (by_row, column, row) {
-                    (true, _, Some(row)) => (y * self.columns + row, row.abs_diff(x) + 1),
-                    (_, Some(column), _) => (column * self.columns + x, column.abs_diff(y)),
-                    _ => continue,
-                };
-                if reach > 0 && away > reach {
-                    continue;
+                    None => {
+                        if let Some(find) = &mut find {
+                            self.fill(at, find(self.place(at)));
+                            (*below, beside) = (Some(Some(y)), Some(Some(x)));
+                        }
+                    }
                 }
-                self.sums[at] = self.sums[source];
-                self.weights[at] = self.weights[source];
-                self.depths[at] = self.depths[source];
             }
         }
+    }
+
+    /// Which pixel a hole is filled from, of those in its column and in its row.
+    fn background_of(&self, [x, y]: [usize; 2], [column, row]: [Option<usize>; 2], reach: usize) -> Option<usize> {
+        let by_row = match (column, row) {
+            (None, None) => return None,
+            (Some(_), None) => false,
+            (None, Some(_)) => true,
+            (Some(column), Some(row)) => {
+                let is_farther = self.depths[column * self.columns + x] < self.depths[y * self.columns + row];
+                row.abs_diff(x) <= 1 || (column.abs_diff(y) > 1 && is_farther)
+            }
+        };
+        let (source, away) = match (by_row, column, row) {
+            (true, _, Some(row)) => (y * self.columns + row, row.abs_diff(x) + 1),
+            (_, Some(column), _) => (column * self.columns + x, column.abs_diff(y)),
+            _ => return None,
+        };
+        (reach == 0 || away <= reach).then_some(source)
     }
 
     /// Of the pixel before a hole and the next one after it, the farther.

@@ -1,18 +1,20 @@
 //! `pinterp`: views from pictures of other views and their distances.
 //!
-//! `pinterp [view options] [-x N] [-y N] [-pa A] [-t eps] [-z distances] [-e E] [-a|-q] [-B] [-n] [-f0|-ff|-fb|-fa] [-fs N] [-fc R G B] [-fz Z] picture distances …`: distances are
+//! `pinterp [view options] [-x N] [-y N] [-pa A] [-t eps] [-z distances] [-e E] [-a|-q] [-B] [-n] [-f0|-ff|-fb|-fa] [-fs N] [-fc R G B] [-fz Z] [-fr RTRACE] picture distances …`: distances are
 //! those of `rpict -z`, or one number for all pixels. `-a` averages pixels that show the same, as where there are several pictures, `-q` does not. `-f` says which gaps are filled: between
-//! pixels of one surface (`f`), behind edges (`b`, from within `-fs` pixels), both (`a`), or none; the rest is `-fc` and `-fz`. `-n` takes distances along the view's direction. `-B` averages
+//! pixels of one surface (`f`), behind edges (`b`, from within `-fs` pixels), both (`a`), or none; the rest is `-fc` and `-fz`, or what rays find by the options and the scene of `rtrace` after `-fr`. `-n` takes distances along the view's direction. `-B` averages
 //! over all views (`VIEW=` lines) of standard input.
 
 use super::files::{History, dated_header, failed};
+use crate::commands::rtrace::RayAnswers;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
 use crate::view_args;
 use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, leading_number};
-use radsight_picture_tools::interpolate::{Distances, InterpolateOptions, Interpolation};
+use radsight_picture_tools::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
+use radsight_render::Ray;
 
 const EXPECTED: &str = "view options, -x -y -pa -t -z -e -a -q -B -n or -f";
 
@@ -31,6 +33,8 @@ struct Request {
     blurs: bool,
     depths: Option<String>,
     exposure: f64,
+    /// The command line of `rtrace` by which rays find what is left, its name first.
+    rays: Option<Vec<String>>,
 }
 
 /// A picture that is looked into.
@@ -63,12 +67,19 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let options = InterpolateOptions { averages, ..request.interpolate };
     let mut sums = vec![0.0f64; 3 * columns * rows];
     let mut last = None;
+    let mut rays = request.rays.as_ref().map(|words| RayAnswers::new(words)).transpose()?;
+    if rays.is_some() && sources[0].is_xyz() {
+        return Err(Failure::usage("pinterp: rays (-fr) bring red, green and blue, expected pictures in RGBE"));
+    }
     for view in &views {
         let mut made = Interpolation::new(*view, [columns, rows], options);
         for source in &sources {
             made.add(&source.pixels, &source.depths, &source.view, &source.resolution);
         }
-        made.finish();
+        match &mut rays {
+            Some(rays) => finish_with_rays(&mut made, view, rays, sources[0].exposure()),
+            None => made.finish(),
+        }
         let pixels = made.pixels();
         sums.iter_mut().zip(pixels.as_flattened()).for_each(|(sum, value)| *sum += f64::from(*value));
         last = Some(made);
@@ -82,11 +93,29 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         true => Picture::from_xyz(header, &image),
         false => Picture::from_rgb(header, &image),
     };
+    if let Some(rays) = &rays {
+        rays.conclude()?;
+    }
     if let (Some(path), Some(made)) = (&request.depths, last) {
         let depths: Vec<u8> = made.depths().iter().flat_map(|depth| depth.to_ne_bytes()).collect();
         write_file(path, &depths)?;
     }
     write_standard_output(&bytes.map_err(wrong)?.to_bytes())
+}
+
+/// Rays find what no pixel shows.
+fn finish_with_rays(made: &mut Interpolation, view: &View, rays: &mut RayAnswers, exposure: f64) {
+    /// The distance of what is not there.
+    const FAR: f64 = 1e10;
+    let ray_at = |place| view.ray(place).map(|ray| Ray { origin: ray.origin, direction: ray.direction });
+    rays.prepare(&made.holes().into_iter().map(ray_at).collect::<Vec<_>>());
+    made.finish_with(|place| match ray_at(place).map(|ray| rays.trace(ray)) {
+        Some(found) => Filling {
+            color: found.value.map(|value| (value * exposure) as f32),
+            depth: found.effective_distance.min(FAR),
+        },
+        None => Filling { color: [0.0; 3], depth: 0.0 },
+    });
 }
 
 impl Request {
@@ -100,6 +129,7 @@ impl Request {
             blurs: false,
             depths: None,
             exposure: 1.0,
+            rays: None,
         };
         let mut reach = 0;
         while let Some(option) = words.option() {
@@ -133,15 +163,19 @@ impl Request {
                 "-fa" => (options.fills_surfaces, options.fills_holes) = (true, Some(0)),
                 "-fs" => reach = words.integer(option)?.max(0) as usize,
                 "-fc" => {
+                    request.rays = None;
                     for band in &mut options.background.0 {
                         *band = words.number(option)? as f32;
                     }
                 }
-                "-fz" => options.background.1 = words.number(option)? as f32,
+                "-fz" => {
+                    request.rays = None;
+                    options.background.1 = words.number(option)? as f32;
+                }
                 "-fr" => {
-                    return Err(Failure::usage(
-                        "pinterp: option \"-fr\" (rays for what is left) is not supported, expected -fa or -fc",
-                    ));
+                    let options = words.value(option, "options and the scene of rtrace")?;
+                    let all = ["rtrace"].into_iter().chain(options.split_whitespace());
+                    request.rays = Some(all.map(str::to_owned).collect());
                 }
                 _ => return Err(words.unknown(option, EXPECTED)),
             }
@@ -195,6 +229,10 @@ impl Source {
         Ok(Source { name: name.to_owned(), header: picture.header().clone(), resolution, view, pixels, depths })
     }
 
+    fn exposure(&self) -> f64 {
+        self.header.exposure().unwrap_or(1.0)
+    }
+
     fn is_xyz(&self) -> bool {
         self.header.format().is_some_and(|format| format == "32-bit_rle_xyze")
     }
@@ -233,7 +271,7 @@ fn header(words: &Words<'_>, request: &Request, sources: &[Source], (view, shape
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
-    let exposure = request.exposure * sources[0].header.exposure().unwrap_or(1.0);
+    let exposure = request.exposure * sources[0].exposure();
     if !(0.995..=1.005).contains(&exposure) {
         header.push_exposure(exposure);
     }

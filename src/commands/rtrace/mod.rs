@@ -1,5 +1,6 @@
 //! `rtrace`: rays on standard input, what they meet on standard output.
 
+mod answers;
 mod defaults;
 mod options;
 mod record;
@@ -11,6 +12,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
+pub(crate) use answers::RayAnswers;
 use options::Options;
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;

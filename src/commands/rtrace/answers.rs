@@ -1,0 +1,48 @@
+//! Rays of other programs, answered as `rtrace` would.
+
+use super::options::Options;
+use crate::failure::{Failure, Outcome};
+use crate::input::{Planned, conclude, plan};
+use radsight_brdf_host::Registry;
+use radsight_diag::SourceMap;
+use radsight_frame::average;
+use radsight_render::{Ray, Renderer, Spread, Traced};
+
+/// Answers rays by the options and the scene of a command line.
+pub(crate) struct RayAnswers {
+    options: Options,
+    renderer: Renderer,
+    registry: Option<Registry>,
+    sources: SourceMap,
+    next: u64,
+}
+
+impl RayAnswers {
+    /// `words` are those of `rtrace`, its name first.
+    pub(crate) fn new(words: &[String]) -> Result<RayAnswers, Failure> {
+        let options = Options::parse(words)?;
+        if options.scenes.is_empty() {
+            return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
+        }
+        let Planned { plan, registry, sources } =
+            plan(&options.scenes, None, &options.reading, options.render.clone())?;
+        Ok(RayAnswers { options, renderer: Renderer::new(plan), registry, sources, next: 0 })
+    }
+
+    /// Gathers what rays like these share.
+    pub(crate) fn prepare(&mut self, rays: &[Option<Ray>]) {
+        self.renderer.gather_irradiance(rays, Spread::UNKNOWN);
+    }
+
+    /// What a ray brings.
+    pub(crate) fn trace(&mut self, ray: Ray) -> Traced {
+        let number = self.next;
+        self.next += 1;
+        average(&mut self.renderer.worker(), number, &ray, self.options.effort())
+    }
+
+    /// What is to be said in the end.
+    pub(crate) fn conclude(&self) -> Outcome {
+        conclude(self.renderer.plan(), self.registry.as_ref(), &self.sources)
+    }
+}
