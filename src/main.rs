@@ -4,6 +4,7 @@
 mod args;
 mod clock;
 mod commands;
+mod control_file;
 mod disk;
 mod effort_args;
 mod expand;

@@ -238,16 +238,6 @@ pub(crate) fn take_definition(words: &[String], reading: &mut Reading) -> Result
     Ok(2)
 }
 
-/// The error of an option by which Radiance's programs stay alive and share their work.
-pub(crate) fn no_persist_file(word: &str) -> Option<Failure> {
-    let asks = matches!(word, "-P" | "-PP");
-    asks.then(|| {
-        Failure::usage(format!(
-            "option \"{word}\": a program that stays alive is not supported, expected it to start for each picture"
-        ))
-    })
-}
-
 /// The number after an option.
 pub(crate) fn number<T: std::str::FromStr>(words: &[String], option: &str, expected: &str) -> Result<T, Failure> {
     let Some(text) = words.get(1) else {

@@ -72,7 +72,7 @@ fn options_that_are_wrong() {
         ("rpict -cs 2 scene.rad", &["impossible sampling: 2 bands"]),
         ("rpict -pc 1 0 0 1 0 0 .3 .3 scene.rad", &[]),
         ("rpict -pc .1 .1 .2 .2 .3 .3 .3 .3 scene.rad", &["impossible primaries"]),
-        ("rpict -P it scene.rad", &["stays alive is not supported"]),
+        ("rpict -P", &["option \"-P\" ends the command line"]),
         ("rpict -ap map.pm scene.rad", &["photon maps are not supported"]),
         ("rpict -co scene.rad", &["option \"-co\" is not supported", "rtrace -co -fac"]),
         ("rtrace -ss x scene.rad", &["option \"-ss\" is followed by \"x\""]),

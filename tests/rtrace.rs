@@ -352,3 +352,44 @@ fn the_contributions_of_a_tree_add_up_to_its_value() {
     assert!(told.len() >= 3 && (parts - total).abs() < 1e-5 * total, "{text}");
     assert!(told.iter().any(|(_, name)| name == "lamp") && told.iter().any(|(_, name)| name == "sky"), "{text}");
 }
+
+/// Where real rtrace stays alive, ours keeps what it was asked.
+#[test]
+fn a_control_file_says_again_what_was_asked() {
+    let folder = Folder::new();
+    folder.file("scene.rad", "void glow shine 0 0 4 1 2 3 0\nshine sphere ball 0 0 4 0 0 0 1\n");
+    let run = |words: &str, input: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        run_with(command(&words).current_dir(folder.path("")), input.as_bytes())
+    };
+    let input = "0 0 5 0 0 -1\n";
+    let first = run("rtrace -h -ovL -P some.per scene.rad", input).text();
+    assert_eq!(
+        first.split_whitespace().collect::<Vec<_>>(),
+        ["1.000000e+00", "2.000000e+00", "3.000000e+00", "4.000000e+00"]
+    );
+    assert_eq!(run("rtrace -PP some.per", input).text(), first);
+    // No process is named that somebody would end.
+    assert!(folder.read("some.per").starts_with(b"radsight\n"));
+    let picture = "rpict -vp 0 0 5 -vd 0 0 -1 -vu 0 1 0 -x 4 -y 4 --samples 1 -S 3 -o p%d.hdr -PP view.per scene.rad";
+    let views = "VIEW= -vp 0 0 5 -vd 0 0 -1 -vu 0 1 0\n";
+    run(picture, views).done();
+    std::fs::remove_file(folder.path("p3.hdr")).expect("a picture is removed");
+    run("rpict -PP view.per", views).done();
+    assert!(folder.names().contains(&"p3.hdr".to_owned()), "{:?}", folder.names());
+    folder.file("real.per", "somewhere 4711 /tmp/in /tmp/out /tmp/err\n");
+    folder.file("elsewhere.per", "radsight\n/nowhere\nrtrace\nscene.rad\n");
+    for (words, code, message) in [
+        ("rtrace -P new.per", 2, "no scene is named, and control file \"new.per\" holds no command line yet"),
+        ("rtrace -P real.per scene.rad", 1, "\"real.per\": another program's"),
+        ("rpict -P real.per", 1, "\"real.per\": another program's"),
+        ("rtrace -P view.per", 1, "its command line is for rpict, expected rtrace"),
+        ("rtrace -P elsewhere.per", 1, "its command line is for the folder \"/nowhere\""),
+        ("rtrace -P", 2, "option \"-P\" ends the command line"),
+    ] {
+        let run = run(words, input);
+        assert_eq!((run.code, run.output.len()), (code, 0), "{words}: {}", run.messages);
+        assert!(run.messages.contains(message), "{words}: {}", run.messages);
+    }
+    assert_eq!(folder.read("real.per"), b"somewhere 4711 /tmp/in /tmp/out /tmp/err\n", "it is left as it was");
+}

@@ -1,11 +1,12 @@
 //! The options of `rpict`, as Radiance writes them.
 
 use crate::args::Reading;
+use crate::control_file;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
-use crate::render_args::{no_persist_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use crate::view_args;
 use radsight_frame::Effort;
@@ -63,6 +64,7 @@ pub(super) struct Options {
     pub(super) depths: Option<String>,
     pub(super) recover: Option<String>,
     pub(super) error_file: Option<String>,
+    control_file: Option<String>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
@@ -105,6 +107,7 @@ impl Default for Options {
             depths: None,
             recover: None,
             error_file: None,
+            control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
             print_defaults: false,
@@ -113,14 +116,26 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name.
+    /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let mut options = Options::parse_once(words)?;
+        match options.control_file.clone() {
+            Some(file) if !options.print_defaults && options.scenes.is_empty() => {
+                options = Options::parse_once(&control_file::recall(&file, "rpict")?)?;
+            }
+            Some(file) if !options.print_defaults => control_file::keep(&file, words)?,
+            _ => {}
+        }
         options.share_error();
         if options.scenes.is_empty() {
             options.scenes.push("-".to_owned());
         }
+        Ok(options)
+    }
+
+    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options::default();
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
         Ok(options)
     }
 
@@ -175,6 +190,9 @@ impl Options {
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-t" => self.report = number(words, word, "a number of seconds")?,
             "-n" | "--threads" => self.threads = Some(number(words, word, "a number of threads")?),
+            _ if control_file::is_option(word) => {
+                self.control_file = Some(number(words, word, "a control file")?);
+            }
             "-S" => self.first_frame = number(words, word, "the number of a frame")?,
             "-defaults" | "-help" => {
                 self.print_defaults = true;
@@ -196,8 +214,7 @@ impl Options {
                     self.reading.no_warnings = !shown;
                     return Ok(1);
                 }
-                let unknown = || Failure::usage(format!("rpict: option \"{word}\" is not supported"));
-                return Err(no_persist_file(word).unwrap_or_else(unknown));
+                return Err(Failure::usage(format!("rpict: option \"{word}\" is not supported")));
             }
         }
         Ok(2)

@@ -2,14 +2,13 @@
 
 use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
+use crate::control_file;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::render_args::{
-    names_in_file, no_persist_file, number, take_definition, take_irradiance, take_one, take_own,
-};
+use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
@@ -36,6 +35,7 @@ pub(super) struct Options {
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) error_file: Option<String>,
+    control_file: Option<String>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
@@ -145,6 +145,7 @@ impl Default for Options {
             threads: None,
             reading: Reading::default(),
             error_file: None,
+            control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
             print_defaults: false,
@@ -153,18 +154,30 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Reads the words, of which the first is the program's name.
+    /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let mut options = Options::parse_once(words)?;
         if options.print_defaults {
             return Ok(options);
+        }
+        match options.control_file.clone() {
+            Some(file) if options.scenes.is_empty() => {
+                options = Options::parse_once(&control_file::recall(&file, "rtrace")?)?;
+            }
+            Some(file) => control_file::keep(&file, words)?,
+            None => {}
         }
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
         }
         options.check()?;
         options.tell_rays();
+        Ok(options)
+    }
+
+    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+        let mut options = Options::default();
+        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
         Ok(options)
     }
 
@@ -244,6 +257,9 @@ impl Options {
                 self.print_defaults = true;
                 return Ok(1);
             }
+            _ if control_file::is_option(word) => {
+                self.control_file = Some(number(words, word, "a control file")?);
+            }
             _ if word.starts_with("-f") => return self.formats(word).map(|()| 1),
             _ if word.starts_with("-o") => return self.fields(word).map(|()| 1),
             _ => {
@@ -251,8 +267,7 @@ impl Options {
                     self.color = color;
                     return Ok(used);
                 }
-                let unknown = || Failure::usage(format!("rtrace: option \"{word}\" is not supported"));
-                return Err(no_persist_file(word).unwrap_or_else(unknown));
+                return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported")));
             }
         }
         Ok(2)
