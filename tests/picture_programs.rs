@@ -315,6 +315,29 @@ fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
 }
 
 #[test]
+fn tiff_becomes_tristimulus_values_as_in_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("a.hdr", gradient(40, 33));
+    for form in ["-z", "-w", "-f"] {
+        let mut program = command(&["ra_tiff", form, "a.hdr", "a.tif"]);
+        run_with(program.current_dir(folder.path("")), b"").done();
+        let words = ["ra_tiff", "-r", "-x", "a.tif", "a.xyz"];
+        let pictures = [true, false].map(|is_real| {
+            let mut program = if is_real { radiance.command(words[0], &words[1..]) } else { command(&words) };
+            run_with(program.current_dir(folder.path("")), b"").done();
+            Picture::read(&folder.read("a.xyz")).expect("a picture")
+        });
+        let [real, ours] = &pictures;
+        assert_eq!(ours.header().format().as_deref(), Some("32-bit_rle_xyze"), "{form}");
+        for (real, ours) in real.values().pixels().zip(ours.values().pixels()) {
+            let step = real.iter().copied().fold(0.0, f32::max) / 100.0;
+            assert!(real.iter().zip(ours).all(|(a, b)| (a - b).abs() <= step), "{form}: {ours:?}, expected {real:?}");
+        }
+    }
+}
+
+#[test]
 fn tristimulus_values_are_within_a_step_of_the_real_ones() {
     let Some(radiance) = Radiance::find() else { return };
     let rgb = gradient(40, 33);

@@ -113,11 +113,12 @@ fn write_picture(
     words: &Words<'_>,
     target: &str,
     (columns, rows): (usize, usize),
+    encoding: Encoding,
     mut row: impl FnMut(usize, &mut Vec<u8>) -> Outcome,
 ) -> Outcome {
     let mut header = Header::new("RADIANCE");
     header.push_command(words.taken());
-    header.push_variable("FORMAT", "32-bit_rle_rgbe");
+    header.push_variable("FORMAT", encoding.name());
     let wrong = |error: radsight_picture::PictureError| failed(target, error.into());
     put_file(target, |out: &mut dyn Write| {
         let mut writer = PictureWriter::new(out, &header, 3, Resolution::standard(columns, rows)).map_err(wrong)?;

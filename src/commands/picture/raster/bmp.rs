@@ -5,7 +5,7 @@ use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, wri
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
-use radsight_picture::RgbPrimaries;
+use radsight_picture::{Encoding, RgbPrimaries};
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
 
@@ -168,7 +168,7 @@ fn to_radiance(words: &Words<'_>, exposure: i32, table: &GammaTable) -> Outcome 
     read.map_err(|error| Failure::input(format!("{path}: {}", reason(&error))))?;
     let bitmap = Bitmap::read(&bytes)
         .ok_or_else(|| Failure::input(format!("{path}: not a bitmap of 8, 24 or 32 bits without packing")))?;
-    write_picture(words, target, (bitmap.columns, bitmap.rows), |row, stored| {
+    write_picture(words, target, (bitmap.columns, bitmap.rows), Encoding::Rgbe, |row, stored| {
         stored.extend(bitmap.row(&bytes, row).flat_map(|color| shifted(table.pixel(color), exposure)));
         Ok(())
     })

@@ -5,7 +5,7 @@ use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, wri
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
-use radsight_picture::{decode_rgbe, encode_rgbe};
+use radsight_picture::{Encoding, decode_rgbe, encode_rgbe};
 use radsight_picture_tools::brightness::of_rgb;
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
@@ -136,7 +136,7 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
         return Err(wrong("as many pixels as it says"));
     }
     let table = GammaTable::new(options.gamma);
-    write_picture(words, target, (columns, rows), |_, stored| {
+    write_picture(words, target, (columns, rows), Encoding::Rgbe, |_, stored| {
         for _ in 0..columns {
             let value = map.pixel().ok_or_else(|| wrong("as many pixels as it says"))?;
             stored.extend_from_slice(&options.pixel(value, map.largest, &table));

@@ -1,12 +1,13 @@
 //! `ra_tiff [-b] [-w|-f|-L] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`) or LogLuv (`-L`), grey (`-b`), packed (`-z`); `-r` the
-//! other way.
+//! other way, to XYZE with `-x`.
 
-use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
+use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, rows_of, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{
-    Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels, write_log_luv, write_tiff_pixels,
+    Encoding, RgbPrimaries, Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels,
+    write_log_luv, write_tiff_pixels,
 };
 use radsight_picture_tools::brightness::of_rgb;
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
@@ -27,6 +28,8 @@ struct Options {
     compression: TiffCompression,
     gamma: f64,
     stops: i32,
+    /// What comes of a TIFF.
+    encoding: Encoding,
 }
 
 /// Runs the program.
@@ -38,6 +41,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
         compression: TiffCompression::None,
         gamma: GAMMA,
         stops: 0,
+        encoding: Encoding::Rgbe,
     };
     while let Some(option) = words.option() {
         match option {
@@ -49,12 +53,18 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             "-e" => options.stops = stops(&mut words, option)?,
             "-r" => options.direction = Direction::ToRadiance,
             "-L" => options.depth = Depth::LogLuv,
-            "-l" | "-x" => {
-                return Err(Failure::usage(format!(
-                    "ra_tiff: option \"{option}\" (24 bit LogLuv, XYZE) is not supported, expected -L or -f for all of the range"
-                )));
+            "-x" => {
+                options.encoding = match options.encoding {
+                    Encoding::Xyze => Encoding::Rgbe,
+                    _ => Encoding::Xyze,
+                }
             }
-            _ => return Err(words.unknown(option, "-r -b -w -f -L -z -g or -e")),
+            "-l" => {
+                return Err(Failure::usage(
+                    "ra_tiff: option \"-l\" (24 bit LogLuv) is not supported, expected -L or -f for all of the range",
+                ));
+            }
+            _ => return Err(words.unknown(option, "-r -x -b -w -f -L -z -g or -e")),
         }
     }
     match options.direction {
@@ -146,10 +156,17 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     let picture = read_tiff_pixels(&bytes).map_err(|error| failed(path, error.into()))?;
     let table = GammaTable::new(options.gamma);
     let is_grey = picture.components < 3;
-    write_picture(words, target, (picture.width, picture.height), |row, stored| {
+    let to_xyz = RgbPrimaries::STANDARD.xyz_to_rgb().filter(|_| options.encoding == Encoding::Xyze);
+    let to_xyz = to_xyz.map(|matrix| rows_of(matrix.inverse()));
+    write_picture(words, target, (picture.width, picture.height), options.encoding, |row, stored| {
         for column in 0..picture.width {
             let start = (row * picture.width + column) * picture.components;
-            stored.extend_from_slice(&options.pixel(&picture.pixels, start, is_grey, &table));
+            let mut pixel = options.pixel(&picture.pixels, start, is_grey, &table);
+            if let Some(matrix) = &to_xyz {
+                let [red, green, blue] = decode_rgbe(pixel);
+                pixel = encode_rgbe(matrix.map(|row| row[0] * red + row[1] * green + row[2] * blue));
+            }
+            stored.extend_from_slice(&pixel);
         }
         Ok(())
     })
