@@ -103,13 +103,13 @@ pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Res
 }
 
 /// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
-pub(crate) fn expanded_scene_text(program: &str, path: &str) -> Result<Vec<u8>, Failure> {
+pub(crate) fn expanded_scene_text(program: &str, path: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
     let text: Vec<u8> = read_source(path, |path| read_file(path, "scene file"))?;
     let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
     if !has_commands {
         return Ok(text);
     }
-    let loader = DiskLoader::new(Commands::Refused);
+    let loader = DiskLoader::new(commands);
     let made = radsight_parse::xform(&["xform".to_owned()], Some(&text), &loader);
     made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("{program}: \"{path}\": {error}")))
 }

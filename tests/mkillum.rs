@@ -188,6 +188,12 @@ fn mistakes_are_told() {
     }
     let text = run.text();
     assert!(text.contains("\npane cone k\n") && text.contains("\npane polygon p\n"), "{text}");
+    folder.file("made.rad", "!genbox pane box 1 1 1\n!unheard of\n");
+    let made = ours(&folder, "outside.rad < made.rad");
+    assert_eq!(made.code, 1, "{}", made.messages);
+    assert!(made.messages.contains("unheard"), "{}", made.messages);
+    folder.file("boxed.rad", "#@mkillum n\n!genbox pane box 1 1 1\n");
+    assert_eq!(ours(&folder, "outside.rad < boxed.rad").text().matches("pane polygon box.").count(), 6);
     folder.file("many.rad", "#@mkillum d=4000000 s=4000000\npane sphere s 0 0 4 0 0 0 1\n");
     folder.file("torn.rad", "pane polygon p 0 0 9 0 0\n");
     for (words, code, message) in [

@@ -69,7 +69,7 @@ impl Work<'_> {
     }
 
     fn read(&mut self, path: &str) -> Outcome {
-        let text = expanded_scene_text("mkillum", path)?;
+        let text = expanded_scene_text("mkillum", path, self.options.reading.commands())?;
         let mistake = |error: SyntaxError| {
             let mut sources = SourceMap::default();
             let source = sources.add(path, text.clone(), None);

@@ -2,6 +2,7 @@
 
 use super::options::Options;
 use super::wrong;
+use crate::disk::Commands;
 use crate::failure::Failure;
 use crate::input::expanded_scene_text;
 use radsight_diag::SourceMap;
@@ -46,7 +47,7 @@ pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
 
 /// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
 fn surfaces(options: &Options, path: &str) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
-    let text = expanded_scene_text("rfluxmtx", path)?;
+    let text = expanded_scene_text("rfluxmtx", path, Commands::Refused)?;
     let mistake = |error: SyntaxError| {
         let mut sources = SourceMap::default();
         let source = sources.add(path, text.clone(), None);
