@@ -181,27 +181,56 @@ fn the_sun_lights_through_a_prism_what_rays_through_it_find() {
         let input = format!("{place} 0 0 {normal}\n");
         let ours = run_with(command(&words).current_dir(folder.path("")), input.as_bytes()).text();
         let ours = means(&ours, 1)[0][0];
-        let found = through_the_prism(&radiance, &octree, place, image, &folder);
+        let found = through_the_prism(&radiance, &octree, place, (image, 0.04), &folder);
         println!("{place}: {ours} here, {found} by rays through the prism");
         assert!((ours / found - 1.0).abs() < 0.005, "{place}: {ours} here, {found} by rays through the prism");
     }
 }
 
-/// Irradiance on a level surface from the directions about `image`, by rays of real `rtrace` on a grid over the plane that touches the sphere there.
-fn through_the_prism(radiance: &Radiance, octree: &str, place: &str, image: [f64; 3], folder: &Folder) -> f64 {
+/// A lamp three units behind a prism that bends by a fixed angle. Shadow rays of Radiance look for it where that angle is right for the prism's middle.
+#[test]
+fn a_near_lamp_lights_through_a_prism_what_rays_through_it_find() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let prism = "void prism1 tilted 5 .8 Dx+.2*if(Dz,1,-1) Dy Dz . 0 0\n\
+                 tilted polygon window 0 0 12 -2 -2 2 -2 2 2 2 2 2 2 -2 2\n";
+    let lamp = |radiance: &str| {
+        format!("{prism}void {radiance}\nlamp polygon panel 0 0 12 .4 -.1 5 .4 .1 5 .6 .1 5 .6 -.1 5\n")
+    };
+    folder.file("light.rad", lamp("light lamp 0 0 3 40 40 40"));
+    folder.file("glow.rad", lamp("glow lamp 0 0 4 40 40 40 0"));
+    let octree = radiance.octree(&folder, &["glow.rad"]);
+    for (place, image) in [("0 0 0", [-0.02, 0.0, 0.9998]), ("1 0 0", [-0.2176, 0.0, 0.976])] {
+        let words = ["rtrace", "-h", "-I+", "-ab", "0", "-dr", "1", "--samples", "1024", "light.rad"];
+        let ours = run_with(command(&words).current_dir(folder.path("")), format!("{place} 0 0 1\n").as_bytes()).text();
+        let ours = means(&ours, 1)[0][0];
+        let found = through_the_prism(&radiance, &octree, place, (image, 0.1), &folder);
+        println!("{place}: {ours} here, {found} by rays through the prism");
+        assert!((ours / found - 1.0).abs() < 0.02, "{place}: {ours} here, {found} by rays through the prism");
+    }
+}
+
+/// Irradiance on a level surface from the directions about a unit direction, by rays of real `rtrace` on a grid of this width over the plane that touches
+/// the sphere there.
+fn through_the_prism(
+    radiance: &Radiance,
+    octree: &str,
+    place: &str,
+    (image, width): ([f64; 3], f64),
+    folder: &Folder,
+) -> f64 {
     const SIDE: usize = 300;
-    const WIDTH: f64 = 0.04;
     let [x, y, z] = image;
     let level = x.hypot(y);
     let mut rays = String::new();
     let mut solid_angles = Vec::new();
     for index in 0..SIDE * SIDE {
-        let [a, b] = [index % SIDE, index / SIDE].map(|step| WIDTH * ((step as f64 + 0.5) / SIDE as f64 - 0.5));
+        let [a, b] = [index % SIDE, index / SIDE].map(|step| width * ((step as f64 + 0.5) / SIDE as f64 - 0.5));
         let beside = [-y / level * a - x * z / level * b, x / level * a - y * z / level * b, level * b];
         let towards = [x + beside[0], y + beside[1], z + beside[2]];
         let length = (1.0 + a * a + b * b).sqrt();
         rays += &format!("{place} {} {} {}\n", towards[0], towards[1], towards[2]);
-        solid_angles.push((WIDTH / SIDE as f64).powi(2) / length.powi(3) * (towards[2] / length).abs());
+        solid_angles.push((width / SIDE as f64).powi(2) / length.powi(3) * (towards[2] / length).abs());
     }
     let words = ["-h", "-w", "-ab", "0", "-lr", "8", "-lw", "1e-6", octree];
     let mut rtrace = radiance.command("rtrace", &words);

@@ -189,7 +189,7 @@ impl DirectSampler<'_> {
         u: [f64; 2],
         expected: f64,
     ) -> [f64; BANDS] {
-        let Some(sample) = self.place(light, u) else { return [0.0; BANDS] };
+        let Some(sample) = self.place(tracer, light, u) else { return [0.0; BANDS] };
         let densities =
             if self.highlight_draws > 0 || self.shares_diffuse { Densities::Wanted } else { Densities::Unused };
         let scratch = &mut tracer.workspace.scratch;
@@ -199,8 +199,17 @@ impl DirectSampler<'_> {
 
     /// A place on a light that can give something.
     #[inline]
-    pub(crate) fn place(&self, light: &Light, u: [f64; 2]) -> Option<LightSample> {
-        let sample = light.sample(self.point, u, &self.reception.peak)?;
+    pub(crate) fn place<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        light: &Light,
+        u: [f64; 2],
+    ) -> Option<LightSample> {
+        let bent = if light.is_redirected() { self.place_through_prism(tracer, light, u) } else { None };
+        let sample = match bent {
+            Some(sample) => sample,
+            None => light.sample(self.point, u, &self.reception.peak)?,
+        };
         (light.share_in_range(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
 
@@ -275,7 +284,7 @@ impl DirectSampler<'_> {
         if light.misses(self.point) {
             return dark;
         }
-        let Some(sample) = self.place(light, u) else { return dark };
+        let Some(sample) = self.place(tracer, light, u) else { return dark };
         let focal = light.focal_factor(sample.distance);
         let radiance = self.radiance(tracer, light, &sample);
         if radiance.iter().all(|band| *band == 0.0) {

@@ -42,6 +42,7 @@ mod options;
 mod plan;
 mod prism;
 mod prism_image;
+mod prism_path;
 mod ray;
 mod reach;
 mod recognise;

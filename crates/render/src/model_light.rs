@@ -38,8 +38,8 @@ impl DirectSampler<'_> {
         let mut batch = std::mem::take(&mut tracer.workspace.batch);
         batch.places.clear();
         batch.incident.clear();
-        self.for_each_light(tracer, first_set, |_, light, _, u| {
-            let Some(sample) = self.place(light.light, u) else { return };
+        self.for_each_light(tracer, first_set, |tracer, light, _, u| {
+            let Some(sample) = self.place(tracer, light.light, u) else { return };
             batch.places.push(Place { light: light.index, sample });
             batch.incident.push(point.frame.to_local(sample.direction));
         });

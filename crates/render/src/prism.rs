@@ -2,7 +2,7 @@
 //!
 //! Each of up to two faces has a coefficient and a direction. A ray that looks for a light by way of a prism tells the functions where the
 //! light is, as `DxA`, `DyA`, `DzA`; for others these are zero. The light appears where a shear parallel to the prism's plane moves it
-//! that makes the middle of the prism send it right: the virtual source of Radiance.
+//! that makes the middle of the prism send it right: the virtual source of Radiance. From there the way to a near light is looked for (`prism_path`).
 
 use crate::shader::Function;
 use crate::view::{Encounter, View};

@@ -79,3 +79,52 @@ fn a_prism_that_aims_keeps_the_solid_angle_of_the_sun() {
     let expected = 0.5 * 1e4 * sun.z * TAU * (1.0 - SUN.cos());
     assert!((found / expected - 1.0).abs() < 0.01, "found {found}, expected {expected}");
 }
+
+/// The middle of a square lamp of two units above the prism, which turns to it.
+const LAMP: DVec3 = DVec3::new(0.4, -0.3, 2.5);
+const HALF_LAMP: f64 = 0.2;
+
+/// A floor at a place under the same prism as above, with the lamp behind it.
+fn irradiance_of_lamp(place: DVec3, [a, b, c]: [f64; 3]) -> f64 {
+    let mut scene = Builder::default();
+    let light = scene.light([100.0; 3]);
+    let corners = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]];
+    scene.polygon(light, &corners.map(|[x, y]| LAMP + DVec3::new(x, y, 0.0) * HALF_LAMP));
+    let prism = scene.prism(["0.8", &format!("{a}*Dx"), &format!("{b}*Dy"), &format!("Dz+{c}*Dy")]);
+    let corners = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+    scene.polygon(prism, &corners.map(|[x, y]| DVec3::new(x, y, 1.0)));
+    let options = RenderOptions { quantity: Quantity::Irradiance, ..RenderOptions::default() };
+    mean(&scene, options, place, DVec3::Z, 1 << 12)
+}
+
+/// The same through all points of the prism.
+fn integral_of_lamp(place: DVec3, [a, b, c]: [f64; 3]) -> f64 {
+    let (side, widest) = (4000, 1.5);
+    let step = 2.0 * widest / f64::from(side);
+    let mut sum = 0.0;
+    for cell in 0..side * side {
+        let along = |index: i32| (f64::from(index) + 0.5) * step - widest;
+        let before = DVec3::new(along(cell % side), along(cell / side), 1.0);
+        let point = place + before;
+        let onward = DVec3::new(a * before.x, b * before.y, before.z + c * before.y);
+        let met = point + onward * ((LAMP.z - point.z) / onward.z);
+        if onward.z > 0.0 && (met - LAMP).abs().max_element() < HALF_LAMP {
+            // Radiance times the solid angle of a piece of the prism's plane, times the cosine at the floor.
+            sum += 0.8 * 100.0 * step * step / before.length_squared().powi(2);
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_near_lamp_through_a_prism_is_where_its_rays_come_from() {
+    for stretch in [[1.0, 1.0, 0.0], [0.5, 0.6, 0.0], [2.0, 1.5, 0.0], [1.0, 1.0, 0.4], [1.3, 0.8, -0.3]] {
+        for place in [DVec3::ZERO, DVec3::new(0.5, 0.7, 0.0), DVec3::new(-1.5, 0.2, 0.0)] {
+            let (found, expected) = (irradiance_of_lamp(place, stretch), integral_of_lamp(place, stretch));
+            assert!(
+                (found / expected - 1.0).abs() < 0.01,
+                "{stretch:?} at {place}: found {found}, expected {expected}"
+            );
+        }
+    }
+}
