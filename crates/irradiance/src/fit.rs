@@ -76,6 +76,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             fit.scale = share * record.scale;
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
             if misfit <= allowed || neighbours.len() < FEWEST_TO_JUDGE || share <= LEAST_SHARE {
+                fit.hold_to(record, &neighbours);
                 return fit;
             }
             share *= 0.5f64.sqrt();
@@ -131,6 +132,27 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
         let misfit = fit.misfit(record, neighbours, &weights);
         (fit, misfit)
+    }
+
+    /// Keeps it within what noise explains of what the record's own rays tell: where irradiance changes faster than records are
+    /// dense, a plane through the neighbours misses it by far more.
+    fn hold_to(&mut self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>]) {
+        // Rare bright rays may have met the neighbours only: then theirs say how much noise there is, as a share.
+        let own = mean(&record.irradiance);
+        let share = |other: &Neighbour<'_, BANDS>| {
+            other.record.variance / mean(&other.record.irradiance).powi(2).max(f64::MIN_POSITIVE)
+        };
+        let rays: f64 = neighbours.iter().map(|other| other.record.rays).sum();
+        let of_a_ray = neighbours.iter().map(|other| share(other) * other.record.rays.powi(2)).sum::<f64>();
+        let variance = record.variance.max(own * own * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
+        let apart = (own - self.strength()).abs();
+        let explained = HELD * variance.sqrt();
+        if apart > explained {
+            let share = 1.0 - explained / apart;
+            for (band, own) in self.irradiance.iter_mut().zip(record.irradiance) {
+                *band += (own - *band) * share;
+            }
+        }
     }
 
     fn misfit(&self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], weights: &[f64]) -> f64 {
@@ -205,6 +227,9 @@ const MISFIT_BY_CHANCE: f64 = 6.0;
 
 /// A plane may miss the irradiance by this share.
 const TOLERANCE: f64 = 0.01;
+
+/// Standard errors by which a record's own rays may differ from the fit.
+const HELD: f64 = 3.0;
 
 /// Fewer neighbours always agree with some plane.
 const FEWEST_TO_JUDGE: usize = 4;

@@ -57,6 +57,18 @@ impl Hemisphere {
         within(sine_squared, self.rings) * self.azimuths + within(turn, self.azimuths)
     }
 
+    /// Spreads what lies in a unit direction, +z on the normal, over its cell and those beside it: the shares, whose sum is one.
+    pub fn splat(&self, direction: DVec3, mut add: impl FnMut(usize, f64)) {
+        let cell = self.cell(direction);
+        let (ring, azimuth) = (cell / self.azimuths, cell % self.azimuths);
+        for (across, share) in [(-1, 0.25), (0, 0.5), (1, 0.25)] {
+            let ring = ring.saturating_add_signed(across).min(self.rings - 1);
+            for (aside, of_ring) in [(self.azimuths - 1, 0.25), (0, 0.5), (1, 0.25)] {
+                add(ring * self.azimuths + (azimuth + aside) % self.azimuths, share * of_ring);
+            }
+        }
+    }
+
     /// Sine of the angle from the normal to the inner edge of a ring.
     pub(crate) fn edge_sine(&self, ring: usize) -> f64 {
         (ring as f64 / self.rings as f64).sqrt()
@@ -85,6 +97,24 @@ mod tests {
             for within in [[0.01, 0.01], [0.5, 0.5], [0.99, 0.01], [0.3, 0.99]] {
                 assert_eq!(hemisphere.cell(hemisphere.direction(cell, within)), cell);
             }
+        }
+    }
+
+    #[test]
+    fn what_is_spread_stays_whole_and_near() {
+        let hemisphere = Hemisphere::with_divisions(200);
+        for cell in 0..hemisphere.len() {
+            let direction = hemisphere.direction(cell, [0.5, 0.5]);
+            let (mut sum, mut largest) = (0.0, (0, 0.0));
+            hemisphere.splat(direction, |at, share| {
+                sum += share;
+                if share > largest.1 {
+                    largest = (at, share);
+                }
+                let apart = hemisphere.direction(at, [0.5, 0.5]).angle_between(direction);
+                assert!(apart < 1.0, "{cell} to {at}: {apart}");
+            });
+            assert!((sum - 1.0).abs() < 1e-12 && largest.0 == cell);
         }
     }
 

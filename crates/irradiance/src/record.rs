@@ -97,6 +97,12 @@ impl<const BANDS: usize> Record<BANDS> {
         Fit::of(self).at(self, self.position, facet)
     }
 
+    /// The same where so many rays have looked, not one a cell.
+    #[must_use]
+    pub fn resting_on(self, rays: usize) -> Self {
+        Record { rays: rays as f64, ..self }
+    }
+
     /// Rays that looked around.
     #[must_use]
     pub fn rays(&self) -> f64 {

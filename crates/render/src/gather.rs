@@ -1,8 +1,10 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
 use crate::antimatter::Cut;
+use crate::bright_places::BrightPlaces;
 use crate::light_tree::Reception;
 use crate::link::{Link, Lobe};
+use crate::look_out::Surroundings;
 use crate::medium::Medium;
 use crate::options::Unshared;
 use crate::ray::{PrimitiveId, Ray, Spread};
@@ -61,6 +63,8 @@ pub(crate) struct Look<'h> {
     pub(crate) stratum: Option<usize>,
     /// Tells the rays from those of other looks.
     pub(crate) number: u64,
+    /// Where light is expected.
+    pub(crate) bright: &'h BrightPlaces,
 }
 
 /// A ray that looks through a cell.
@@ -146,21 +150,25 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
         let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
         let before = self.set_aside();
-        let look = Look { hemisphere: &hemisphere, stratum: None, number };
-        let record = self.look_around(place, &look, &self.plan.gathering_limits());
+        let look = Look { hemisphere: &hemisphere, stratum: None, number, bright: &BrightPlaces::default() };
+        let (record, _) = self.look_around(place, &look, &self.plan.gathering_limits());
         self.take_up(before);
         record
     }
 
-    /// The irradiance of a place.
-    pub(crate) fn look_around(&mut self, place: &Place<BANDS>, look: &Look<'_>, limits: &Limits) -> Record<BANDS> {
+    /// The irradiance of a place, and what is around it.
+    pub(crate) fn look_around(
+        &mut self,
+        place: &Place<BANDS>,
+        look: &Look<'_>,
+        limits: &Limits,
+    ) -> (Record<BANDS>, Surroundings<BANDS>) {
         let fineness = (self.plan.options.gathering.noise / FINE_NOISE).clamp(0.5, 1.0);
         let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS * fineness };
         let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
-        let ways: Vec<Way> = (0..look.hemisphere.len()).map(|cell| self.way(place, look, cell)).collect();
-        let seen: Vec<Gathered<BANDS>> = ways.iter().map(|way| self.look(place, way.direction, way.sampler)).collect();
-        let seen = self.look_out(place, look, &ways, seen);
-        Record::new(place.point, place.normal, look.hemisphere, &seen, &limits)
+        let around = self.glance_around(place, look);
+        let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
+        (record.resting_on(around.rays), around)
     }
 
     /// By which way to look through a cell of the hemisphere.
@@ -199,7 +207,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cut,
             cut_beyond: cut,
             follows_no_diffuse: false,
-            direct_view: false,
+            direct_view: true,
             node: NodeId::NONE,
         });
         let distance = self.first_distance();

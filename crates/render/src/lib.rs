@@ -12,6 +12,7 @@ mod bands;
 mod beam;
 mod beyond;
 mod bodies;
+mod bright_places;
 mod cast;
 mod compile;
 mod compile_scatter;

@@ -1,5 +1,7 @@
-//! Sending rays that look for diffuse surroundings towards openings.
+//! Sending rays that look for diffuse surroundings to where light is expected.
 
+use crate::beyond::luminance;
+use crate::bright_places::{BRIGHT, BrightPlace, BrightView};
 use crate::gather::{Look, Place, Way};
 use crate::openings::Outlook;
 use crate::plan::RenderPlan;
@@ -9,7 +11,7 @@ use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_irradiance::{Gathered, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::FRAC_1_PI;
 
 /// Of rays that are drawn one by one.
 const OUTWARD_CHANCE: f64 = 0.5;
@@ -19,6 +21,14 @@ const OUTWARD_SHARE: f64 = 0.25;
 
 /// Rays towards openings are numbered apart from the others.
 const OUTWARD_SEED: u64 = 0x6f75_7477_6172;
+const BRIGHT_SEED: u64 = 0x6272_6967_6874;
+const SHIFT_SEED: u64 = 0x7368_6966_7400;
+
+/// What is seen at less than this cosine is not told from what is seen at it.
+const GRAZING: f64 = 0.05;
+
+/// So many numbers are kept for each look's rays towards bright places.
+const MOST_BRIGHT: u64 = 1 << 12;
 
 impl Outlook<'_> {
     /// The density of a single ray that is drawn by the cosine, with `diffuse_density`, or towards an opening, 1/sr.
@@ -53,40 +63,127 @@ impl<const BANDS: usize> LitPoint<'_, BANDS> {
     }
 }
 
+/// The ways by which rays are sent from a place to look around, and how many go each.
+struct Aims<'p> {
+    /// By the cosine.
+    around: f64,
+    /// Towards openings.
+    outward: f64,
+    outlook: Option<Outlook<'p>>,
+    bright: Option<BrightView<'p>>,
+}
+
+impl Aims<'_> {
+    /// The share of a ray's own density, of rays by the cosine, in that of all rays that go its way.
+    fn balance(&self, way: &Way) -> f64 {
+        let by_cosine = self.around * FRAC_1_PI;
+        let outlook = self.outlook.as_ref().map_or(0.0, |outlook| outlook.density(way.direction) / way.local.z);
+        let bright = self.bright.as_ref().map_or(0.0, |bright| bright.density(way.local));
+        by_cosine / (by_cosine + self.outward * outlook + bright)
+    }
+}
+
+/// A ray that has looked.
+#[derive(Clone, Copy, Debug)]
+struct Glance<const BANDS: usize> {
+    cell: usize,
+    way: Way,
+    /// With which its radiance counts in its cell.
+    weight: f64,
+    found: Gathered<BANDS>,
+    /// How far away what it found appears.
+    distance: f64,
+}
+
 impl<const BANDS: usize> Tracer<'_, BANDS> {
-    /// Adds rays towards openings to those that have looked around from a place by these ways, each in the cell of the hemisphere into which it goes.
-    pub(crate) fn look_out(
-        &mut self,
-        place: &Place<BANDS>,
-        look: &Look<'_>,
-        ways: &[Way],
-        mut seen: Vec<Gathered<BANDS>>,
-    ) -> Vec<Gathered<BANDS>> {
-        let Some(outlook) = self.plan.openings.seen_from(place.point, place.normal) else { return seen };
+    /// What is seen from a place in each cell of the hemisphere, and what was bright. Rays go through each cell, and others where light is expected; each counts in the cell
+    /// into which it goes.
+    pub(crate) fn glance_around(&mut self, place: &Place<BANDS>, look: &Look<'_>) -> Surroundings<BANDS> {
+        let around = look.hemisphere.len();
+        let outlook = self.plan.openings.seen_from(place.point, place.normal);
+        let aims = Aims {
+            around: around as f64,
+            outward: if outlook.is_some() { (OUTWARD_SHARE * around as f64).ceil() } else { 0.0 },
+            outlook,
+            bright: look.bright.seen_from(place.point, place.normal, around as f64),
+        };
+        let ways: Vec<Way> = (0..around).map(|cell| self.way(place, look, cell)).collect();
+        let mut glances: Vec<Glance<BANDS>> =
+            ways.iter().enumerate().map(|(cell, way)| self.glance(place, (cell, way), &aims)).collect();
+        for way in self.further_ways(place, look, &aims) {
+            let cell = look.hemisphere.cell(way.local);
+            glances.push(self.glance(place, (cell, &way), &aims));
+        }
+        Surroundings::new(place, around, &glances)
+    }
+
+    /// The ways that lead towards where light is expected.
+    fn further_ways(&self, place: &Place<BANDS>, look: &Look<'_>, aims: &Aims<'_>) -> Vec<Way> {
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
-        let around = look.hemisphere.len() as f64;
-        let outward = (OUTWARD_SHARE * around).ceil();
-        let density =
-            |local: DVec3, direction: DVec3| around * local.z * FRAC_1_PI + outward * outlook.density(direction);
-        for (way, gathered) in ways.iter().zip(&mut seen) {
-            let share = around * way.local.z * FRAC_1_PI / density(way.local, way.direction);
-            gathered.radiance = gathered.radiance.map(|band| band * share);
-        }
-        let seed = self.plan.options.seed ^ OUTWARD_SEED;
-        for draw in 0..outward as u64 {
-            let sampler = RaySampler::new(seed, look.number.wrapping_mul(outward as u64).wrapping_add(draw));
-            let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
-            let Some(direction) = outlook.draw([choice, u, v]) else { continue };
-            let local = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
-            if local.z <= 0.0 {
-                continue;
+        let sampler = |seed: u64, most: u64, draw: u64| {
+            RaySampler::new(self.plan.options.seed ^ seed, look.number.wrapping_mul(most).wrapping_add(draw))
+        };
+        let outward = aims.outlook.iter().flat_map(|outlook| {
+            (0..aims.outward as u64).filter_map(|draw| {
+                let sampler = sampler(OUTWARD_SEED, aims.outward as u64, draw);
+                let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
+                let direction = outlook.draw([choice, u, v])?;
+                let local = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
+                (local.z > 0.0).then_some(Way { local, direction, sampler })
+            })
+        });
+        let bright = aims.bright.iter().flat_map(|bright| {
+            let [shift, ..] = sampler(SHIFT_SEED, 1, 0).take(DimensionSet::CAMERA);
+            (0..bright.rays()).map(move |draw| {
+                let sampler = sampler(BRIGHT_SEED, MOST_BRIGHT, u64::from(draw));
+                let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
+                let local = bright.draw(draw, shift, [u, v]);
+                let direction = (x * local.x + y * local.y + z * local.z).normalize();
+                Way { local, direction, sampler }
+            })
+        });
+        outward.chain(bright).collect()
+    }
+
+    fn glance(&mut self, place: &Place<BANDS>, (cell, way): (usize, &Way), aims: &Aims<'_>) -> Glance<BANDS> {
+        let found = self.look(place, way.direction, way.sampler);
+        let seen = self.effective_distance();
+        // The sky appears where the way to it is free.
+        let distance = if seen.is_finite() { seen } else { found.distance };
+        Glance { cell, way: *way, weight: aims.balance(way), found, distance }
+    }
+}
+
+/// What is seen around a place.
+#[derive(Debug)]
+pub(crate) struct Surroundings<const BANDS: usize> {
+    /// One a cell of the hemisphere.
+    pub(crate) cells: Vec<Gathered<BANDS>>,
+    pub(crate) bright: Vec<BrightPlace>,
+    /// Rays that looked.
+    pub(crate) rays: usize,
+}
+
+impl<const BANDS: usize> Surroundings<BANDS> {
+    /// The first `around` glances are one a cell.
+    fn new(place: &Place<BANDS>, around: usize, glances: &[Glance<BANDS>]) -> Self {
+        let mut cells: Vec<_> = glances[..around].iter().map(|glance| glance.found).collect();
+        cells.iter_mut().for_each(|cell| cell.radiance = [0.0; BANDS]);
+        for glance in glances {
+            for (sum, radiance) in cells[glance.cell].radiance.iter_mut().zip(glance.found.radiance) {
+                *sum += glance.weight * radiance;
             }
-            let found = self.look(place, direction, sampler);
-            // A cell counts with its share of the projected solid angle π.
-            let weight = local.z / density(local, direction) * around / PI;
-            let cell = &mut seen[look.hemisphere.cell(local)];
-            cell.radiance = std::array::from_fn(|band| cell.radiance[band] + weight * found.radiance[band]);
         }
-        seen
+        let total: f64 = cells.iter().map(|cell| luminance(&cell.radiance)).sum();
+        let bright = |glance: &Glance<BANDS>| {
+            let radiance = luminance(&glance.found.radiance);
+            let is_bright = radiance * around as f64 > BRIGHT * total && glance.distance.is_finite();
+            let squared = glance.distance * glance.distance;
+            is_bright.then(|| BrightPlace {
+                position: place.point + glance.way.direction * glance.distance,
+                power: radiance * glance.weight / total * squared / glance.way.local.z.max(GRAZING),
+            })
+        };
+        Surroundings { bright: glances.iter().filter_map(bright).collect(), rays: glances.len(), cells }
     }
 }

@@ -1,6 +1,8 @@
 //! Gathering irradiance before the picture is made, where its rays will want it.
 
+use crate::bright_places::BrightPlaces;
 use crate::gather::{Caches, Look, Place, Survey};
+use crate::look_out::Surroundings;
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
@@ -23,12 +25,15 @@ const MOST_RAYS_OF_FEW: usize = 1 << 23;
 /// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
 const FIRST_SHARE: usize = 16;
 
+/// The first places do so with more, this share of them, to know what is bright.
+const FIRST_PLACES_SHARE: usize = 2;
+
 /// But with at least so many, which say how far away things are.
 const FEWEST_RAYS: usize = 32;
 
 /// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
 /// is usual, as many times as that is less. It rests on fewer, this share of them at least, where more noise is allowed than this.
-const MOST_FURTHER: f64 = 8.0;
+const MOST_FURTHER: f64 = 4.0;
 const LEAST_RAYS: f64 = 0.25;
 const COARSE_NOISE: f64 = 0.02;
 const USUAL_NOISE: f64 = 0.03;
@@ -96,16 +101,16 @@ pub(crate) fn gather<const BANDS: usize>(
     rays: &[Option<Ray>],
     spread: Spread,
 ) -> usize {
-    let GatheredIrradiance { seen, beyond } = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    let GatheredIrradiance { seen, beyond, bright } = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
     if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
         let looks = SampleLooks::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
-        beyond.gather(plan, [None; 2], looks.len(), |cache, order| looks.survey(plan, cache, order));
+        beyond.gather(plan, ([None; 2], bright), looks.len(), |cache, order| looks.survey(plan, cache, order));
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather(plan, caches, rays.len(), |cache, order| survey(plan, cache, rays, order, spread));
+    seen.gather(plan, (caches, bright), rays.len(), |cache, order| survey(plan, cache, rays, order, spread));
     seen.cache.len() - before
 }
 
@@ -115,6 +120,8 @@ pub(crate) struct GatheredIrradiance<const BANDS: usize> {
     seen: Level<BANDS>,
     /// Coarser, since it counts only as a mean over many places. Paths from these places are followed ray by ray.
     beyond: Level<BANDS>,
+    /// What was found bright from either.
+    bright: BrightPlaces,
 }
 
 /// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
@@ -125,8 +132,9 @@ struct Level<const BANDS: usize> {
     noise: f64,
     /// Where each record looked around.
     places: Vec<Place<BANDS>>,
-    /// The hemisphere of a first look.
+    /// The hemisphere of a look, and that of the first places.
     hemisphere: Hemisphere,
+    first_hemisphere: Hemisphere,
     /// Rays spent so far, and how many may be.
     rays: usize,
     budget: usize,
@@ -141,6 +149,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         GatheredIrradiance {
             seen: Level::new(plan, limits, noise, 0),
             beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
+            bright: BrightPlaces::default(),
         }
     }
 
@@ -165,9 +174,10 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
 impl<const BANDS: usize> Level<BANDS> {
     fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
         let wanted = plan.options.gathering.rays();
-        let hemisphere = Hemisphere::with_divisions((wanted / FIRST_SHARE).max(FEWEST_RAYS.min(wanted)));
+        let divided = |share: usize| Hemisphere::with_divisions((wanted / share).max(FEWEST_RAYS.min(wanted)));
+        let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_PLACES_SHARE));
         let cache = Cache::new(limits);
-        Level { cache, noise, places: Vec::new(), hemisphere, rays: 0, budget: 0, looks: first_look }
+        Level { cache, noise, places: Vec::new(), hemisphere, first_hemisphere, rays: 0, budget: 0, looks: first_look }
     }
 
     /// How many rays may look around for these.
@@ -185,7 +195,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn gather(
         &mut self,
         plan: &RenderPlan,
-        caches: Caches<'_, BANDS>,
+        (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         count: usize,
         survey: impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
     ) {
@@ -196,12 +206,12 @@ impl<const BANDS: usize> Level<BANDS> {
                 self.cache.shorten_reaches();
             }
             let known = self.cache.len();
-            self.fill(plan, caches, count, &survey);
+            self.fill(plan, (caches, bright), count, &survey);
             if self.cache.len() == known {
                 break;
             }
             self.settle();
-            if plan.has_caustics && self.look_again(plan, caches, before) > 0 {
+            if plan.has_caustics && self.look_again(plan, (caches, bright), before) > 0 {
                 self.settle();
             }
         }
@@ -209,7 +219,7 @@ impl<const BANDS: usize> Level<BANDS> {
             return;
         }
         for _ in 0..FURTHER_ROUNDS {
-            if self.look_again(plan, caches, before) == 0 {
+            if self.look_again(plan, (caches, bright), before) == 0 {
                 break;
             }
             self.settle();
@@ -221,7 +231,7 @@ impl<const BANDS: usize> Level<BANDS> {
     fn fill(
         &mut self,
         plan: &RenderPlan,
-        caches: Caches<'_, BANDS>,
+        (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         count: usize,
         survey: &impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
     ) {
@@ -236,7 +246,12 @@ impl<const BANDS: usize> Level<BANDS> {
                     .filter(|place| !place.is_covered(&self.cache))
                     .map(|place| (place.clone(), place.next_stratum(&self.cache)))
                     .collect();
-                let records = self.look_around(plan, caches, &uncovered);
+                let (is_first, knew) = (self.places.is_empty(), !bright.is_empty());
+                let mut records = self.look_around(plan, (caches, bright), &uncovered);
+                if is_first && !knew && !bright.is_empty() {
+                    // By chance these saw more or less of what is bright: now that it is known they see it again.
+                    records = self.look_around(plan, (caches, bright), &uncovered);
+                }
                 for ((place, stratum), record) in uncovered.into_iter().zip(records) {
                     self.cache.insert(record, stratum);
                     self.places.push(place);
@@ -248,7 +263,7 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
-    fn look_again(&mut self, plan: &RenderPlan, caches: Caches<'_, BANDS>, first: usize) -> usize {
+    fn look_again(&mut self, plan: &RenderPlan, known: (Caches<'_, BANDS>, &mut BrightPlaces), first: usize) -> usize {
         let typical = self.cache.typical();
         let missing: Vec<usize> =
             (first..self.cache.len()).map(|index| self.looks_missing(plan, index, typical)).collect();
@@ -264,7 +279,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 again.push((self.places[index].clone(), self.cache.take_stratum(index)));
             }
         }
-        let records = self.look_around(plan, caches, &again);
+        let records = self.look_around(plan, known, &again);
         for (index, record) in weak.iter().zip(records) {
             self.cache.add(*index, &record);
         }
@@ -286,23 +301,34 @@ impl<const BANDS: usize> Level<BANDS> {
     fn look_around(
         &mut self,
         plan: &RenderPlan,
-        caches: Caches<'_, BANDS>,
+        (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         places: &[(Place<BANDS>, usize)],
     ) -> Vec<Record<BANDS>> {
-        let (first, limits, hemisphere) = (self.looks, self.cache.limits(), &self.hemisphere);
-        self.looks += places.len() as u64;
-        self.rays += places.len() * hemisphere.len();
-        places
+        let is_first = self.places.is_empty() && bright.is_empty();
+        let hemisphere = if is_first { &self.first_hemisphere } else { &self.hemisphere };
+        let (first, limits, known) = (self.looks, self.cache.limits(), &*bright);
+        let looked: Vec<_> = places
             .par_iter()
             .enumerate()
             .map_init(
                 || Tracer::new(plan, caches),
                 |tracer, (index, (place, stratum))| {
-                    let look = Look { hemisphere, stratum: Some(*stratum), number: first + index as u64 };
+                    let number = first + index as u64;
+                    let look = Look { hemisphere, stratum: Some(*stratum), number, bright: known };
                     tracer.look_around(place, &look, limits)
                 },
             )
-            .collect()
+            .collect();
+        self.looks += places.len() as u64;
+        self.rays += looked.iter().map(|(_, around)| around.rays).sum::<usize>();
+        let record =
+            |((place, _), (record, around)): (&(Place<BANDS>, usize), (Record<BANDS>, Surroundings<BANDS>))| {
+                bright.note(place.point, place.normal, around.bright);
+                record
+            };
+        let records = places.iter().zip(looked).map(record).collect();
+        bright.sort_in();
+        records
     }
 
     /// Fits the irradiance to what is known by now.
@@ -375,7 +401,8 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
                 |tracer, index| {
                     tracer.survey = Some(Survey { places: Vec::new(), spread: self.spread });
                     let number = (index / cells) as u64;
-                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number };
+                    let bright = &BrightPlaces::default();
+                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number, bright };
                     let way = tracer.way(&self.from[index / cells], &look, index % cells);
                     let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
                     tracer.survey.take().map(|survey| survey.places).unwrap_or_default()

@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, plan};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Spread, Unshared};
+use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Spread, Traced, Unshared};
 use std::f64::consts::PI;
 
 /// An integrating sphere: a small light in the middle of a diffuse bubble.
@@ -111,6 +111,42 @@ fn a_single_ray_looks_around_with_all_its_rays() {
     // All but the light's disk is wall.
     let wall = PI * 100.0 * (0.1f64 / 2.0).powi(2) * 0.5 * (1.0 - (0.1f64 / 1.5).powi(2));
     assert!((traced.value[0] / (direct + wall) - 1.0).abs() < 0.01, "{} against {}", traced.value[0], direct + wall);
+}
+
+#[test]
+fn what_is_small_and_bright_is_looked_for_where_it_was_found() {
+    // A glowing ball that fills less than a three-thousandth of what the floor sees, under a dim sky.
+    let (radius, height, radiance, sky) = (0.05, 3.0, 100.0, 0.05);
+    let mut scene = Builder::default();
+    let white = scene.plastic([1.0; 3], 0.0, 0.0);
+    let lamp = scene.glow([radiance; 3], 0.0);
+    let dim = scene.glow([sky; 3], 0.0);
+    let ball = |radius: f64, height: f64, facing| Sphere { center: DVec3::new(0.0, 0.0, height), radius, facing };
+    scene.sphere(dim, ball(50.0, 0.0, Facing::Inward));
+    scene.sphere(lamp, ball(radius, height, Facing::Outward));
+    let floor = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+    scene.polygon(white, &floor);
+    let rays: Vec<_> = (0..2048)
+        .map(|index| {
+            let [x, y] = [0.754_877_666, 0.569_840_291].map(|step| 3.9 * (f64::from(index) * step).fract() - 1.95);
+            Ray::new(DVec3::new(x, y, 1.0), -DVec3::Z)
+        })
+        .collect();
+    let mut renderer = renderer(&scene, options(1, 0.1));
+    renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+    let error = |(ray, traced): (&Option<Ray>, Option<Traced>)| {
+        let (ray, traced) = (ray.expect("a ray"), traced.expect("an answer"));
+        let squared = ray.origin.truncate().length_squared() + height * height;
+        let ball = radius * radius * (height / squared.sqrt()) / squared;
+        let expected = (radiance - sky) * ball + sky;
+        traced.value[0] / expected - 1.0
+    };
+    let errors: Vec<f64> = rays.iter().zip(renderer.trace_all(0, &rays)).map(error).collect();
+    let count = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / count;
+    let rms = (errors.iter().map(|error| error * error).sum::<f64>() / count).sqrt();
+    // Rays that do not know where it is leave a quarter.
+    assert!(mean.abs() < 0.06 && rms < 0.1, "{mean} in the mean, {rms} rms");
 }
 
 #[test]

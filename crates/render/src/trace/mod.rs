@@ -228,6 +228,11 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
     }
 
+    /// How far away what is seen appears, through plane mirrors and panes; infinite for none.
+    pub(crate) fn effective_distance(&self) -> f64 {
+        self.effective_distance
+    }
+
     /// Puts the ray in hand aside, for others to be followed in between.
     pub(crate) fn set_aside(&mut self) -> SetAside<BANDS> {
         SetAside {

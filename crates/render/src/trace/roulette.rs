@@ -14,7 +14,7 @@ const ROULETTE_SHARE: f64 = 0.25;
 
 /// Other rays may be the narrow view of a light, thousands of times as bright as what is around. One that was kept by chance shows it so many times as bright again as
 /// the chance was small: these paths end later.
-const ROULETTE_SHARE_OF_VIEWS: f64 = 0.01;
+const ROULETTE_SHARE_OF_VIEWS: f64 = 0.05;
 
 /// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
 const MAX_DEPTH: u32 = 4096;
