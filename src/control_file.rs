@@ -19,8 +19,12 @@ pub(crate) fn is_option(word: &str) -> bool {
     matches!(word, "-P" | "-PP")
 }
 
-/// Keeps a command line, of which the first word is the program's name.
-pub(crate) fn keep(path: &str, words: &[String]) -> Outcome {
+/// Keeps a command line that names scenes, of which the first word is the program's name; where it names none, gives the one that was kept.
+pub(crate) fn keep_or_recall(path: &str, words: &[String], scenes: &[String]) -> Result<Option<Vec<String>>, Failure> {
+    if scenes.is_empty() { recall(path, &words[0]).map(Some) } else { keep(path, words).map(|()| None) }
+}
+
+fn keep(path: &str, words: &[String]) -> Outcome {
     read(path)?;
     if let Some(word) = words.iter().find(|word| word.contains('\n')) {
         return Err(Failure::usage(format!("control file \"{path}\": \"{word}\" has more than one line")));
@@ -29,8 +33,7 @@ pub(crate) fn keep(path: &str, words: &[String]) -> Outcome {
     write_file(path, text.as_bytes())
 }
 
-/// The command line that was kept.
-pub(crate) fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
+fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
     let wrong = |what: String| Failure::input(format!("control file \"{path}\": {what}"));
     let text = read(path)?.ok_or_else(|| {
         Failure::usage(format!("{program}: no scene is named, and control file \"{path}\" holds no command line yet"))

@@ -119,12 +119,10 @@ impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words)?;
-        match options.control_file.clone() {
-            Some(file) if !options.print_defaults && options.scenes.is_empty() => {
-                options = Options::parse_once(&control_file::recall(&file, "rpict")?)?;
-            }
-            Some(file) if !options.print_defaults => control_file::keep(&file, words)?,
-            _ => {}
+        if let Some(file) = options.control_file.as_deref().filter(|_| !options.print_defaults)
+            && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
+        {
+            options = Options::parse_once(&kept)?;
         }
         options.share_error();
         if options.scenes.is_empty() {

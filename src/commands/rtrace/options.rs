@@ -160,12 +160,10 @@ impl Options {
         if options.print_defaults {
             return Ok(options);
         }
-        match options.control_file.clone() {
-            Some(file) if options.scenes.is_empty() => {
-                options = Options::parse_once(&control_file::recall(&file, "rtrace")?)?;
-            }
-            Some(file) => control_file::keep(&file, words)?,
-            None => {}
+        if let Some(file) = &options.control_file
+            && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
+        {
+            options = Options::parse_once(&kept)?;
         }
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
