@@ -3,6 +3,7 @@
 mod falsecolor;
 mod files;
 mod getinfo;
+mod packing;
 mod pcomb;
 mod pcompos;
 mod pcond;

@@ -2,19 +2,13 @@
 //! in one file, all are written, each to a file of its own where `%d` in the output stands for its number, or `-n` alone.
 
 use super::files::{Source, failed, open_picture, put_file};
+use super::packing::Packing;
 use super::raster::stops;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::file_pattern;
 use radsight_picture::{Encoding, Header, PictureError, PictureReader, PictureWriter};
 use radsight_picture_tools::gamma::shifted;
-
-/// How scanlines are written.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Packing {
-    Flat,
-    RunLengths,
-}
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
@@ -101,10 +95,7 @@ impl Options {
             for _ in 0..resolution.scanlines() {
                 reader.read_pixels(&mut pixels).map_err(wrong)?;
                 pixels.iter_mut().for_each(|pixel| *pixel = shifted(*pixel, self.exposure));
-                match self.packing {
-                    Packing::Flat => writer.write_flat(pixels.as_flattened()).map_err(wrong)?,
-                    Packing::RunLengths => writer.write_stored(pixels.as_flattened()).map_err(wrong)?,
-                }
+                self.packing.write(&mut writer, pixels.as_flattened()).map_err(wrong)?;
             }
             writer.finish().map_err(wrong)
         })

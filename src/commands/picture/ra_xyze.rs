@@ -2,18 +2,12 @@
 //! `-u` ask for run-lengths or none.
 
 use super::files::{failed, open_picture, put_file};
+use super::packing::Packing;
 use super::raster::rows_of;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, PictureWriter, RgbPrimaries, WHITE_EFFICACY, encode_rgbe, xyz_to_rgb};
 use radsight_spectrum::xyz_of_whole_bands;
-
-/// How scanlines are written.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Packing {
-    Flat,
-    RunLengths,
-}
 
 struct Options {
     to_rgb: bool,
@@ -116,10 +110,7 @@ fn convert(options: &Options, words: &Words<'_>) -> Outcome {
                     encode_rgbe(value.map(|part| (f64::from(part) * factor) as f32))
                 })
                 .collect();
-            match packing {
-                Packing::Flat => writer.write_flat(&stored).map_err(wrong)?,
-                Packing::RunLengths => writer.write_stored(&stored).map_err(wrong)?,
-            }
+            packing.write(&mut writer, &stored).map_err(wrong)?;
         }
         writer.finish().map_err(wrong)
     })
