@@ -505,6 +505,14 @@ fn a_wrong_option_is_named() {
         (&["pfilt", "-q"][..], "radsight: pfilt: option \"-q\" is unknown"),
         (&["pfilt", "-x"], "radsight: pfilt: option \"-x\" ends the command line"),
         (&["pfilt", "-r", "wide"], "radsight: pfilt: option \"-r\" is followed by \"wide\", expected a number"),
+        (
+            &["ra_bmp", "-p", ".64", "green"],
+            "radsight: ra_bmp: option \"-p\" is followed by \"green\", expected eight numbers: x and y of red",
+        ),
+        (
+            &["pcond", "-p", ".64", ".33"],
+            "radsight: pcond: option \"-p\" ends the command line, expected eight numbers: x and y of red",
+        ),
         (&["pvalue", "-dq"], "radsight: pvalue: option \"-dq\" is unknown"),
     ] {
         let run = run_with(&mut command(words), b"");

@@ -1,7 +1,7 @@
 //! Command lines as Radiance's programs read them: options of one letter or a few, each with its values after it.
 
 use crate::failure::Failure;
-use radsight_picture::leading_number;
+use radsight_picture::{RgbPrimaries, leading_number};
 
 /// The words of a command line, taken one after another.
 #[derive(Clone, Debug)]
@@ -56,14 +56,29 @@ impl<'a> Words<'a> {
         Ok(self.number(option)? as i64)
     }
 
+    /// The primaries after an option: x and y of red, green, blue and white.
+    pub(crate) fn primaries(&mut self, option: &str) -> Result<RgbPrimaries, Failure> {
+        const EXPECTED: &str = "eight numbers: x and y of red, green, blue and white";
+        let mut chromaticities = [0.0; 8];
+        for chromaticity in &mut chromaticities {
+            let word = self.value(option, EXPECTED)?;
+            *chromaticity = self.parsed(word, option, EXPECTED)?;
+        }
+        Ok(RgbPrimaries::from_array(chromaticities))
+    }
+
     /// The number that a word is.
     pub(crate) fn number_in(&self, word: &str, option: &str) -> Result<f64, Failure> {
+        self.parsed(word, option, "a number")
+    }
+
+    fn parsed(&self, word: &str, option: &str, expected: &str) -> Result<f64, Failure> {
         let (number, used) = leading_number(word.as_bytes());
         if used > 0 && word[used..].trim().is_empty() && number.is_finite() {
             return Ok(number);
         }
         let program = self.program();
-        Err(Failure::usage(format!("{program}: option \"{option}\" is followed by \"{word}\", expected a number")))
+        Err(Failure::usage(format!("{program}: option \"{option}\" is followed by \"{word}\", expected {expected}")))
     }
 
     /// The words that are left.

@@ -11,7 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{check_writable, write_file};
 use crate::switch::switched;
-use radsight_picture::{RgbPrimaries, leading_number, scientific};
+use radsight_picture::{leading_number, scientific};
 use radsight_picture_tools::condition::{
     Adaptation, ColorWarp, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram,
     condition,
@@ -125,13 +125,7 @@ impl Typed {
                 let factor = if word.starts_with(['+', '-']) { 2f64.powf(number) } else { number };
                 self.options.exposure = Exposure::Factor(factor);
             }
-            "-p" => {
-                let mut numbers = [0.0; 8];
-                for number in &mut numbers {
-                    *number = words.number(option)?;
-                }
-                self.show_with(Device::Primaries(RgbPrimaries::from_array(numbers)))?;
-            }
+            "-p" => self.show_with(Device::Primaries(words.primaries(option)?))?,
             "-f" => {
                 let path = words.value(option, "a file that macbethcal wrote")?;
                 let bytes = read_file(path, "calibration")?;

@@ -116,13 +116,7 @@ impl Options {
             "r" => self.reverse = on,
             "n" => self.interleaved = !on,
             "b" => self.layout.part = if on { Part::Brightness } else { Part::All },
-            "p" => {
-                let mut numbers = [0.0; 8];
-                for number in &mut numbers {
-                    *number = words.number(option)?;
-                }
-                self.primaries = Some(RgbPrimaries::from_array(numbers));
-            }
+            "p" => self.primaries = Some(words.primaries(option)?),
             name if name.starts_with("pr") || name.starts_with("pR") => self.layout.part = Part::Component(0),
             name if name.starts_with("pg") || name.starts_with("pG") => self.layout.part = Part::Component(1),
             name if name.starts_with("pb") || name.starts_with("pB") => self.layout.part = Part::Component(2),

@@ -37,13 +37,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
                 let number = words.number_in(word, option)?;
                 options.exposure = if word.starts_with(['+', '-']) { 2f64.powf(number) } else { number };
             }
-            "-p" => {
-                let mut numbers = [0.0; 8];
-                for number in &mut numbers {
-                    *number = words.number(option)?;
-                }
-                options.primaries = RgbPrimaries::from_array(numbers);
-            }
+            "-p" => options.primaries = words.primaries(option)?,
             _ => return Err(words.unknown(option, "-r -o -e -c -u or -p")),
         }
     }

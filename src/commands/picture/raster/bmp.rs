@@ -26,13 +26,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             "-g" => gamma = words.number(option)?,
             "-e" => exposure = stops(&mut words, option)?,
             "-r" => direction = Direction::ToRadiance,
-            "-p" => {
-                let mut numbers = [0.0; 8];
-                for number in &mut numbers {
-                    *number = words.number(option)?;
-                }
-                primaries = Some(RgbPrimaries::from_array(numbers));
-            }
+            "-p" => primaries = Some(words.primaries(option)?),
             _ => return Err(words.unknown(option, "-r -b -g -e or -p")),
         }
     }
