@@ -222,12 +222,8 @@ impl Interpolation {
             self.fill_holes(reach, None);
         }
         let (color, depth) = self.options.background;
-        for at in 0..self.depths.len() {
-            if self.depths[at] <= 0.0 {
-                self.fill(at, Filling { color, depth: f64::from(depth) });
-            }
-        }
-        self.clip();
+        let background = Filling { color, depth: f64::from(depth) };
+        self.fill_rest(|_| background);
     }
 
     /// Fills what no pixel covers and is not filled from around with what is found at a place of the view (`-fr`), and clips what is beyond the aft plane.
@@ -235,9 +231,14 @@ impl Interpolation {
         if let Some(reach) = self.options.fills_holes {
             self.fill_holes(reach, Some(&mut find));
         }
+        self.fill_rest(find);
+    }
+
+    /// Fills what is still empty, and clips.
+    fn fill_rest(&mut self, mut filling: impl FnMut([f64; 2]) -> Filling) {
         for at in 0..self.depths.len() {
             if self.depths[at] <= 0.0 {
-                self.fill(at, find(self.place(at)));
+                self.fill(at, filling(self.place(at)));
             }
         }
         self.clip();
