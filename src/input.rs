@@ -7,11 +7,11 @@ use crate::plugins::{Models, PluginOptions, report_faults};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_ir::{Material, ModifierKind, Scene, ValidScene};
+use radsight_ir::{Material, Modifier, ModifierKind, Scene, ValidScene};
 use radsight_loader::Loader;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
-use radsight_render::{NoModels, RenderOptions, RenderPlan};
+use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan};
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::process::{Command, Stdio};
@@ -151,8 +151,17 @@ pub(crate) struct Planned {
 
 /// What is to be said when all rays were traced: what plugins did wrongly, and the error of a material that cannot be used.
 pub(crate) fn conclude(plan: &RenderPlan, registry: Option<&Registry>, sources: &SourceMap) -> Outcome {
+    conclude_all([plan], registry, sources)
+}
+
+/// The same of several plans for one scene.
+pub(crate) fn conclude_all<'p>(
+    plans: impl IntoIterator<Item = &'p RenderPlan>,
+    registry: Option<&Registry>,
+    sources: &SourceMap,
+) -> Outcome {
     report_faults(registry);
-    match plan.unusable_met() {
+    match plans.into_iter().find_map(RenderPlan::unusable_met) {
         Some(error) => Err(Failure::diagnostics(&[error], sources)),
         None => Ok(()),
     }
@@ -178,20 +187,41 @@ pub(crate) fn plan_changed(
 ) -> Result<Planned, Failure> {
     let inputs = scene_inputs(paths, camera)?;
     let (scene, sources) = valid_scene(inputs, reading, change)?;
-    let has_plugins = scene
-        .modifiers
-        .items()
-        .iter()
-        .any(|modifier| matches!(modifier.kind, ModifierKind::Material(Material::Plugin { .. })));
-    let failed = |errors: Vec<Diagnostic>| Failure::diagnostics(&errors, &sources);
-    if !has_plugins {
-        let plan = RenderPlan::new(scene, render_options, &NoModels).map_err(failed)?;
-        return Ok(Planned { plan, registry: None, sources });
-    }
-    let models = Models::new(&reading.plugin_options(), paths, &sources);
-    let plan = RenderPlan::new(scene, render_options, &models).map_err(failed)?;
-    let registry = Some(models.into_registry());
+    let planner = Planner::new(&scene, paths, reading, &sources);
+    let plan = planner.plan(scene, render_options)?;
+    let registry = planner.models.map(Models::into_registry);
     Ok(Planned { plan, registry, sources })
+}
+
+/// Reads and validates a scene, for plans that a [`Planner`] makes. Warnings are printed, errors end the work.
+pub(crate) fn read_valid_scene(paths: &[String], reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {
+    valid_scene(scene_inputs(paths, None)?, reading, |_| Ok(()))
+}
+
+/// Plans renderings of a scene, all with the same plugins.
+pub(crate) struct Planner<'s> {
+    /// Where a material of the scene is a plugin's.
+    models: Option<Models<'s>>,
+    sources: &'s SourceMap,
+}
+
+impl<'s> Planner<'s> {
+    pub(crate) fn new(scene: &Scene, paths: &[String], reading: &Reading, sources: &'s SourceMap) -> Planner<'s> {
+        let is_plugin = |modifier: &Modifier| matches!(modifier.kind, ModifierKind::Material(Material::Plugin { .. }));
+        let has_plugins = scene.modifiers.items().iter().any(is_plugin);
+        let models = has_plugins.then(|| Models::new(&reading.plugin_options(), paths, sources));
+        Planner { models, sources }
+    }
+
+    pub(crate) fn plan(&self, scene: ValidScene, options: RenderOptions) -> Result<RenderPlan, Failure> {
+        let models: &dyn ModelSource = self.models.as_ref().map_or(&NoModels, |models| models);
+        RenderPlan::new(scene, options, models).map_err(|errors| Failure::diagnostics(&errors, self.sources))
+    }
+
+    /// The plugins in use, to be asked for their faults in the end.
+    pub(crate) fn registry(&self) -> Option<&Registry> {
+        self.models.as_ref().map(Models::registry)
+    }
 }
 
 fn valid_scene(

@@ -7,7 +7,7 @@ use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck, 
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_render::{ModelRequest, ModelSource};
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,6 +54,8 @@ pub(crate) struct Models<'s> {
     folder: PathBuf,
     /// What was said already: a model may be made twice, for three bands and for one.
     said: RefCell<BTreeSet<String>>,
+    /// The models by all that they were made of: several plans of a scene share them, and their faults are told together.
+    made: RefCell<BTreeMap<String, Arc<dyn Brdf>>>,
 }
 
 impl<'s> Models<'s> {
@@ -61,10 +63,15 @@ impl<'s> Models<'s> {
         let check = if options.strict { SelfCheck::Strict } else { SelfCheck::Warn };
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
         let registry = Registry::new(search_path(options, scenes), check);
-        Models { registry, sources, folder, said: RefCell::default() }
+        Models { registry, sources, folder, said: RefCell::default(), made: RefCell::default() }
     }
 
     /// The registry, which counts what plugins returned wrongly.
+    pub(crate) fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// The registry alone.
     pub(crate) fn into_registry(self) -> Registry {
         self.registry
     }
@@ -86,6 +93,10 @@ impl ModelSource for Models<'_> {
             }
             None => String::new(),
         };
+        let key = format!("{request:?}");
+        if let Some(brdf) = self.made.borrow().get(&key) {
+            return Ok(Arc::clone(brdf));
+        }
         let label = Label { material: request.material.to_owned(), place };
         let bands: &[Band] = if request.bands == 1 { &[GREY_BAND] } else { &CHECK_BANDS };
         let made = self.registry.instantiate(&Request {
@@ -106,6 +117,7 @@ impl ModelSource for Models<'_> {
                 for warning in &made.warnings {
                     self.warn(&at(Diagnostic::warning(warning.clone()), Token::Model));
                 }
+                self.made.borrow_mut().insert(key, made.brdf.clone());
                 Ok(made.brdf)
             }
             Err(error) => Err(at(Diagnostic::error(error.to_string()), error.token()).maybe_hint(error.hint())),

@@ -2,6 +2,8 @@
 
 mod program;
 mod real_radiance;
+#[path = "../crates/brdf-host/tests/support/mod.rs"]
+mod support;
 
 use program::{Folder, Run, command, run_with};
 use real_radiance::Radiance;
@@ -130,6 +132,37 @@ fn a_light_has_the_irradiance_of_its_window() {
 }
 
 #[test]
+fn a_scene_on_standard_input_is_read_once() {
+    let folder = folder();
+    let window = "#@mkillum m=lit c=a l+ s=16 d=6\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n";
+    folder.file("lit.rad", window);
+    let from_files = ours(&folder, "-ab 0 outside.rad lamps.rad lit.rad < lit.rad").text();
+    std::fs::remove_file(folder.path("lit.dat")).expect("a data file is removed");
+    let mut program = command(&["mkillum", "-ab", "0", "-", "<", "lit.rad"]);
+    let scene = [OUTSIDE, LAMPS, window].concat();
+    let from_input = run_with(program.current_dir(folder.path("")), scene.as_bytes()).text();
+    let without_command = |text: &str| text.split_once('\n').map(|(_, rest)| rest.to_owned());
+    assert_eq!(without_command(&from_files), without_command(&from_input));
+    assert!(from_input.contains(" light lit"), "{from_input}");
+}
+
+#[test]
+fn faults_of_plugins_are_told_where_lights_are_looked_for() {
+    let folder = folder();
+    if support::c_plugin(&folder.path(""), "lambert.c", "torn", &["-DBROKEN_STATUS"]).is_none() {
+        return;
+    }
+    folder.file(
+        "facade.rad",
+        "void glass pane 0 0 3 .9 .9 .9\nvoid brdfplugin plaster 2 torn lambert 0 3 .5 .5 .5\nplaster polygon f 0 0 12 -6 -4 0 6 -4 0 6 -4 4 -6 -4 4\n",
+    );
+    folder.file("lit.rad", "#@mkillum l+ s=16 d=6\npane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n");
+    let run = ours(&folder, "-ab 0 facade.rad lamps.rad lit.rad < lit.rad");
+    assert_eq!(run.messages.matches("eval_pdf failed (internal fault)").count(), 1, "{}", run.messages);
+    run.done();
+}
+
+#[test]
 fn what_was_there_is_kept_and_what_is_named_is_replaced() {
     let folder = folder();
     let window = "pane polygon w 0 0 9 0 0 1 0 0 2 1 0 1\n";
@@ -199,6 +232,7 @@ fn mistakes_are_told() {
     for (words, code, message) in [
         ("outside.rad <", 2, "no file is named after \"<\""),
         ("-ab 0", 2, "no scene is named"),
+        ("-", 2, "the scene and the surfaces are both standard input"),
         ("-zz outside.rad", 2, "option \"-zz\" is not supported"),
         ("-P x outside.rad", 2, "option \"-P\" is not supported"),
         ("outside.rad < nowhere.rad", 1, "nowhere.rad"),

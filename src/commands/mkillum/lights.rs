@@ -1,10 +1,9 @@
 //! The lights of a scene, for surfaces that become lights themselves (`l+`): what shines through those must shine from them.
 
-use crate::commands::mkillum::options::Options;
 use crate::failure::Failure;
-use crate::input::{Planned, plan};
+use crate::input::Planner;
 use radsight_flux::{FluxSurface, IllumSurface, Shape as Form, Toward};
-use radsight_ir::{Material, ModifierKind, Rgb, Scene, Shape, Surface};
+use radsight_ir::{Material, ModifierKind, Rgb, Scene, Shape, Surface, ValidScene};
 use radsight_render::{Lights, Ray, RenderOptions, Renderer};
 
 /// Finds light that comes straight from lights, by way of panes alone.
@@ -15,20 +14,37 @@ pub(super) struct LightFinder {
     lights: Vec<Toward>,
     seen: Renderer,
     unseen: Renderer,
+    /// As asked for, but without lights.
+    without_lights: Renderer,
 }
 
 impl LightFinder {
-    pub(super) fn new(options: &Options) -> Result<LightFinder, Failure> {
-        let render =
-            |lights| RenderOptions { lights, ambient_bounces: 0, ambient_value: Rgb::BLACK, ..options.render.clone() };
-        let renderer = |lights| -> Result<Renderer, Failure> {
-            let Planned { plan, .. } = plan(&options.scenes, None, &options.reading, render(lights))?;
-            Ok(Renderer::new(plan))
+    /// `options` are those of the program.
+    pub(super) fn new(
+        options: &RenderOptions,
+        scene: &ValidScene,
+        planner: &Planner<'_>,
+    ) -> Result<LightFinder, Failure> {
+        let renderer = |lights, options| {
+            let options = RenderOptions { lights, ..options };
+            planner.plan(scene.clone(), options).map(Renderer::new)
         };
-        let seen = renderer(Lights::Visible)?;
-        let scene = seen.plan().scene();
-        let lights = scene.surfaces.items().iter().filter_map(|surface| light(scene, surface)).collect();
-        Ok(LightFinder { lights, unseen: renderer(Lights::Invisible)?, seen })
+        let direct = RenderOptions { ambient_bounces: 0, ambient_value: Rgb::BLACK, ..options.clone() };
+        Ok(LightFinder {
+            lights: scene.surfaces.items().iter().filter_map(|surface| light(scene, surface)).collect(),
+            seen: renderer(Lights::Visible, direct.clone())?,
+            unseen: renderer(Lights::Invisible, direct)?,
+            without_lights: renderer(Lights::Invisible, options.clone())?,
+        })
+    }
+
+    /// Finds everything but light that comes straight from lights.
+    pub(super) fn without_lights(&self) -> &Renderer {
+        &self.without_lights
+    }
+
+    pub(super) fn renderers(&self) -> [&Renderer; 3] {
+        [&self.seen, &self.unseen, &self.without_lights]
     }
 
     /// Adds to the means of a surface's directions what lights bring, with so many rays to each as a direction has.

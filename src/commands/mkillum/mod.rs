@@ -10,7 +10,7 @@ mod output;
 mod parameters;
 
 use crate::failure::{Failure, Outcome, say};
-use crate::input::{Planned, conclude, expanded_scene_text, plan, use_threads};
+use crate::input::{Planner, conclude_all, expanded_scene_text, read_valid_scene, use_threads};
 use crate::output::write_standard_output;
 use lights::LightFinder;
 use options::Options;
@@ -21,7 +21,7 @@ use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
 use radsight_frame::average;
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
 use radsight_parse::{Kind, Role};
-use radsight_render::{Lights, Ray, RayWorker, RenderOptions, Renderer};
+use radsight_render::{Ray, RayWorker, Renderer};
 use rayon::prelude::*;
 
 /// What begins a comment for this program.
@@ -37,8 +37,11 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         return write_standard_output(options.defaults().as_bytes());
     }
     use_threads(options.threads)?;
-    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let (scene, sources) = read_valid_scene(&options.scenes, &options.reading)?;
+    let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources);
+    let plan = planner.plan(scene, options.render.clone())?;
     let mut work = Work {
+        planner: &planner,
         renderer: Renderer::new(plan),
         light_finder: None,
         parameters: Parameters::default(),
@@ -48,14 +51,16 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     };
     options.inputs.iter().try_for_each(|input| work.read(input))?;
     work.output.finish()?;
-    conclude(work.renderer.plan(), registry.as_ref(), &sources)
+    let finder = work.light_finder.iter().flat_map(LightFinder::renderers);
+    conclude_all(finder.chain([&work.renderer]).map(Renderer::plan), planner.registry(), &sources)
 }
 
 struct Work<'a> {
     options: &'a Options,
+    planner: &'a Planner<'a>,
     renderer: Renderer,
     /// Once a surface becomes a `light`: then lights are not seen by chance but looked for.
-    light_finder: Option<(LightFinder, Renderer)>,
+    light_finder: Option<LightFinder>,
     parameters: Parameters,
     output: Output,
     next_ray: u64,
@@ -169,7 +174,7 @@ impl Work<'_> {
             self.warn(&format!("sphere \"{}\" shines evenly", written.name));
         }
         let mut means = self.means(surface)?;
-        if let (Some((finder, _)), Becomes::Light) = (&self.light_finder, self.parameters.becomes) {
+        if let (Some(finder), Becomes::Light) = (&self.light_finder, self.parameters.becomes) {
             finder.add(surface, &mut means);
         }
         if brightness(mean(&means)) <= self.parameters.least_brightness + TINY {
@@ -187,13 +192,11 @@ impl Work<'_> {
         });
         let rays: Vec<Ray> = rays.collect();
         if self.parameters.becomes == Becomes::Light && self.light_finder.is_none() {
-            let options = self.options;
-            let unseen = RenderOptions { lights: Lights::Invisible, ..options.render.clone() };
-            let Planned { plan, .. } = plan(&options.scenes, None, &options.reading, unseen)?;
-            self.light_finder = Some((LightFinder::new(options)?, Renderer::new(plan)));
+            self.light_finder =
+                Some(LightFinder::new(&self.options.render, self.renderer.plan().scene(), self.planner)?);
         }
         let renderer = match (&self.light_finder, self.parameters.becomes) {
-            (Some((_, unseen)), Becomes::Light) => unseen,
+            (Some(finder), Becomes::Light) => finder.without_lights(),
             _ => &self.renderer,
         };
         let (effort, first) = (self.options.effort(), self.next_ray);

@@ -71,6 +71,11 @@ impl Options {
         if options.scenes.is_empty() {
             return Err(Failure::usage("mkillum: no scene is named, expected an octree or scene files"));
         }
+        if options.scenes.iter().chain(&options.inputs).filter(|file| *file == "-").count() > 1 {
+            return Err(Failure::usage(
+                "mkillum: the scene and the surfaces are both standard input, expected files for one of them after \"<\"",
+            ));
+        }
         options.command.extend(options.scenes.iter().cloned());
         options.render.gathering.accuracy = 0.0;
         Ok(options)

@@ -42,10 +42,17 @@ fn build(arguments: &[&str]) -> PathBuf {
         .expect("the package has a dynamic library")
 }
 
+/// The folder of the crate: tests of the workspace's root package use this too.
+fn crate_folder() -> PathBuf {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let inside = package.join("crates/brdf-host");
+    if inside.is_dir() { inside } else { package.to_owned() }
+}
+
 /// Compiles a C file of `tests/c` to the library `name` in `folder`; `None` without a C compiler.
 pub(crate) fn c_plugin(folder: &Path, source: &str, name: &str, options: &[&str]) -> Option<PathBuf> {
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate_folder();
     let path = folder.join(format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX));
     let output = Command::new(compiler)
         .args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-I"])
