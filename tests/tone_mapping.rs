@@ -1,4 +1,4 @@
-//! `pcond`, beside the real one and by itself.
+//! `pcond` and the tone mapping of `ra_bmp`, beside the real ones and by themselves.
 
 mod program;
 mod real_radiance;
@@ -84,6 +84,80 @@ fn pcond_gives_the_pixels_of_the_real_one() {
             let ours = run_with(command(&words).current_dir(folder.path("")), &input).done();
             same_but_for_rounding(&real, &ours, &words.join(" "));
         }
+    }
+}
+
+/// The pixels of a bitmap without packing from the top, with 24 bits or 8.
+fn bitmap(bytes: &[u8]) -> Vec<[u8; 3]> {
+    let number = |at: usize| i32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"));
+    assert_eq!((&bytes[..2], number(30)), (&b"BM"[..], 0), "a bitmap without packing");
+    let (start, columns, height) = (number(10) as usize, number(18) as usize, number(22));
+    let depth = usize::from(bytes[28]) / 8;
+    let rows = bytes[start..].chunks_exact((columns * depth).next_multiple_of(4)).take(height.unsigned_abs() as usize);
+    let pixels = |row: &[u8]| -> Vec<[u8; 3]> {
+        row[..columns * depth].chunks_exact(depth).map(|pixel| [pixel[depth - 1], pixel[depth / 2], pixel[0]]).collect()
+    };
+    let rows: Vec<Vec<[u8; 3]>> = rows.map(pixels).collect();
+    if height < 0 { rows.concat() } else { rows.into_iter().rev().collect::<Vec<_>>().concat() }
+}
+
+#[test]
+fn ra_bmp_maps_tones_as_the_real_one() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("lamps.hdr", lamps(90, 60, "-vtv -vh 60 -vv 42"));
+    let shared = std::env::var_os("RADSIGHT_SHARED").map(|folder| PathBuf::from(folder).join("radiance/loose/hdr"));
+    if let Some(cabin) = shared.map(|folder| folder.join("cabin.hdr")).filter(|path| path.exists()) {
+        folder.file("cabin.hdr", std::fs::read(cabin).expect("a picture"));
+    }
+    run_with(command(&["ra_xyze", "lamps.hdr", "tristimulus.hdr"]).current_dir(folder.path("")), b"").done();
+    let dim =
+        Picture::read(&folder.read("lamps.hdr")).expect("a picture").values().map(|value| value.clamp(1e-3, 5e-3));
+    folder.file("narrow.hdr", Picture::from_rgb(Header::new("RADIANCE"), &dim).expect("a picture").to_bytes());
+    for name in folder.names() {
+        for tones in ["auto", "h", "linear"] {
+            for more in ["", "-b", "-g 1.8", "-p .64 .33 .3 .6 .15 .06 .3127 .329"] {
+                let words = format!("ra_bmp -e {tones} {more} {name}");
+                let words: Vec<&str> = words.split_whitespace().collect();
+                let real = run_with(radiance.command("ra_bmp", &words[1..]).current_dir(folder.path("")), b"").done();
+                let ours = run_with(command(&words).current_dir(folder.path("")), b"").done();
+                let (real, ours) = (bitmap(&real), bitmap(&ours));
+                assert_eq!(real.len(), ours.len(), "{words:?}");
+                let apart: Vec<u8> =
+                    real.as_flattened().iter().zip(ours.as_flattened()).map(|(a, b)| a.abs_diff(*b)).collect();
+                let mean = apart.iter().map(|apart| f64::from(*apart)).sum::<f64>() / apart.len() as f64;
+                let most = apart.iter().max().copied().unwrap_or(0);
+                // Colours are bytes there before they are mapped, and luminance has steps of some parts in a thousand.
+                assert!(mean < 1.0 && most < 9, "{words:?}: {mean} and {most} of 255 apart");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mapping_that_is_none_is_refused() {
+    let folder = Folder::new();
+    let picture = folder.file("grey.hdr", lamps(20, 20, "-vtv -vh 40 -vv 40"));
+    let black = Image::new(2, 2, 3, vec![0.0f32; 12]).expect("a shape");
+    let black =
+        folder.file("black.hdr", Picture::from_rgb(Header::new("RADIANCE"), &black).expect("a picture").to_bytes());
+    let torn = folder.file("torn.hdr", &folder.read("grey.hdr")[..300]);
+    for (words, code, message) in [
+        (
+            &["-e", "camera", &picture][..],
+            2,
+            "is followed by \"camera\", expected a number of stops with its sign, auto, human or linear",
+        ),
+        (&["-e", "autos", &picture], 2, "is followed by \"autos\""),
+        (&["-e", "", &picture], 2, "is followed by \"\""),
+        (&["-e"], 2, "ends the command line, expected a number of stops with its sign, auto, human or linear"),
+        (&["-r", "-e", "auto", &picture], 2, "expected -e with a number of stops"),
+        (&["-e", "auto", &black], 1, "the picture is black"),
+        (&["-e", "auto", &torn], 1, "torn.hdr"),
+    ] {
+        let run = radsight(&[&["ra_bmp"], words].concat());
+        assert_eq!((run.code, run.output.len()), (code, 0), "{words:?}: {}", run.messages);
+        assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
     }
 }
 

@@ -22,7 +22,8 @@ pub use device::{Device, Macbeth};
 use foveal::Fovea;
 use histogram::Histogram;
 pub use histogram::{Adaptation, MeasuredHistogram};
-use luminance::Luminance;
+pub(crate) use luminance::{Luminance, RODS};
+pub(crate) use mapping::threshold;
 use mapping::{Mapping, ToneMap};
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter};
 use std::io::{Read, Seek, Write};
@@ -87,9 +88,9 @@ impl Default for ConditionOptions {
 pub type MappedLuminance = [f64; 2];
 
 /// The luminances between which the eye sees by rods and cones, in cd/m²: below all is grey, above colours are full.
-const MESOPIC: [f64; 2] = [5.62e-3, 5.62];
+pub(crate) const MESOPIC: [f64; 2] = [5.62e-3, 5.62];
 /// The smallest and the largest luminance that are looked at, in cd/m².
-const VISIBLE: [f64; 2] = [1e-7, 1e7];
+pub(crate) const VISIBLE: [f64; 2] = [1e-7, 1e7];
 /// Below this something is zero.
 const TINY: f64 = 1e-6;
 

@@ -7,6 +7,7 @@
 //! - [`falsecolor`](mod@falsecolor) is `falsecolor`: brightness as colour, contours and bands.
 //! - [`interpolate`] is `pinterp`: views from other views and their distances.
 //! - [`extrema`](mod@extrema) is `pextrem`; [`turn`] is `pflip` and `protate`.
+//! - [`tone_map`](mod@tone_map) is what `ra_bmp -e` does: pictures within what a display can show, without the eye's glare and acuity.
 //! - [`values`] is `pvalue`: pixels as numbers, and back.
 //!
 //! Guarantees: the same bytes as Radiance's programs give where those are defined; a scanline at a time where the work allows it, so that
@@ -40,6 +41,7 @@ pub mod filter;
 pub mod gamma;
 pub mod interpolate;
 pub mod sign;
+pub mod tone_map;
 pub mod turn;
 pub mod values;
 

@@ -6,19 +6,22 @@ use radsight_picture::{Encoding, Header, RgbPrimaries, WHITE_EFFICACY};
 /// Scotopic over photopic luminance of white, as Radiance takes it.
 pub(super) const SCOTOPIC_WHITE: f64 = 2.26;
 
+/// The parts of red, green and blue in what rods see, for a white of 1.
+pub(crate) const RODS: [f64; 3] = [0.062, 0.608, 0.330];
+
 /// How the luminance of a picture's pixels is found.
 #[derive(Clone, Debug)]
-pub(super) struct Luminance {
+pub(crate) struct Luminance {
     /// The parts of red, green and blue in the luminance; `None` for pixels that are X, Y and Z.
     weights: Option<[f32; 3]>,
     /// What all values were multiplied by.
-    pub(super) exposure: f64,
+    pub(crate) exposure: f64,
     /// The input's primaries.
-    pub(super) primaries: RgbPrimaries,
+    pub(crate) primaries: RgbPrimaries,
 }
 
 impl Luminance {
-    pub(super) fn new(header: &Header, encoding: Encoding) -> Result<Luminance, ToolError> {
+    pub(crate) fn new(header: &Header, encoding: Encoding) -> Result<Luminance, ToolError> {
         let primaries = header.primaries()?.unwrap_or(RgbPrimaries::STANDARD);
         let mut weights = None;
         if encoding != Encoding::Xyze {
@@ -28,12 +31,12 @@ impl Luminance {
         Ok(Luminance { weights, exposure: header.exposure()?, primaries })
     }
 
-    pub(super) fn is_xyz(&self) -> bool {
+    pub(crate) fn is_xyz(&self) -> bool {
         self.weights.is_none()
     }
 
     /// Candela per square metre of a value of 1, before the exposure is undone.
-    pub(super) fn efficacy(&self) -> f64 {
+    pub(crate) fn efficacy(&self) -> f64 {
         if self.is_xyz() { 1.0 } else { WHITE_EFFICACY }
     }
 
@@ -50,7 +53,7 @@ impl Luminance {
     pub(super) fn scotopic(&self, color: [f32; 3]) -> f64 {
         let [a, b, c] = color.map(f64::from);
         let stored = match self.weights {
-            Some(_) => SCOTOPIC_WHITE * WHITE_EFFICACY * (a * 0.062 + b * 0.608 + c * 0.330),
+            Some(_) => SCOTOPIC_WHITE * WHITE_EFFICACY * (a * RODS[0] + b * RODS[1] + c * RODS[2]),
             None if color[0] == 0.0 => 0.0,
             None => b * (1.33 * (1.0 + f64::from((color[1] + color[2]) / color[0])) - 1.68),
         };

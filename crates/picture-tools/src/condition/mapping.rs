@@ -166,7 +166,7 @@ fn cumulative(counts: &[f64; BINS], total: f64) -> [f64; BINS + 1] {
 
 /// The smallest difference of luminance that the eye sees when adapted to a luminance, both in cd/m²: J. Ferwerda, S. Pattanaik,
 /// P. Shirley, D. Greenberg, "A Model of Visual Adaptation for Realistic Image Synthesis", SIGGRAPH 1996, for rods and for cones.
-fn threshold(luminance: f64) -> f64 {
+pub(crate) fn threshold(luminance: f64) -> f64 {
     if luminance < 1.148e-4 {
         return 1.38e-3;
     }

@@ -1,5 +1,5 @@
-//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a display with
-//! these primaries (`-p`); `-r` the other way (8, 24 and 32 bits, not packed).
+//! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS|auto|human|linear] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a
+//! display with these primaries (`-p`), within whose range a picture can be brought (`-e` with a word); `-r` the other way (8, 24 and 32 bits, not packed).
 
 use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
@@ -7,6 +7,7 @@ use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{Encoding, RgbPrimaries};
 use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
+use radsight_picture_tools::tone_map::{Display, Tones, tone_map};
 use std::io::Read;
 
 /// Bytes of the two headers.
@@ -19,22 +20,40 @@ const DOTS_PER_METRE: u32 = 2835;
 /// Runs the program.
 pub(crate) fn run(mut words: Words<'_>) -> Outcome {
     let (mut direction, mut colors, mut gamma, mut exposure) = (Direction::FromRadiance, Colors::Color, GAMMA, 0);
-    let mut primaries = None;
+    let (mut primaries, mut tones) = (None, None);
     while let Some(option) = words.option() {
         match option {
             "-b" => colors = Colors::Grey,
             "-g" => gamma = words.number(option)?,
-            "-e" => exposure = stops(&mut words, option)?,
+            "-e" if words.rest().first().is_some_and(|word| word.starts_with(['+', '-'])) => {
+                exposure = stops(&mut words, option)?;
+            }
+            "-e" => tones = Some(tones_of(&mut words, option)?),
             "-r" => direction = Direction::ToRadiance,
             "-p" => primaries = Some(words.primaries(option)?),
             _ => return Err(words.unknown(option, "-r -b -g -e or -p")),
         }
     }
     let table = GammaTable::new(gamma);
-    match direction {
-        Direction::FromRadiance => from_radiance(&words, colors, (exposure, primaries), &table),
-        Direction::ToRadiance => to_radiance(&words, exposure, &table),
+    match (direction, tones) {
+        (Direction::FromRadiance, None) => from_radiance(&words, colors, (exposure, primaries), &table),
+        (Direction::FromRadiance, Some(tones)) => tone_mapped(&words, colors, (tones, primaries), gamma),
+        (Direction::ToRadiance, None) => to_radiance(&words, exposure, &table),
+        (Direction::ToRadiance, Some(_)) => {
+            Err(Failure::usage("ra_bmp: bitmaps (-r) have no range to be mapped, expected -e with a number of stops"))
+        }
     }
+}
+
+/// The tone mapping that a word means, or as much of it as is written.
+fn tones_of(words: &mut Words<'_>, option: &str) -> Result<Tones, Failure> {
+    const EXPECTED: &str = "a number of stops with its sign, auto, human or linear";
+    let word = words.value(option, EXPECTED)?;
+    let known = [("auto", Tones::Automatic), ("human", Tones::Human), ("linear", Tones::Linear)];
+    let found = known.into_iter().find(|(name, _)| !word.is_empty() && name.starts_with(word));
+    found.map(|(_, tones)| tones).ok_or_else(|| {
+        Failure::usage(format!("ra_bmp: option \"{option}\" is followed by \"{word}\", expected {EXPECTED}"))
+    })
 }
 
 fn from_radiance(
@@ -49,7 +68,52 @@ fn from_radiance(
     if let Some(primaries) = primaries.filter(|_| colors == Colors::Color) {
         pixels = pixels.for_display(&primaries).map_err(|error| failed(path, error.into()))?;
     }
-    let (columns, rows) = pixels.size();
+    write_bitmap([path, target], pixels.size(), colors, |bytes| {
+        for pixel in pixels.next().map_err(|error| failed(path, error.into()))? {
+            match colors {
+                Colors::Grey => bytes.push(table.to_bytes(with_grey(*pixel))[1]),
+                Colors::Color => bytes.extend(table.to_bytes(*pixel).iter().rev()),
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes a picture within the range of the display.
+fn tone_mapped(
+    words: &Words<'_>,
+    colors: Colors,
+    (tones, primaries): (Tones, Option<RgbPrimaries>),
+    gamma: f64,
+) -> Outcome {
+    let (path, target) = words.input_and_output()?;
+    let display = match colors {
+        Colors::Grey => Display::Grey,
+        Colors::Color => Display::Color(primaries.unwrap_or(RgbPrimaries::STANDARD)),
+    };
+    let reader = open_picture(path)?;
+    let size = (reader.resolution().scanline_length(), reader.resolution().scanlines());
+    let pixels = tone_map(reader, tones, &display).map_err(|error| failed(path, error))?;
+    let byte = |light: f32| (256.0 * f64::from(light).powf(1.0 / gamma)) as u8;
+    let mut rows = pixels.chunks_exact(size.0);
+    write_bitmap([path, target], size, colors, |bytes| {
+        for pixel in rows.next().unwrap_or_default() {
+            match colors {
+                Colors::Grey => bytes.push(byte(pixel[1])),
+                Colors::Color => bytes.extend(pixel.iter().rev().map(|light| byte(*light))),
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Writes a bitmap whose rows come from the top; of each `put_row` adds the bytes, blue first.
+fn write_bitmap(
+    [path, target]: [&str; 2],
+    (columns, rows): (usize, usize),
+    colors: Colors,
+    mut put_row: impl FnMut(&mut Vec<u8>) -> Outcome,
+) -> Outcome {
     let components = if colors == Colors::Grey { 1 } else { 3 };
     let stride = (columns * components).next_multiple_of(4);
     let palette = if colors == Colors::Grey { PALETTE } else { 0 };
@@ -78,15 +142,7 @@ fn from_radiance(
         let mut row = Vec::with_capacity(stride);
         for _ in 0..rows {
             row.clear();
-            for pixel in pixels.next().map_err(|error| failed(path, error.into()))? {
-                match colors {
-                    Colors::Grey => row.push(table.to_bytes(with_grey(*pixel))[1]),
-                    Colors::Color => {
-                        let [red, green, blue] = table.to_bytes(*pixel);
-                        row.extend_from_slice(&[blue, green, red]);
-                    }
-                }
-            }
+            put_row(&mut row)?;
             row.resize(stride, 0);
             out.write_all(&row).map_err(failed_write)?;
         }
