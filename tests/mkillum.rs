@@ -6,6 +6,7 @@ mod real_radiance;
 mod support;
 
 use program::{Folder, Run, command, run_with};
+use radsight_flux::{IllumDetail, IllumSurface, Shape};
 use real_radiance::Radiance;
 
 /// A sky, ground, and a wall that hides a part of both.
@@ -128,6 +129,54 @@ fn a_light_has_the_irradiance_of_its_window() {
         let irradiance = found.iter().skip(band).step_by(3).sum::<f64>() / 256.0;
         let radiance = irradiance / std::f64::consts::PI;
         assert!((mean / radiance - 1.0).abs() < 0.02, "{mean} {radiance}");
+    }
+}
+
+/// A white court, the sun on one of its walls.
+const COURT: &str = "\
+void glow sky 0 0 4 1 1 1 0
+sky source up 0 0 4 0 0 1 180
+void light solar 0 0 3 2e5 2e5 2e5
+solar source sun 0 0 4 .3 1 1.6 .53
+void plastic white 0 0 5 .7 .7 .7 0 0
+white polygon ground 0 0 12 -2 -4 0 6 -4 0 6 .2 0 -2 .2 0
+white polygon south 0 0 12 -2 -4 0 -2 -4 6 6 -4 6 6 -4 0
+white polygon north 0 0 12 -2 .2 0 -2 .2 6 6 .2 6 6 .2 0
+white polygon west 0 0 12 -2 -4 0 -2 -4 6 -2 .2 6 -2 .2 0
+white polygon east 0 0 12 6 -4 0 6 -4 6 6 .2 6 6 .2 0
+void glass pane 0 0 3 .9 .9 .9
+";
+
+#[test]
+fn light_between_walls_is_what_rays_that_share_nothing_find() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = folder();
+    let corners = [0.5, 0.0, 1.0, 0.5, 0.0, 2.5, 3.5, 0.0, 2.5, 3.5, 0.0, 1.0];
+    let window = format!("pane polygon w 0 0 12{}\n", corners.map(|corner| format!(" {corner}")).concat());
+    folder.file("court.rad", COURT);
+    folder.file("window.rad", format!("#@mkillum m=win d=6 s=256\n{window}"));
+    let text = ours(&folder, "-ab 2 court.rad window.rad < window.rad").text();
+    let color = text.lines().skip_while(|line| !line.contains(" illum ")).nth(3).expect("an illum");
+    let mean: f64 = color.split(' ').nth(1).and_then(|word| word.parse().ok()).expect("a number");
+    let data = numbers(&folder.read("win.dat"));
+    let surface = IllumSurface::flat("w", Shape::Polygon, &corners, IllumDetail { density: 6, samples: 256 });
+    let surface = surface.expect("a surface");
+    let [rows, columns] = surface.cells();
+    assert_eq!([data[3], data[6]], [rows + 1, columns + 1].map(|count| count as f64));
+    let rays: Vec<u8> = (0..surface.rays())
+        .flat_map(|number| surface.ray(number))
+        .flat_map(|vector| vector.to_array())
+        .flat_map(f64::to_ne_bytes)
+        .collect();
+    radiance.octree(&folder, &["-f", "court.rad", "window.rad"]);
+    let words = ["-h", "-fda", "-u-", "-ab", "2", "-aa", "0", "-ad", "32", "-as", "0", "-lw", "1e-6", "scene.oct"];
+    let found = run_with(radiance.command("rtrace", &words).current_dir(folder.path("")), &rays).done();
+    let found: Vec<f64> = numbers(&found).into_iter().step_by(3).collect();
+    for (cell, found) in found.chunks_exact(256).enumerate() {
+        let expected = found.iter().sum::<f64>() / 256.0;
+        // The first row of the data is beyond the pole, the last column the first once more.
+        let ours = mean * data[7 + (1 + cell / columns) * (columns + 1) + cell % columns];
+        assert!((ours / expected - 1.0).abs() < 0.04, "direction {cell}: {ours}, expected {expected}");
     }
 }
 
