@@ -29,6 +29,9 @@ pub(crate) enum Command {
     /// Runs a program and prints its processor time and wall time in s and its peak memory in MiB
     #[command(hide = true)]
     Cost {
+        /// Seconds of processor time after which a process is ended
+        #[arg(long, value_name = "SECONDS")]
+        limit: Option<u64>,
         /// What the program reads
         #[arg(long, value_name = "FILE")]
         input: Option<PathBuf>,
@@ -55,6 +58,9 @@ pub(crate) struct Race {
     /// Seconds of processor time that a run may take: a program's series of ever dearer settings ends with the first that takes longer
     #[arg(long, value_name = "SECONDS", default_value_t = 20.0)]
     pub(crate) budget: f64,
+    /// Seconds of processor time after which a process of another program is ended, and its series with it
+    #[arg(long, value_name = "SECONDS", default_value_t = 120)]
+    pub(crate) limit: u64,
     /// Seconds of processor time that may be spent on a scene's reference; what is there already is kept and made better
     #[arg(long, value_name = "SECONDS", default_value_t = 120.0)]
     pub(crate) reference_budget: f64,

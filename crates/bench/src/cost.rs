@@ -60,7 +60,7 @@ fn words(command: &Command) -> String {
 
 /// Processor time of all children that have ended, and theirs, s.
 #[cfg(unix)]
-fn processor_time_of_children() -> f64 {
+pub(crate) fn processor_time_of_children() -> f64 {
     processor_time_of(nix::sys::resource::UsageWho::RUSAGE_CHILDREN)
 }
 
@@ -80,7 +80,7 @@ fn processor_time_of(who: nix::sys::resource::UsageWho) -> f64 {
 }
 
 #[cfg(not(unix))]
-fn processor_time_of_children() -> f64 {
+pub(crate) fn processor_time_of_children() -> f64 {
     f64::NAN
 }
 

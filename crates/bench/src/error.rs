@@ -18,6 +18,9 @@ pub(crate) enum BenchError {
     /// A program that ended with an error.
     #[error("\"{command}\" failed ({status}): {message}")]
     Failed { command: String, status: std::process::ExitStatus, message: String },
+    /// A process that was ended at its limit.
+    #[error("ended after {seconds} s of processor time")]
+    TookTooLong { seconds: f64 },
     /// A capture that cannot be compared with its truth.
     #[error("{what} has {found} values, expected {expected} as the truth has")]
     Size { what: String, found: usize, expected: usize },

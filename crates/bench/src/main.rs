@@ -50,7 +50,9 @@ fn main() -> ExitCode {
         args::Command::Rays(arguments) => rays::run(&arguments),
         args::Command::Scaling(arguments) => scaling::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),
-        args::Command::Cost { input, output, words } => taken::cost(&words, input.as_deref(), output.as_deref()),
+        args::Command::Cost { limit, input, output, words } => {
+            taken::cost(&words, limit, input.as_deref(), output.as_deref())
+        }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

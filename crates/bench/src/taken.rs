@@ -1,7 +1,7 @@
 //! What a program took, memory too: each is run by a copy of this program, which tells what its only child took.
 
 use crate::capture::print;
-use crate::cost::measure;
+use crate::cost::{measure, processor_time_of_children};
 use crate::error::BenchError;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -35,6 +35,16 @@ pub(crate) fn taken(
     input: Option<&Path>,
     output: Option<&Path>,
 ) -> Result<Taken, BenchError> {
+    taken_within(None, program, folder, (input, output))
+}
+
+/// The same, but a process that takes more than so many seconds of processor time is ended.
+pub(crate) fn taken_within(
+    limit: Option<u64>,
+    program: &mut Command,
+    folder: &Path,
+    (input, output): (Option<&Path>, Option<&Path>),
+) -> Result<Taken, BenchError> {
     let own = std::env::current_exe().map_err(|reason| start_error("radsight-bench", reason))?;
     let mut wrapper = Command::new(own);
     wrapper.arg("cost");
@@ -42,6 +52,9 @@ pub(crate) fn taken(
         if let Some(path) = path {
             wrapper.arg(option).arg(path);
         }
+    }
+    if let Some(seconds) = limit {
+        wrapper.arg("--limit").arg(seconds.to_string());
     }
     wrapper.arg("--").arg(program.get_program()).args(program.get_args()).current_dir(folder);
     for (name, value) in program.get_envs() {
@@ -55,6 +68,7 @@ pub(crate) fn taken(
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     match numbers[..] {
         [processor, wall, peak] if told.status.success() => Ok(Taken { processor, wall, peak }),
+        [seconds] => Err(BenchError::TookTooLong { seconds }),
         _ => Err(BenchError::Failed {
             command: program.get_program().to_string_lossy().into_owned(),
             status: told.status,
@@ -67,13 +81,38 @@ fn start_error(program: &str, reason: std::io::Error) -> BenchError {
     BenchError::Start { program: program.to_owned(), reason, hint: "" }
 }
 
-/// `radsight-bench cost`: runs a program and prints its processor time and wall time in s and its peak memory in MiB.
-pub(crate) fn cost(words: &[String], input: Option<&Path>, output: Option<&Path>) -> Result<(), BenchError> {
+/// `radsight-bench cost`: runs a program and prints its processor time and wall time in s and its peak memory in MiB; of one that was ended
+/// at its limit, the limit alone.
+pub(crate) fn cost(
+    words: &[String],
+    limit: Option<u64>,
+    input: Option<&Path>,
+    output: Option<&Path>,
+) -> Result<(), BenchError> {
     let Some((program, arguments)) = words.split_first() else { return Ok(()) };
-    let cost = measure(Command::new(program).args(arguments), input, output, "")?;
-    print(&format!("{} {} {}\n", cost.processor, cost.wall, peak_of_children()));
+    if let Some(seconds) = limit {
+        limit_processor_time(seconds);
+    }
+    match measure(Command::new(program).args(arguments), input, output, "") {
+        Ok(cost) => print(&format!("{} {} {}\n", cost.processor, cost.wall, peak_of_children())),
+        Err(reason) => match limit {
+            Some(seconds) if processor_time_of_children() >= seconds as f64 => print(&format!("{seconds}\n")),
+            _ => return Err(reason),
+        },
+    }
     Ok(())
 }
+
+/// Has the system end every process that is started from here when it has taken so many seconds.
+#[cfg(unix)]
+fn limit_processor_time(seconds: u64) {
+    use nix::sys::resource::{Resource, setrlimit};
+    // Without a limit a run takes longer, no more.
+    let _ = setrlimit(Resource::RLIMIT_CPU, seconds, seconds + 1);
+}
+
+#[cfg(not(unix))]
+fn limit_processor_time(_: u64) {}
 
 /// The most memory that any child had resident, MiB.
 #[cfg(unix)]

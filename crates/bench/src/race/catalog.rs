@@ -229,8 +229,10 @@ fn render_test(
     ambient: f64,
 ) -> Result<Option<Scene>, BenchError> {
     let files = format!("basic.mat diorama_walls.rad {files}");
-    let scene = of_others(places, named, "renders", (&files, view), 1);
-    Ok(scene.map(|scene| scene.with(&format!("-av {ambient} {ambient} {ambient} -dr 1"))))
+    let Some(mut scene) = of_others(places, named, "renders", (&files, view), 1) else { return Ok(None) };
+    // The font that the render tests write with: Radiance's package has none.
+    scene.library.push(places.repository.join("crates/formats/library"));
+    Ok(Some(scene.with(&format!("-av {ambient} {ambient} {ambient} -dr 1"))))
 }
 
 fn render_mirror(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {

@@ -6,7 +6,7 @@ use super::scene::{Scene, words};
 use crate::cost::measure;
 use crate::error::BenchError;
 use crate::radsight::Radsight;
-use crate::taken::{Taken, taken};
+use crate::taken::{Taken, taken_within};
 use radsight_picture::Image;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,6 +20,8 @@ pub(crate) struct Mitsuba {
     script: PathBuf,
     variant: &'static str,
     version: String,
+    /// Seconds of processor time after which it is ended.
+    limit: u64,
     /// Asked for the picture of a sky.
     radsight: PathBuf,
     /// The scene that was prepared last, as text without commands.
@@ -34,7 +36,12 @@ impl Mitsuba {
     ///
     /// # Errors
     /// Why it is not to be had, in words.
-    pub(crate) fn find(variant: &'static str, radsight: &Radsight, folder: &Path) -> Result<Mitsuba, String> {
+    pub(crate) fn find(
+        variant: &'static str,
+        radsight: &Radsight,
+        limit: u64,
+        folder: &Path,
+    ) -> Result<Mitsuba, String> {
         let python = match std::env::var_os("RADSIGHT_MITSUBA") {
             Some(python) => PathBuf::from(python),
             None => own_python(&folder.join("mitsuba"))?,
@@ -50,7 +57,7 @@ impl Mitsuba {
         }
         let version = String::from_utf8_lossy(&told.stdout).trim().to_owned();
         let radsight = PathBuf::from(radsight.command(&[]).get_program());
-        Ok(Mitsuba { python, script, variant, version, radsight, flat: PathBuf::new() })
+        Ok(Mitsuba { python, script, variant, version, limit, radsight, flat: PathBuf::new() })
     }
 
     pub(crate) fn version(&self) -> &str {
@@ -123,7 +130,7 @@ impl Program for Mitsuba {
         command.arg(&self.script).args(["render", self.variant]).arg(&self.flat).arg(&output).arg(&self.radsight);
         command.args(scene.size.map(|side| side.to_string())).arg(setting.rays.to_string());
         command.arg(Mitsuba::depth(scene).to_string()).args(&setting.options).args(&scene.view);
-        let whole = taken(&mut command, folder, None, Some(&told))?;
+        let whole = taken_within(Some(self.limit), &mut command, folder, (None, Some(&told)))?;
         let text = String::from_utf8_lossy(&crate::figure::read(&told)?).into_owned();
         // Only the rendering counts: not the start of Python, nor the translation.
         let numbers: Vec<f64> = words(&text).iter().filter_map(|word| word.parse().ok()).collect();

@@ -101,7 +101,9 @@ impl<'a> Bench<'a> {
     fn new(arguments: &'a Race, radiance: Result<&'a Radiance, &String>, temporary: &'a Path, folder: &Path) -> Self {
         let (mut missing, mut mitsuba, mut versions) = (Vec::new(), Vec::new(), String::new());
         let real = match radiance {
-            Ok(radiance) => [RealKind::Rtrace, RealKind::Rpict].map(|kind| Real::new(radiance, kind)).into(),
+            Ok(radiance) => {
+                [RealKind::Rtrace, RealKind::Rpict].map(|kind| Real::new(radiance, kind, arguments.limit)).into()
+            }
             Err(reason) => {
                 missing.push(format!("real Radiance: {reason}"));
                 Vec::new()
@@ -111,7 +113,7 @@ impl<'a> Bench<'a> {
             match if arguments.alone {
                 Err("left out by --alone".to_owned())
             } else {
-                Mitsuba::find(variant, &Radsight::find(), folder)
+                Mitsuba::find(variant, &Radsight::find(), arguments.limit, folder)
             } {
                 Ok(found) => {
                     versions.push_str(&format!("Mitsuba   {} {variant}\n", found.version()));
@@ -148,8 +150,9 @@ impl<'a> Bench<'a> {
             .chain(self.mitsuba.iter().map(|mitsuba| mitsuba as &dyn Program));
         for program in programs {
             match self.race(program, &scene, &reference) {
-                Ok((of_program, reading)) => {
+                Ok((of_program, reading, ended)) => {
                     entrants.extend(of_program);
+                    self.missing.extend(ended);
                     read.push(format!("{} {:.3} s", program.name(), reading.processor));
                 }
                 // Of what others cannot do the rest of the race goes on.
@@ -162,15 +165,15 @@ impl<'a> Bench<'a> {
         Ok(SceneResult { scene, reference, read: read.join(", "), entrants })
     }
 
-    /// Runs a program's series until the budget ends them; gives what reading the scene took, too.
+    /// Runs a program's series until the budget ends them; gives what reading the scene took, too, and which settings were ended.
     fn race(
         &self,
         program: &dyn Program,
         scene: &Scene,
         reference: &Reference,
-    ) -> Result<(Vec<Entrant>, Taken), BenchError> {
+    ) -> Result<(Vec<Entrant>, Taken, Vec<String>), BenchError> {
         let reading = reading(program, scene)?;
-        let mut entrants = Vec::new();
+        let (mut entrants, mut ended) = (Vec::new(), Vec::new());
         for series in program.series(scene) {
             let mut entrant = Entrant {
                 team: program.team(),
@@ -181,7 +184,13 @@ impl<'a> Bench<'a> {
             };
             for setting in series.settings {
                 eprintln!("{}: {} {}", scene.name, entrant.program, setting.label);
-                let (taken, picture) = program.render(scene, &setting, self.folder)?;
+                let (taken, picture) = match program.render(scene, &setting, self.folder) {
+                    Err(reason @ BenchError::TookTooLong { .. }) => {
+                        ended.push(format!("{} on {}, {}: {reason}", entrant.program, scene.name, setting.label));
+                        break;
+                    }
+                    rendered => rendered?,
+                };
                 let accuracy = Accuracy::new(&picture, &reference.image).less(reference.noise);
                 let is_last = taken.processor > self.arguments.budget;
                 entrant.runs.push(Run { label: setting.label, taken: taken.less(reading), accuracy, picture });
@@ -191,6 +200,6 @@ impl<'a> Bench<'a> {
             }
             entrants.push(entrant);
         }
-        Ok((entrants, reading))
+        Ok((entrants, reading, ended))
     }
 }

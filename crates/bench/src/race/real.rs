@@ -6,7 +6,7 @@ use crate::cost::measure;
 use crate::error::BenchError;
 use crate::figure::read;
 use crate::radiance::Radiance;
-use crate::taken::{Taken, taken};
+use crate::taken::{Taken, taken_within};
 use radsight_picture::Image;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -30,6 +30,8 @@ const INTERPOLATED: &str = "-ps 4 -pt .04 -ds .1 -dj .9 -dt .05";
 pub(crate) struct Real<'a> {
     pub(crate) radiance: &'a Radiance,
     pub(crate) kind: RealKind,
+    /// Seconds of processor time after which a process is ended.
+    limit: u64,
     /// Of the scene that was prepared last.
     octree: PathBuf,
 }
@@ -50,8 +52,8 @@ pub(crate) struct Traced {
 }
 
 impl<'a> Real<'a> {
-    pub(crate) fn new(radiance: &'a Radiance, kind: RealKind) -> Real<'a> {
-        Real { radiance, kind, octree: PathBuf::new() }
+    pub(crate) fn new(radiance: &'a Radiance, kind: RealKind, limit: u64) -> Real<'a> {
+        Real { radiance, kind, limit, octree: PathBuf::new() }
     }
 
     /// So many rays a pixel through `rtrace`, each from a random place of the pixel.
@@ -77,7 +79,7 @@ impl<'a> Real<'a> {
             let mut trace = self.radiance.command("rtrace");
             trace.args(["-n", "2", "-h", "-fff"]).args(&scene.task).args(options).arg(&self.octree);
             scene.place(&mut trace);
-            let taken = taken(&mut trace, &scene.folder, Some(&input), Some(&output))?;
+            let taken = taken_within(Some(self.limit), &mut trace, &scene.folder, (Some(&input), Some(&output)))?;
             total.processor += taken.processor;
             total.wall += taken.wall;
             total.peak = total.peak.max(taken.peak);
@@ -190,7 +192,7 @@ impl Program for Real<'_> {
         command.args(&scene.view).args(words(&format!("-x {} -y {} -pa 0 -pj .9", larger[0], larger[1])));
         command.args(&scene.task).args(&setting.options).arg(&self.octree);
         scene.place(&mut command);
-        let taken = taken(&mut command, &scene.folder, None, Some(&output))?;
+        let taken = taken_within(Some(self.limit), &mut command, &scene.folder, (None, Some(&output)))?;
         Ok((taken, shrunk(&read_picture(&output)?, setting.rays as usize, scene)?))
     }
 }

@@ -151,7 +151,7 @@ pub(crate) fn put(path: &Path, bytes: &[u8]) -> Result<(), BenchError> {
 }
 
 /// Rays a pixel through real `rtrace` at first, to see how long they take, and at most.
-const TRIAL: u32 = 8;
+const TRIAL: u32 = 2;
 const MOST_TRACED: u32 = 2048;
 
 /// Compares with real Radiance without bias, as exactly as the time allows.
