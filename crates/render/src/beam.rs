@@ -4,7 +4,7 @@
 //! finds that part, so half of the places are drawn by direction: the pattern of the light's middle is tabulated, and from a direction follows the
 //! place. Both ways are mixed, so that the table need not be right where the pattern depends on the place too.
 
-use crate::light::LightForm;
+use crate::light_form::LightForm;
 use glam::DVec3;
 
 /// Cells of the table along each axis: 1.8° around the normal.

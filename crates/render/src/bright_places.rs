@@ -101,8 +101,8 @@ impl BrightPlaces {
         }
     }
 
-    /// Makes use of what was noted.
-    pub(crate) fn sort_in(&mut self) {
+    /// Makes use of what was noted, and forgets every other look where there are too many.
+    pub(crate) fn settle(&mut self) {
         while self.looks.len() > MOST_LOOKS || self.places > MOST_PLACES && self.looks.len() > 1 {
             let mut index = 0;
             self.looks.retain(|_| {
@@ -222,7 +222,7 @@ mod tests {
             let sunken = DVec3::new(1.0, 0.1 * u[3], -0.5);
             known.note(point, DVec3::Z, [lamp, sunken].map(|position| BrightPlace { position, power: 1.0 }).to_vec());
         }
-        known.sort_in();
+        known.settle();
         known
     }
 
@@ -285,7 +285,7 @@ mod tests {
         let bright = vec![BrightPlace { position: DVec3::Z, power: 1.0 }; 2];
         for index in 0..10_000 {
             known.note(DVec3::X * f64::from(index), DVec3::Z, bright.clone());
-            known.sort_in();
+            known.settle();
             assert!(known.looks.len() <= MOST_LOOKS && known.places <= MOST_PLACES);
         }
         // What is kept is spread over all that was noted.

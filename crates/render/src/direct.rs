@@ -1,7 +1,8 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
 use crate::antimatter::CutId;
-use crate::light::{Light, LightForm, LightId, LightSample};
+use crate::light::{Light, LightId};
+use crate::light_form::{LightForm, LightSample};
 use crate::light_tree::{Cut, LightTree, Reception};
 use crate::openings::Outlook;
 use crate::plan::RenderPlan;

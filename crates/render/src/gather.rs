@@ -63,8 +63,8 @@ pub(crate) struct Look<'h> {
     pub(crate) stratum: Option<usize>,
     /// Tells the rays from those of other looks.
     pub(crate) number: u64,
-    /// Where light is expected.
-    pub(crate) bright: &'h BrightPlaces,
+    /// Where light is expected, if that is known.
+    pub(crate) bright: Option<&'h BrightPlaces>,
 }
 
 /// A ray that looks through a cell.
@@ -150,7 +150,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
         let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
         let before = self.set_aside();
-        let look = Look { hemisphere: &hemisphere, stratum: None, number, bright: &BrightPlaces::default() };
+        let look = Look { hemisphere: &hemisphere, stratum: None, number, bright: None };
         let (record, _) = self.look_around(place, &look, &self.plan.gathering_limits());
         self.take_up(before);
         record

@@ -4,7 +4,8 @@
 //! the border of the range runs through the body, light comes from a share of the places only. Here the share is computed.
 
 use crate::lens::Overlap;
-use crate::light::{Light, LightForm};
+use crate::light::Light;
+use crate::light_form::LightForm;
 use glam::DVec3;
 use std::f64::consts::PI;
 

@@ -28,6 +28,7 @@ mod indirect;
 mod lens;
 mod lettering;
 mod light;
+mod light_form;
 mod light_power;
 mod light_tree;
 mod light_tree_build;

@@ -1,7 +1,8 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
 use crate::beam::Beam;
-use crate::light::{Light, LightForm};
+use crate::light::Light;
+use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
 use crate::ray::Ray;
 use crate::shader::Shader;

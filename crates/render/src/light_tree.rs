@@ -7,7 +7,8 @@
 //!
 //! Guarantees: a light that can give something at a point has a chance there; nothing is allocated after the tree is built.
 
-use crate::light::{Light, LightForm, LightId};
+use crate::light::{Light, LightId};
+use crate::light_form::LightForm;
 use crate::light_tree_build::{self, Item};
 use crate::tilt::Peak;
 use glam::DVec3;

@@ -1,7 +1,8 @@
 //! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
 use crate::geometry::{Geometry, flat_normal};
-use crate::light::{Light, LightCone, LightForm, Redirection, Relay, relayed};
+use crate::light::{Light, LightCone, Redirection, Relay};
+use crate::light_form::{LightForm, relayed};
 use crate::prism::PrismKind;
 use crate::prism_image::Met;
 use crate::ray::{MemberId, PrimitiveId, Ray};

@@ -2,7 +2,8 @@
 
 use crate::direct::selection_density;
 use crate::geometry::RayFrame;
-use crate::light::{Light, LightForm, LightId};
+use crate::light::{Light, LightId};
+use crate::light_form::LightForm;
 use crate::light_tree::Reception;
 use crate::plan::RenderPlan;
 use crate::ray::{PrimitiveId, Ray};

@@ -105,7 +105,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             around: around as f64,
             outward: if outlook.is_some() { (OUTWARD_SHARE * around as f64).ceil() } else { 0.0 },
             outlook,
-            bright: look.bright.seen_from(place.point, place.normal, around as f64),
+            bright: look.bright.and_then(|bright| bright.seen_from(place.point, place.normal, around as f64)),
         };
         let ways: Vec<Way> = (0..around).map(|cell| self.way(place, look, cell)).collect();
         let mut glances: Vec<Glance<BANDS>> =

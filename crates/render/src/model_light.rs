@@ -3,7 +3,7 @@
 //! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
 
 use crate::direct::DirectSampler;
-use crate::light::LightSample;
+use crate::light_form::LightSample;
 use crate::surface_light::{LitPoint, Response, model_bands, of_model};
 use crate::trace::Tracer;
 use glam::DVec3;

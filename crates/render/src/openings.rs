@@ -8,7 +8,7 @@
 //! that are seen behind each other.
 
 use crate::geometry::is_flat;
-use crate::light::LightForm;
+use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
 use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{EmitterClass, Kind, Shader};

@@ -4,7 +4,8 @@
 //! source arrives from all directions that the prism sends into the source's cone. They are found from the other end: rays from the source's rim
 //! are sent back through the prism.
 
-use crate::light::{LightForm, Redirection, coordinates};
+use crate::light::Redirection;
+use crate::light_form::{LightForm, coordinates};
 use crate::prism::PrismKind;
 use crate::ray::Ray;
 use crate::view::Encounter;

@@ -6,7 +6,8 @@
 //! the direction.
 
 use crate::direct::DirectSampler;
-use crate::light::{Light, LightSample, Redirection, Relay};
+use crate::light::{Light, Redirection, Relay};
+use crate::light_form::LightSample;
 use crate::prism::PrismKind;
 use crate::ray::Ray;
 use crate::shader::Kind;

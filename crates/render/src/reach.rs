@@ -5,7 +5,8 @@
 //! find light by way of other surfaces. All tests are conservative: what is left out cannot change the picture.
 
 use crate::geometry::{Geometry, flat_normal};
-use crate::light::{Light, LightForm};
+use crate::light::Light;
+use crate::light_form::LightForm;
 use crate::ray::{MemberId, PrimitiveId};
 use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;

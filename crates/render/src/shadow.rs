@@ -7,7 +7,8 @@
 use crate::antimatter::{CutId, Meeting};
 use crate::direct::DirectSampler;
 use crate::geometry::RayFrame;
-use crate::light::{Light, LightSample, Redirection, Relay};
+use crate::light::{Light, Redirection, Relay};
+use crate::light_form::LightSample;
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;

@@ -246,9 +246,9 @@ impl<const BANDS: usize> Level<BANDS> {
                     .filter(|place| !place.is_covered(&self.cache))
                     .map(|place| (place.clone(), place.next_stratum(&self.cache)))
                     .collect();
-                let (is_first, knew) = (self.places.is_empty(), !bright.is_empty());
+                let knew_nothing = self.knows_nothing(bright);
                 let mut records = self.look_around(plan, (caches, bright), &uncovered);
-                if is_first && !knew && !bright.is_empty() {
+                if knew_nothing && !bright.is_empty() {
                     // By chance these saw more or less of what is bright: now that it is known they see it again.
                     records = self.look_around(plan, (caches, bright), &uncovered);
                 }
@@ -298,14 +298,18 @@ impl<const BANDS: usize> Level<BANDS> {
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
 
+    /// Whether nobody has looked around yet, nor found anything bright.
+    fn knows_nothing(&self, bright: &BrightPlaces) -> bool {
+        self.places.is_empty() && bright.is_empty()
+    }
+
     fn look_around(
         &mut self,
         plan: &RenderPlan,
         (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         places: &[(Place<BANDS>, usize)],
     ) -> Vec<Record<BANDS>> {
-        let is_first = self.places.is_empty() && bright.is_empty();
-        let hemisphere = if is_first { &self.first_hemisphere } else { &self.hemisphere };
+        let hemisphere = if self.knows_nothing(bright) { &self.first_hemisphere } else { &self.hemisphere };
         let (first, limits, known) = (self.looks, self.cache.limits(), &*bright);
         let looked: Vec<_> = places
             .par_iter()
@@ -314,7 +318,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 || Tracer::new(plan, caches),
                 |tracer, (index, (place, stratum))| {
                     let number = first + index as u64;
-                    let look = Look { hemisphere, stratum: Some(*stratum), number, bright: known };
+                    let look = Look { hemisphere, stratum: Some(*stratum), number, bright: Some(known) };
                     tracer.look_around(place, &look, limits)
                 },
             )
@@ -327,7 +331,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 record
             };
         let records = places.iter().zip(looked).map(record).collect();
-        bright.sort_in();
+        bright.settle();
         records
     }
 
@@ -401,8 +405,7 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
                 |tracer, index| {
                     tracer.survey = Some(Survey { places: Vec::new(), spread: self.spread });
                     let number = (index / cells) as u64;
-                    let bright = &BrightPlaces::default();
-                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number, bright };
+                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number, bright: None };
                     let way = tracer.way(&self.from[index / cells], &look, index % cells);
                     let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
                     tracer.survey.take().map(|survey| survey.places).unwrap_or_default()
