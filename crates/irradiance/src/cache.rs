@@ -202,6 +202,33 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.interpolate(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY)
     }
 
+    /// The same, in the small gaps between places that were looked around from by records that do not quite reach.
+    #[must_use]
+    pub fn irradiance_or_next(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
+        self.irradiance(position, normal, facet).or_else(|| {
+            let farther = neighbourhood(&self.limits);
+            self.interpolate(&self.neighbourhoods, farther, [position, normal, facet], f64::INFINITY)
+        })
+    }
+
+    /// The same where it can be trusted; `None` also where irradiance bends more than the records can follow.
+    #[must_use]
+    pub fn trusted_irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
+        let follows = self.bend(position, normal) <= MOST_BEND;
+        if follows { self.irradiance_or_next(position, normal, facet) } else { None }
+    }
+
+    /// By how much the records that reach a point disagree around it, as a share.
+    fn bend(&self, position: DVec3, normal: DVec3) -> f64 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        self.reaches.visit(position, |index| {
+            let weight = self.weight(&self.records[index as usize], position, normal, 1.0);
+            sum += weight * self.fits[index as usize].bend;
+            weights += weight;
+        });
+        if weights > 0.0 { sum / weights } else { 0.0 }
+    }
+
     /// The same from records that reach no farther than this; `None` where there are none.
     #[must_use]
     pub fn fine_irradiance(
@@ -212,12 +239,6 @@ impl<const BANDS: usize> Cache<BANDS> {
         farthest_reach: f64,
     ) -> Option<[f64; BANDS]> {
         self.interpolate(&self.reaches, 1.0, [position, normal, facet], farthest_reach)
-    }
-
-    /// The same from records that do not quite reach: for the small gaps between places that were looked around from.
-    #[must_use]
-    pub fn irradiance_in_gap(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.interpolate(&self.neighbourhoods, neighbourhood(&self.limits), [position, normal, facet], f64::INFINITY)
     }
 
     fn interpolate(
@@ -251,6 +272,9 @@ impl<const BANDS: usize> Cache<BANDS> {
         (1.0 - record.misplacement(position, normal, reach, self.limits.accuracy)).max(0.0)
     }
 }
+
+/// Where records disagree by more than this share, drawing single rays is more exact.
+const MOST_BEND: f64 = 0.2;
 
 /// Below this total the nearest record is all but out of reach.
 const LEAST_WEIGHT: f64 = 1e-4;

@@ -23,6 +23,17 @@ pub struct Fit<const BANDS: usize> {
     variance: f64,
     /// The scale up to which the neighbours agree.
     pub(crate) scale: f64,
+    /// The share of the irradiance by which the neighbours miss the plane beyond their noise, where they do not agree.
+    pub(crate) bend: f64,
+}
+
+/// How well a plane goes with the neighbours.
+#[derive(Clone, Copy, Debug, Default)]
+struct Misfit {
+    /// By how many times the squared residuals exceed what the noise of the rays and a tolerance explain.
+    excess: f64,
+    /// What noise leaves unexplained, as a share of the irradiance.
+    unexplained: f64,
 }
 
 /// A neighbour of a record as its fit sees it.
@@ -45,6 +56,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             rays: record.rays,
             variance: record.variance,
             scale: record.scale,
+            bend: 0.0,
         }
     }
 
@@ -70,12 +82,17 @@ impl<const BANDS: usize> Fit<BANDS> {
                 })
             })
             .collect();
-        let mut share = 1.0;
+        let (mut share, mut bend) = (1.0, 0.0);
         loop {
             let (mut fit, misfit) = Fit::over(record, &neighbours, share * radius, share);
-            fit.scale = share * record.scale;
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
-            if misfit <= allowed || neighbours.len() < FEWEST_TO_JUDGE || share <= LEAST_SHARE {
+            let (agree, can_judge) = (misfit.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
+            if can_judge {
+                // Too few to judge bend as the more of whom they are.
+                bend = if agree { 0.0 } else { misfit.unexplained };
+            }
+            if agree || !can_judge || share <= LEAST_SHARE {
+                (fit.scale, fit.bend) = (share * record.scale, bend);
                 fit.hold_to(record, &neighbours);
                 return fit;
             }
@@ -84,13 +101,18 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    /// The fit over a ball of this radius, and by how many times its residuals exceed what the noise of the rays explains.
-    fn over(record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], radius: f64, share: f64) -> (Fit<BANDS>, f64) {
+    /// The fit over a ball of this radius, and how well it goes with the neighbours.
+    fn over(
+        record: &Record<BANDS>,
+        neighbours: &[Neighbour<'_, BANDS>],
+        radius: f64,
+        share: f64,
+    ) -> (Fit<BANDS>, Misfit) {
         let weights: Vec<f64> = neighbours.iter().map(|neighbour| neighbour.weight(share)).collect();
         let total: f64 = weights.iter().sum();
         let mut fit = Fit::of(record);
         if neighbours.len() < 2 || total <= 0.0 {
-            return (fit, 0.0);
+            return (fit, Misfit::default());
         }
         let squares: f64 =
             weights.iter().zip(neighbours).map(|(weight, other)| weight * weight / other.record.rays).sum();
@@ -155,8 +177,8 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    fn misfit(&self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], weights: &[f64]) -> f64 {
-        let (mut found, mut expected) = (0.0, 0.0);
+    fn misfit(&self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], weights: &[f64]) -> Misfit {
+        let (mut found, mut noise, mut total) = (0.0, 0.0, 0.0);
         for (weight, neighbour) in weights.iter().zip(neighbours) {
             let other = neighbour.record;
             let turn = other.normal.cross(record.normal);
@@ -166,9 +188,12 @@ impl<const BANDS: usize> Fit<BANDS> {
             };
             let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
             found += weight * residual * residual;
-            expected += weight * (other.variance + (TOLERANCE * self.strength()).powi(2));
+            noise += weight * other.variance;
+            total += weight;
         }
-        if expected > 0.0 { found / expected } else { 0.0 }
+        let expected = noise + total * (TOLERANCE * self.strength()).powi(2);
+        let unexplained = (found - noise).max(0.0).sqrt() / (total.sqrt() * self.strength()).max(f64::MIN_POSITIVE);
+        Misfit { excess: if expected > 0.0 { found / expected } else { 0.0 }, unexplained }
     }
 
     /// How many rays it rests on.

@@ -169,7 +169,19 @@ fn records_are_trusted_less_far_where_the_irradiance_jumps() {
     let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
     assert!(between(-0.45).is_some_and(|found| (found[0] / PI - 1.0).abs() < 0.02), "{:?}", between(-0.45));
     assert!(between(0.45).is_some_and(|found| (found[0] / PI - 2.0).abs() < 0.02), "{:?}", between(0.45));
-    let in_gap = cache.irradiance_in_gap(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z).expect("records are near");
+    let in_gap = cache.irradiance_or_next(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z).expect("records are near");
     assert!((PI..2.0 * PI).contains(&in_gap[0]), "{in_gap:?}");
     assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
+}
+
+#[test]
+fn what_bends_too_much_is_not_trusted() {
+    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
+    let cache = field(48, step);
+    let [beside, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
+    assert!(
+        cache.irradiance(beside, DVec3::Z, DVec3::Z).is_some() && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
+    );
+    assert_eq!(cache.trusted_irradiance(beside, DVec3::Z, DVec3::Z), None);
+    assert_eq!(cache.trusted_irradiance(far, DVec3::Z, DVec3::Z), cache.irradiance(far, DVec3::Z, DVec3::Z));
 }

@@ -127,7 +127,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             let shared = cache.and_then(|cache| match &self.survey {
                 Some(_) => cache.irradiance(at, normal, facet),
                 None if bounces_behind > 0 => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
-                None => cache.irradiance(at, normal, facet).or_else(|| cache.irradiance_in_gap(at, normal, facet)),
+                // Single rays hardly find caustics.
+                None if self.plan.has_caustics => cache.irradiance_or_next(at, normal, facet),
+                None => cache.trusted_irradiance(at, normal, facet),
             });
             let irradiance = match shared {
                 Some(irradiance) => irradiance,
