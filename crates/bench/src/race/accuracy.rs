@@ -6,7 +6,7 @@ use radsight_picture::Image;
 const DARK: f64 = 0.01;
 
 /// Side of the blocks of pixels in which noise averages out and errors that one sees remain.
-const BLOCK: usize = 8;
+pub(crate) const BLOCK: usize = 8;
 
 /// The errors of a picture, as shares.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -149,9 +149,11 @@ sun_light source sun 0 0 4 -.5 -.3 .6 .533
 fn mesh(places: &Places<'_>) -> Result<Option<Scene>, BenchError> {
     let file = generated::triangles_in(places.folder, generated::SQUARES)?;
     write(places, "daylight.rad", DAYLIGHT)?;
-    let view = "-vtv -vp .5 -.35 .45 -vd 0 .8 -.4 -vu 0 0 1 -vh 45 -vv 45";
+    // Radiance lets rays start a millionth of a unit away: on a land of one unit its triangles shade their neighbours by 1.7 % of the light.
+    write(places, "land.rad", &format!("!xform -s 1000 {file}\n"))?;
+    let view = "-vtv -vp 500 -350 450 -vd 0 .8 -.4 -vu 0 0 1 -vh 45 -vv 45";
     let what = "a million triangles under sun and sky";
-    Ok(Some(Scene::new("mesh", what, places.folder, &format!("{file} daylight.rad"), view, 2).translated()))
+    Ok(Some(Scene::new("mesh", what, places.folder, "land.rad daylight.rad", view, 2).translated()))
 }
 
 const MIRRORS: &str = "# A room with two mirrors that face each other, glass bodies, and a bright panel that shines only by way of what it meets.

@@ -16,8 +16,9 @@ const RAYS_AT_ONCE: u32 = 256;
 
 const HINT: &str = "; RADSIGHT_RADIANCE names a folder with bin and lib";
 
-/// Shadow rays to a random place of every light, none estimated: without bias, and cheap where there are many rays.
-pub(crate) const UNBIASED: &str = "-dt 0 -ds 0 -dj 1 -aa 0 -ad 1 -as 0 -st 0 -ss 1";
+/// Shadow rays to a random place of every light, none estimated: without bias, and cheap where there are many rays. Which highlights show what is
+/// around (`-st`) is as usual, as with us.
+pub(crate) const UNBIASED: &str = "-dt 0 -ds 0 -dj 1 -aa 0 -ad 1 -as 0";
 
 /// What is usual where values are shared.
 const SOFT: &str = "-dt .05 -ds .2 -dj 1";
@@ -86,7 +87,8 @@ impl<'a> Real<'a> {
             add(&read(&output)?, now as usize, &mut sums, &mut squares);
         }
         let count = f64::from(rays);
-        let means: Vec<f32> = sums.iter().map(|sum| (sum / count) as f32).collect();
+        // Pictures hold no colour that is less than nothing.
+        let means: Vec<f32> = sums.iter().map(|sum| (sum / count).max(0.0) as f32).collect();
         let errors = sums.iter().zip(&squares).map(|(sum, square)| {
             let variance = (square - sum * sum / count).max(0.0) / (count - 1.0).max(1.0);
             (variance / count).sqrt() as f32

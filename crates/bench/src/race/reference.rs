@@ -1,6 +1,6 @@
 //! What pictures are compared with: many independent pictures without bias, averaged, kept on disk, and compared with real Radiance's.
 
-use super::accuracy::{Accuracy, blocks};
+use super::accuracy::{Accuracy, BLOCK, Block, blocks};
 use super::own::Own;
 use super::program::read_picture;
 use super::real::{Real, Traced, UNBIASED};
@@ -62,7 +62,7 @@ impl Reference {
         let check = match (real, halves.read_check()) {
             (_, Some(check)) => check,
             (None, None) => "not compared with real Radiance".to_owned(),
-            (Some(real), None) => match compare(scene, &image, real, wanted.seconds, folder) {
+            (Some(real), None) => match compare(scene, &image, &halves.errors()?, real, wanted.seconds, folder) {
                 Ok(check) => {
                     halves.write_check(&check)?;
                     check
@@ -122,6 +122,17 @@ impl Halves {
         Ok(mean)
     }
 
+    /// The errors of the mean, as the halves tell them.
+    fn errors(&self) -> Result<Image<f32>, BenchError> {
+        let mut errors = self.mean()?;
+        if let [Some(first), Some(second)] = &self.means {
+            for (error, (first, second)) in errors.data_mut().iter_mut().zip(first.data().iter().zip(second.data())) {
+                *error = 0.5 * (first - second).abs();
+            }
+        }
+        Ok(errors)
+    }
+
     fn write(&self) -> Result<(), BenchError> {
         for (half, mean) in self.means.iter().enumerate() {
             if let Some(Ok(bytes)) = mean.as_ref().map(write_pfm) {
@@ -158,6 +169,7 @@ const MOST_TRACED: u32 = 2048;
 fn compare(
     scene: &Scene,
     reference: &Image<f32>,
+    noise: &Image<f32>,
     real: &Real<'_>,
     seconds: f64,
     folder: &Path,
@@ -167,7 +179,7 @@ fn compare(
     let affordable = (seconds / trial.taken.processor.max(1e-3)) as u32;
     let rays = TRIAL * affordable.clamp(1, MOST_TRACED / TRIAL);
     let traced = if rays > TRIAL { real.trace(scene, &options, rays, folder)? } else { trial };
-    Ok(agreement(reference, &traced, rays))
+    Ok(agreement(reference, noise, &traced, rays))
 }
 
 /// Moves each value of an image towards that of another by a share of the way.
@@ -180,21 +192,26 @@ fn blend(image: &mut Image<f32>, other: &Image<f32>, share: f64) {
 /// Blocks that agree within three standard errors, unless the difference is this share or less.
 const CLOSE: f64 = 0.005;
 
-fn agreement(reference: &Image<f32>, traced: &Traced, rays: u32) -> String {
+/// How many blocks agree. Rare bright rays fall into some blocks and not into others, so the variance of a block is taken as that of the
+/// blocks around it.
+fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: u32) -> String {
+    let columns = reference.width().div_ceil(BLOCK);
     let (mut agreeing, mut count) = (0_u32, 0_u32);
-    for block in blocks(reference) {
-        for band in 0..3 {
+    for band in 0..3 {
+        let variance =
+            |block: Block| block.error_of_mean(&traced.error, band).powi(2) + block.error_of_mean(noise, band).powi(2);
+        let variances: Vec<f64> = blocks(reference).map(variance).collect();
+        for (block, variance) in blocks(reference).zip(of_neighbours(&variances, columns)) {
             let [expected, actual] = [reference, &traced.mean].map(|image| block.mean(image, band));
-            let standard_error = block.error_of_mean(&traced.error, band);
-            let near = (actual - expected).abs() <= 3.0 * standard_error + CLOSE * expected;
+            let near = (actual - expected).abs() <= 3.0 * variance.sqrt() + CLOSE * expected;
             agreeing += u32::from(near);
             count += 1;
         }
     }
     let sum = |image: &Image<f32>| image.data().iter().map(|value| f64::from(*value)).sum::<f64>();
+    let squares = |image: &Image<f32>| image.data().iter().map(|value| f64::from(*value).powi(2)).sum::<f64>();
     let mean = sum(&traced.mean) / sum(reference) - 1.0;
-    let variance: f64 = traced.error.data().iter().map(|error| f64::from(*error) * f64::from(*error)).sum();
-    let mean_error = variance.sqrt() / sum(reference);
+    let mean_error = (squares(&traced.error) + squares(noise)).sqrt() / sum(reference);
     let share = f64::from(agreeing) / f64::from(count);
     let agrees = mean.abs() <= 3.0 * mean_error + CLOSE && share >= 0.97;
     format!(
@@ -204,4 +221,28 @@ fn agreement(reference: &Image<f32>, traced: &Traced, rays: u32) -> String {
         100.0 * mean_error,
         100.0 * share,
     )
+}
+
+/// The means of each value and its up to eight neighbours in a table of so many columns.
+fn of_neighbours(values: &[f64], columns: usize) -> Vec<f64> {
+    let rows = values.len() / columns;
+    (0..values.len())
+        .map(|at| {
+            let near = |middle: usize, end: usize| middle.saturating_sub(1)..(middle + 2).min(end);
+            let cells =
+                near(at / columns, rows).flat_map(|y| near(at % columns, columns).map(move |x| y * columns + x));
+            let (sum, count) = cells.fold((0.0, 0.0), |(sum, count), cell| (sum + values[cell], count + 1.0));
+            sum / count
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_neighbours;
+
+    #[test]
+    fn the_mean_of_neighbours_stays_within_the_table() {
+        assert_eq!(of_neighbours(&[9.0, 0.0, 0.0, 0.0, 0.0, 0.0], 3), [2.25, 1.5, 0.0, 2.25, 1.5, 0.0]);
+    }
 }
