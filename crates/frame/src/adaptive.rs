@@ -4,7 +4,8 @@
 //! It rests on half the difference h of the means of the two halves of a pixel's samples: if the squared error of a mean falls by a factor g with each
 //! doubling, so does h², and the squared error of both halves together is h²·g/(1 − g); for independent samples g = ½ and the factor is 1, for those of
 //! a low-discrepancy sequence both are smaller. One such difference says little, so the squares of neighbours are averaged, and
-//! those of the doubling before count too; g is that of a whole block.
+//! those of the doubling before count too; g is that of a whole block. What no sample has met so far, such as the corner of a lamp, is expected to be like the
+//! neighbour that differs most.
 
 use crate::allocation::{Pooled, chosen};
 use crate::lens::{Lens, LensRay};
@@ -282,7 +283,8 @@ impl<'r> Frame<'r> {
         let (first, last) = (range.start / columns, range.end / columns - 1);
         let (column, row) = (index % columns, index / columns);
         let samples = f64::from(self.pixels[index].samples);
-        let (mut sums, mut weights) = ([0.0; 3], 0.0);
+        let own = self.pixels[index].mean();
+        let (mut sums, mut weights, mut steps) = ([0.0; 3], 0.0, [0.0_f64; 3]);
         for y in row.saturating_sub(1).max(first)..=(row + 1).min(last) {
             for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
                 let other = &self.pixels[y * columns + x];
@@ -293,15 +295,23 @@ impl<'r> Frame<'r> {
                     *sum += scale * (square(other.last[band]) + gain * square(other.before[band]));
                 }
                 weights += weight;
+                for (step, (own, other)) in steps.iter_mut().zip(own.iter().zip(other.mean())) {
+                    *step = step.max((own - other).abs());
+                }
             }
         }
-        sums.map(|sum| sum / weights * gain / (1.0 - gain))
+        let unseen = |band: usize| UNSEEN * (steps[band] / samples).powi(2);
+        std::array::from_fn(|band| sums[band] / weights * gain / (1.0 - gain) + unseen(band))
     }
 }
 
 fn square(difference: f32) -> f64 {
     f64::from(difference) * f64::from(difference)
 }
+
+/// What a neighbour shows may be in the pixel too, on a part that none of its N samples has met: it is about 1/N of the pixel, and this is how often it is
+/// there.
+const UNSEEN: f64 = 0.1;
 
 /// Squared relative errors well below this share say little of how errors fall.
 const SMALL: f64 = 1e-6;

@@ -49,7 +49,7 @@ impl Program for Own {
         let errors = |options: &str| {
             let setting =
                 |error: &f64| Setting::of(format!("--error {error}"), &format!("{options} --error {error}"), 0);
-            [0.2, 0.1, 0.05, 0.02, 0.01].iter().map(setting).collect()
+            [0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002].iter().map(setting).collect()
         };
         let series = |name: &str, unbiased: bool, settings| Series { name: name.to_owned(), unbiased, settings };
         match scene.light {
