@@ -176,7 +176,7 @@ fn records_are_trusted_less_far_where_the_irradiance_jumps() {
 
 #[test]
 fn what_bends_too_much_is_not_trusted() {
-    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
+    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 10.0 }, 1.0);
     let cache = field(48, step);
     let [beside, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
     assert!(
