@@ -355,6 +355,8 @@ fn a_sky_is_the_same_whether_it_glows_or_consists_of_lights() {
     for (material, looks) in [
         ("ashik2 m 4 0 1 0 . 0 8 0 0 0 .5 .5 .5 1000 10", looks),
         ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .5 .5 .5 30 60", looks),
+        // The car of the `inst` render test.
+        ("ashik2 m 4 1 0 0 . 0 8 0 0 0 .05 .05 .08 5 30", looks),
         ("trans m 0 0 7 1 1 1 0 .3 1 1", through),
         ("trans2 m 4 1 0 0 . 0 8 1 1 1 0 .3 .15 1 1", through),
     ] {

@@ -23,6 +23,17 @@ pub(crate) enum Noise<'a> {
     Repeats(&'a [Image<f32>]),
 }
 
+impl Noise<'_> {
+    /// Standard deviation of the means of pictures by the same command, as a share: that of its blocks says nothing of what they have in common.
+    fn of_means(self, expected: &Image<f32>) -> f64 {
+        let Noise::Repeats(repeats) = self else { return 0.0 };
+        let means: Vec<f64> = repeats.iter().chain([expected]).map(mean).collect();
+        let mean = means.iter().sum::<f64>() / means.len() as f64;
+        let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
+        (squares / repeats.len().max(1) as f64).sqrt() / mean.max(f64::MIN_POSITIVE)
+    }
+}
+
 /// A comparison.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Agreement {
@@ -55,7 +66,7 @@ impl Agreement {
         let pixels = (expected.width() * expected.height()) as f64;
         Agreement {
             mean: if expected_mean > 0.0 { mean(actual) / expected_mean - 1.0 } else { mean(actual) },
-            mean_error: variance.sqrt() / pixels / expected_mean.max(f64::MIN_POSITIVE),
+            mean_error: (variance.sqrt() / pixels / expected_mean.max(f64::MIN_POSITIVE)).max(noise.of_means(expected)),
             within: share_of(|difference| difference.share <= TOLERANCE),
             blocks: share_of(|difference| difference.agrees),
             percentile_95: differences[(0.95 * (count - 1) as f64).ceil() as usize].share,

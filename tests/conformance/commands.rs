@@ -130,10 +130,13 @@ impl Scenes<'_> {
         Scenes { radiance, raypath, folder, built: HashSet::new() }
     }
 
-    /// Builds the octree of a command.
+    /// Builds the octree of a command, without photon maps, which no command uses.
     pub(crate) fn build(&mut self, reference: &Reference) {
         if self.built.insert(reference.scene.clone()) {
             let rif = format!("{}.rif", reference.scene);
+            let text = fs::read_to_string(self.folder.path(&rif)).expect("variables of rad");
+            let lines = text.lines().filter(|line| !line.starts_with("PGMAP") && !line.starts_with("PCMAP"));
+            self.folder.file(&rif, lines.map(|line| format!("{line}\n")).collect::<String>());
             self.real("rad", &["-v", "0", &rif], None).done();
         }
     }
@@ -154,15 +157,20 @@ impl Scenes<'_> {
         }
     }
 
-    /// Radiance along rays through these places of the picture (in pixels from its top left corner) by real `rtrace`, with more options.
-    pub(crate) fn radiance_at(&self, reference: &Reference, places: &[(f64, f64)], more: &str) -> Vec<f64> {
-        let [view, tracing] = reference.view_and_tracing();
+    /// Rays through these places of the picture (in pixels from its top left corner), as 32-bit numbers.
+    fn rays_through(&self, reference: &Reference, places: &[(f64, f64)]) -> Vec<u8> {
+        let [view, _] = reference.view_and_tracing();
         let height = reference.size().1 as f64;
         let text: String = places.iter().map(|(x, y)| format!("{x:.6} {:.6}\n", height - y)).collect();
-        let rays = self.real("vwrays", &[&["-i", "-ff"][..], &view].concat(), Some(text.as_bytes())).done();
+        self.real("vwrays", &[&["-i", "-ff"][..], &view].concat(), Some(text.as_bytes())).done()
+    }
+
+    /// Radiance along rays through these places by real `rtrace`, with more options.
+    pub(crate) fn radiance_at(&self, reference: &Reference, places: &[(f64, f64)], more: &str) -> Vec<f64> {
+        let [_, tracing] = reference.view_and_tracing();
         let more: Vec<&str> = more.split_whitespace().collect();
         let words = [&["-h", "-fff", "-ov"][..], &tracing, &more, &[&reference.octree]].concat();
-        let values = self.real("rtrace", &words, Some(&rays)).done();
+        let values = self.real("rtrace", &words, Some(&self.rays_through(reference, places))).done();
         let values: Vec<f64> =
             values.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().expect("four")).into()).collect();
         assert_eq!(values.len(), 3 * places.len(), "{}: a value for each ray", reference.name);

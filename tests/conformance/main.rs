@@ -16,6 +16,7 @@ mod real_radiance;
 mod blocks;
 mod cases;
 mod commands;
+mod exceptions;
 mod renders;
 mod scripts;
 mod side_by_side;

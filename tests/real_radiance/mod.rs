@@ -48,6 +48,11 @@ impl Radiance {
         self.home.as_ref().map(|home| home.join("lib"))
     }
 
+    /// Its folder of programs.
+    pub(crate) fn programs(&self) -> Option<PathBuf> {
+        self.home.as_ref().map(|home| home.join("bin"))
+    }
+
     /// Where it and what should do the same look for files: the working directory, then its library.
     pub(crate) fn raypath(&self) -> String {
         self.library().map_or_else(|| ".".to_owned(), |library| format!(".:{}", library.display()))

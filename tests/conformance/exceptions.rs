@@ -1,0 +1,70 @@
+//! Pictures of the render tests in which real Radiance approximates what is computed here, and what shows that ours is right (`docs/render-tests.md`).
+//!
+//! Most are shown right by the truth of the blocks that do not agree ([`crate::truth`]). Where rays of real Radiance approximate in the same way, it is asked
+//! for the same scene in another form.
+
+use crate::blocks::{Agreement, Noise};
+use crate::commands::{Reference, Scenes, radiance_values};
+use crate::real_radiance::Radiance;
+use crate::{pictures_folder, shared};
+use std::fs;
+
+/// What shows that ours is right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shown {
+    /// Many rays in the blocks that do not agree ([`crate::truth`]).
+    ManyRays,
+    /// Real Radiance, told what the solid angle of the sun's image is.
+    SunsImage,
+    /// Single rays, with lights in the place of the sky (`tests/scattering.rs`).
+    SingleRays,
+}
+
+/// Each with what shows it.
+pub(crate) const EXCEPTIONS: [(&str, Shown); 10] = [
+    ("mist_def", Shown::ManyRays),
+    ("mixtex_def", Shown::ManyRays),
+    ("mixtex_rplan", Shown::ManyRays),
+    ("prism1_fish", Shown::SunsImage),
+    ("prism2_fish", Shown::SunsImage),
+    ("trans_def", Shown::ManyRays),
+    ("trans_fish", Shown::ManyRays),
+    ("trans2_def", Shown::ManyRays),
+    ("trans2_fish", Shown::ManyRays),
+    ("trans2_win", Shown::SingleRays),
+];
+
+/// How the exception of a picture is shown; `None` of those that must agree.
+pub(crate) fn shown(picture: &str) -> Option<Shown> {
+    EXCEPTIONS.iter().find(|(name, _)| *name == picture).map(|(_, shown)| *shown)
+}
+
+/// What each side of the prisms makes of the sun's solid angle: what rays through them find of its irradiance, as a share of that of a sun of unchanged
+/// width (`tests/light.rs`).
+const SOLID_ANGLES: [(&str, f64); 2] = [("coef1 = ", 0.6726), ("coef2 = ", 0.8396)];
+
+/// Real Radiance gives the sun's image in a prism the sun's own solid angle. Shadow rays know the light that they look for (`DxA DyA DzA`), so the prism's
+/// functions can make up for it.
+#[test]
+#[ignore = "renders with real Radiance; needs the pictures of radiance_render_tests"]
+fn prisms_agree_where_radiance_knows_the_suns_image() {
+    let (Some(shared), Some(radiance)) = (shared(), Radiance::find()) else { return };
+    let mut scenes = Scenes::new(&shared, &radiance);
+    let mut functions = fs::read_to_string(scenes.folder.path("prism.cal")).expect("the prism's functions");
+    for (coefficient, share) in SOLID_ANGLES {
+        let is_shadow_ray = "DxA*DxA+DyA*DyA+DzA*DzA-.5";
+        functions = functions.replace(coefficient, &format!("{coefficient}if({is_shadow_ray}, {share}, 1) * "));
+    }
+    scenes.folder.file("prism.cal", functions);
+    for reference in Reference::all(&shared) {
+        if shown(&reference.name) != Some(Shown::SunsImage) {
+            continue;
+        }
+        let Ok(ours) = fs::read(pictures_folder().join(format!("renders-{}.hdr", reference.name))) else { continue };
+        scenes.build(&reference);
+        let real = radiance_values(&scenes.real("rpict", &reference.words("")[1..], None).done());
+        let agreement = Agreement::new(&radiance_values(&ours), &real, Noise::Unknown, 8);
+        println!("{:16} {agreement}, within 5 %: {:.1} %", reference.name, 100.0 * agreement.within);
+        assert!(agreement.is_good(), "{} does not agree: {agreement}", reference.name);
+    }
+}
