@@ -12,7 +12,7 @@ const MISSING: [(&[&str], &str); 10] = [
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
-        &["gensdaymtx", "genssky", "rsplit", "rlam"],
+        &["gensdaymtx", "genssky", "rsplit"],
         "expected Radiance's own: rmtxop, rcomb and dctimestep here take the same matrices, and gendaymtx makes those without spectra",
     ),
     (
@@ -53,14 +53,12 @@ const MISSING: [(&[&str], &str); 10] = [
             "objview",
             "glrad",
             "trad",
-            "histo",
             "tabfunc",
             "mgf2inv",
             "mgfilt",
             "3ds2mgf",
             "nff2rad",
             "rad2mgf",
-            "epw2wea",
             "neaten",
             "debugcal",
             "icalc",

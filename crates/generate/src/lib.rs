@@ -25,6 +25,7 @@ mod cat;
 mod cie;
 mod cnt;
 mod echo;
+mod epw2wea;
 mod error;
 mod ev;
 mod facets;
@@ -41,6 +42,7 @@ mod gensky;
 mod gensurf;
 mod genworm;
 mod grid_data;
+mod histo;
 mod ies2rad;
 mod lamps;
 mod matching;
@@ -57,6 +59,7 @@ mod record_format;
 mod record_output;
 mod records;
 mod replmarks;
+mod rlam;
 mod scene_words;
 pub mod shell_words;
 mod sky_patches;
@@ -112,6 +115,7 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("cat", cat::run),
     ("cnt", cnt::run),
     ("echo", echo::run),
+    ("epw2wea", epw2wea::run),
     ("ev", ev::run),
     ("genbeads", genbeads::run),
     ("genblinds", genblinds::run),
@@ -124,12 +128,14 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("gensky", gensky::run),
     ("gensurf", gensurf::run),
     ("genworm", genworm::run),
+    ("histo", histo::run),
     ("ies2rad", ies2rad::run),
     ("mgf2rad", mgf2rad::run),
     ("obj2rad", obj2rad::run),
     ("pkgBSDF", pkgbsdf::run),
     ("rcalc", rcalc::run),
     ("replmarks", replmarks::run),
+    ("rlam", rlam::run),
     ("total", total::run),
     ("zcat", zcat::run),
 ];

@@ -1,4 +1,4 @@
-//! cnt, rcalc, total, ev, cat, zcat and pipes against the real programs.
+//! cnt, rcalc, total, histo, rlam, ev, cat, zcat and pipes against the real programs.
 
 mod oracle;
 
@@ -135,6 +135,88 @@ fn totals_equal_real_ones() {
             assert!(ours(&argv, input.as_bytes(), &TestLoader::default()).is_err(), "{argv:?}");
         }
     }
+}
+
+#[test]
+fn histograms_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let mut numbers = Numbers(23);
+    for _ in 0..60 {
+        let mut argv = list(&["histo"]);
+        for option in ["-c", "-p"] {
+            if numbers.chance(2) {
+                argv.push(option.to_owned());
+            }
+        }
+        argv.extend(list(
+            [&["-5", "5", "7"][..], &["-3", "4"], &["0", "1e2", "1"], &["-.25", "9.5", "40"]][numbers.below(4)],
+        ));
+        let input: String = (0..6).map(|_| table(&mut numbers)).collect();
+        expect_same(&radiance, &argv, input.as_bytes(), &TestLoader::default());
+    }
+}
+
+#[test]
+fn laminated_records_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir().join("radsight-generate-rlam");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, bytes) in [
+        ("a", "a1\na2\na3\n"),
+        ("b", "b1\r\n\nb 3\n"),
+        ("c", "c1\nc2\nc3\n"),
+        ("e", "e1\ne2"),
+        ("d", "0123456789abcdefghijklmn"),
+    ] {
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+    let loader = TestLoader { folders: vec![folder], ..TestLoader::default() };
+    for (line, end_together) in [
+        ("rlam a b c", true),
+        ("rlam a", true),
+        ("rlam -t, a -t b -t:; - -t c", false),
+        ("rlam -u -in 2 a b c", true),
+        ("rlam -ia3 a b", true),
+        ("rlam -t. -ia1 a -ia3 b", false),
+        ("rlam -if d -if d", true),
+        ("rlam -id -t, d -t; d", true),
+        ("rlam -ib8 d -ia a", true),
+        ("rlam a -iw4 d", true),
+        ("rlam -id d -t, -ia a -t; b", true),
+        ("rlam -t, a -id d -ia b", true),
+        ("rlam - - - a", true),
+        ("rlam !echo_5 a", false),
+    ] {
+        let argv: Vec<String> = words(line).iter().map(|word| word.replace('_', " ")).collect();
+        let input = b"1\n2\n3\n4\n5\n6\n7\n8\n9\n";
+        let real = radiance.run(&argv, input, Some(&loader.folders[0]));
+        let ours = String::from_utf8(ours(&argv, input, &loader).unwrap().standard_output).unwrap();
+        let real = real.standard_output;
+        // Where one input ends, real rlam ends in the middle of the record.
+        assert!(ours.starts_with(&real) && (ours == real) == end_together, "{line}: {ours:?}, real {real:?}");
+    }
+    let text = |line: &str| String::from_utf8(ours(&words(line), b"x\n", &loader).unwrap().standard_output).unwrap();
+    assert_eq!(text("rlam - a b"), "x\ta1\tb1\r\n\ta2\t\n\ta3\tb 3\n", "shorter inputs stop contributing");
+    assert_eq!(text("rlam e"), "e1\ne2\n", "the last line may have no end");
+    let message = |line: &str| ours(&words(line), b"", &loader).unwrap_err().to_string();
+    for (line, mistake) in [
+        ("rlam", "rlam: missing input1"),
+        ("rlam -q a", "rlam: unknown option \"-q\""),
+        ("rlam -ix a", "rlam: unknown option \"-ix\""),
+        ("rlam -id99999999999999999999 a", "rlam: unknown option \"-id99999999999999999999\""),
+        ("rlam -in x a", "rlam: most records (-in) is \"x\", expected an integer"),
+        ("rlam a nofile", "cannot find file \"nofile\""),
+        ("rlam !nosuch", "refused to run \"nosuch\""),
+        ("histo 1", "histo: missing max"),
+        ("histo .5 2", "histo: missing n, as min and max are not integers"),
+        ("histo 2 1 4", "histo: max is 1, expected more than min, 2"),
+        ("histo 1 2 0", "histo: 0 divisions, expected 1 to 1024"),
+        ("histo 1 1e9", "histo: 1000000000 divisions, expected 1 to 1024"),
+        ("histo 1 2 3 4", "histo: unexpected argument \"4\""),
+    ] {
+        assert!(message(line).starts_with(mistake), "{line}: {}", message(line));
+    }
+    assert!(ours(&words("rlam -id999999999999999999 d"), b"", &loader).unwrap().standard_output.is_empty());
 }
 
 #[test]

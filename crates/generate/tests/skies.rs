@@ -1,8 +1,8 @@
-//! gensky and gendaylit against the real programs.
+//! gensky, gendaylit and epw2wea against the real programs.
 
 mod oracle;
 
-use oracle::{Numbers, Radiance, TestLoader, expect_same, words};
+use oracle::{Numbers, Radiance, TestLoader, expect_same, ours, words};
 
 #[test]
 fn cie_skies_equal_real_ones() {
@@ -113,5 +113,65 @@ fn daylight_options(numbers: &mut Numbers, argv: &mut Vec<String>) {
         if numbers.chance(8) {
             argv.extend(words(option));
         }
+    }
+}
+
+/// An EPW file with so many records.
+fn weather(records: usize) -> String {
+    let mut text = "LOCATION,S\u{e3}o Paulo,SP,BRA,SWERA,837800,-23.62,-46.65,-3.0,803.0\n".to_owned();
+    text +=
+        "DESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\n";
+    text += "COMMENTS 1,none\nCOMMENTS 2,none\nDATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n";
+    for record in 0..records {
+        let (day, hour) = (1 + record / 24, 1 + record % 24);
+        let (direct, diffuse, cover) = (record * 37 % 900, record * 13 % 300, record % 11);
+        text +=
+            &format!("1999,1,{day},{hour},60,?9?9?9E0,22.5,18.1,76,92000,30,1415,400,300,{direct},{diffuse}.5,30000,");
+        text += &format!("20000,9000,2000,180,2.5,{cover},{cover},10.0,77777,9,999999999,20,0.{record:03},0,88\n");
+    }
+    text
+}
+
+#[test]
+fn weather_files_are_those_of_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir();
+    let loader = TestLoader { folders: vec![folder.clone()], ..TestLoader::default() };
+    for (name, text) in [("radsight.epw", weather(50)), ("radsight-dos.epw", weather(30).replace('\n', "\r\n"))] {
+        std::fs::write(folder.join(name), text).unwrap();
+        for option in ["", "-a "] {
+            assert!(expect_same(&radiance, &words(&format!("epw2wea {option}{name}")), b"", &loader));
+        }
+    }
+    let made = ours(&words("epw2wea radsight.epw made.wea"), b"", &loader).unwrap();
+    assert!(made.standard_output.is_empty() && made.files[0].0 == "made.wea");
+    // What comes of it is read again; the time zone of India keeps its half hour, which the real program loses.
+    let india = weather(24).replace("-3.0,803.0", "5.5,803.0");
+    let made = ours(&words("epw2wea -"), india.as_bytes(), &loader).unwrap().standard_output;
+    assert!(String::from_utf8(made.clone()).unwrap().contains("\ntime_zone -82.5\n"));
+    assert!(!ours(&words("gendaymtx -m 1"), &made, &loader).unwrap().standard_output.is_empty());
+}
+
+#[test]
+fn weather_that_is_none_is_told_by_its_line() {
+    let text = weather(3);
+    let cut = |lines: usize| text.lines().take(lines).collect::<Vec<_>>().join("\n");
+    for (line, input, mistake) in [
+        ("epw2wea -", String::new(), "line 1: expected \"LOCATION\""),
+        ("epw2wea -", "place x\n".to_owned(), "line 1: expected \"LOCATION\""),
+        ("epw2wea -", text.replace("-46.65", "west"), "line 1: expected numbers for latitude"),
+        ("epw2wea -", cut(7), "line 8: expected \"DATA PERIODS\""),
+        ("epw2wea -", cut(9) + "\n1999,1,1,2\n", "line 10: expected a date, an hour,"),
+        (
+            "epw2wea -a -",
+            text.replace(",0.000,0,88", ""),
+            "line 9: expected the sky's cover and the depth of aerosols (-a)",
+        ),
+        ("epw2wea -q -", String::new(), "unknown option \"-q\""),
+        ("epw2wea", String::new(), "missing file-name.epw"),
+        ("epw2wea - a b", String::new(), "unexpected argument \"b\""),
+    ] {
+        let message = ours(&words(line), input.as_bytes(), &TestLoader::default()).unwrap_err().to_string();
+        assert!(message.contains(mistake), "{line}: {message}");
     }
 }

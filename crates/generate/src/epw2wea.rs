@@ -1,0 +1,121 @@
+//! `epw2wea [-a] WEATHER.epw [WEATHER.wea]`: from EnergyPlus' weather files to those of Radiance's programs; `-a` adds the optical depth of aerosols and the
+//! share of the sky that is covered.
+
+use crate::arguments::Arguments;
+use crate::number_text::{leading_integer, leading_number};
+use crate::text::{Text, general};
+use crate::{Error, Invocation, Output};
+use radsight_loader::FileKind;
+
+const USAGE: &str = "epw2wea [-a] file-name.epw [file-name.wea]";
+
+/// Lines of the header; the last tells how many records there are in an hour.
+const HEADER_LINES: usize = 8;
+
+/// Columns of a record.
+const MONTH: usize = 1;
+const DAY: usize = 2;
+const HOUR: usize = 3;
+const MINUTE: usize = 4;
+const DIRECT: usize = 14;
+const DIFFUSE: usize = 15;
+const TENTHS_COVERED: usize = 22;
+const AEROSOL_DEPTH: usize = 29;
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut has_air = false;
+    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
+        arguments.word();
+        match option {
+            "-a" => has_air = !has_air,
+            _ => return Err(arguments.unknown()),
+        }
+    }
+    let input = arguments.required("file-name.epw")?;
+    let output = arguments.word();
+    if arguments.word().is_some() {
+        return Err(arguments.unknown());
+    }
+    let bytes = match input {
+        "-" => invocation.standard_input().to_vec(),
+        name => invocation.loader.load(name, FileKind::Other)?.bytes,
+    };
+    let wrong = |(line, mistake): (usize, &str)| Error::Input {
+        program: arguments.program().to_owned(),
+        source_name: input.to_owned(),
+        mistake: format!("line {line}: {mistake}"),
+    };
+    let mut text = Text::default();
+    // Names of towns may be in any encoding; numbers are in none.
+    let lines = String::from_utf8_lossy(&bytes);
+    let mut lines = lines.lines().enumerate().map(|(number, line)| (number + 1, line.trim_end()));
+    let header: Vec<(usize, &str)> = lines.by_ref().take(HEADER_LINES).collect();
+    text.push_bytes(header_text(&header).map_err(wrong)?.as_bytes())?;
+    let in_an_hour = records_in_an_hour(&header).map_err(wrong)?;
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        let record = Record { number, fields: line.split(',').collect() };
+        text.push_bytes(record.text(in_an_hour, has_air).map_err(wrong)?.as_bytes())?;
+    }
+    let text = text.into_bytes();
+    let (standard_output, files) = match output {
+        Some(name) => (Vec::new(), vec![(name.to_owned(), text)]),
+        None => (text, Vec::new()),
+    };
+    Ok(Output { standard_output, warnings: arguments.warnings, files })
+}
+
+/// A mistake with its line.
+type Found<T> = Result<T, (usize, &'static str)>;
+
+fn header_text(header: &[(usize, &str)]) -> Found<String> {
+    let fields: Vec<&str> = header.first().map_or(Vec::new(), |(_, line)| line.split(',').collect());
+    let [name, city, _, country, _, _, latitude, longitude, time_zone, elevation, ..] = fields[..] else {
+        return Err((1, "expected \"LOCATION\" and what it is followed by in an EPW file"));
+    };
+    if name != "LOCATION" {
+        return Err((1, "expected \"LOCATION\", with which an EPW file begins"));
+    }
+    let number = |field: &str| leading_number(field).map(|(number, _)| number);
+    let [Some(_), Some(east), Some(hours), Some(_)] = [latitude, longitude, time_zone, elevation].map(number) else {
+        return Err((1, "expected numbers for latitude, longitude, time zone and elevation"));
+    };
+    let (west, meridian, height) = (-east, general(-15.0 * hours, 6), elevation.trim());
+    Ok(format!(
+        "place {city}_{country}\nlatitude {latitude}\nlongitude {west:.6}\ntime_zone {meridian}\nsite_elevation {height}\nweather_data_file_units 1\n"
+    ))
+}
+
+fn records_in_an_hour(header: &[(usize, &str)]) -> Found<i64> {
+    const WRONG: (usize, &str) = (HEADER_LINES, "expected \"DATA PERIODS\" and how many records there are in an hour");
+    let (_, line) = header.get(HEADER_LINES - 1).ok_or(WRONG)?;
+    let found = line.split(',').nth(2).and_then(leading_integer);
+    found.map(|(count, _)| count).filter(|count| line.starts_with("DATA PERIODS") && *count > 0).ok_or(WRONG)
+}
+
+struct Record<'a> {
+    number: usize,
+    fields: Vec<&'a str>,
+}
+
+impl Record<'_> {
+    fn text(&self, in_an_hour: i64, has_air: bool) -> Found<String> {
+        let [Some(month), Some(day), Some(hour), Some(minute), Some(direct), Some(diffuse)] =
+            [MONTH, DAY, HOUR, MINUTE, DIRECT, DIFFUSE].map(|column| self.field(column))
+        else {
+            return Err((self.number, "expected a date, an hour, and direct and diffuse irradiance"));
+        };
+        // The hour is the one that ends then; light is the mean over it.
+        let time = if in_an_hour == 1 { hour - 0.5 } else { hour - 1.0 + minute / 60.0 };
+        let air = match [AEROSOL_DEPTH, TENTHS_COVERED].map(|column| self.field(column)) {
+            _ if !has_air => String::new(),
+            [Some(depth), Some(tenths)] => format!(" {depth:.3} {:.1}", tenths / 10.0),
+            _ => return Err((self.number, "expected the sky's cover and the depth of aerosols (-a)")),
+        };
+        Ok(format!("{month:.0} {day:.0} {time:.3} {direct:.0} {diffuse:.0}{air}\n"))
+    }
+
+    fn field(&self, column: usize) -> Option<f64> {
+        self.fields.get(column).and_then(|field| leading_number(field)).map(|(number, _)| number)
+    }
+}

@@ -1,0 +1,150 @@
+//! `rlam [-tS] [-u] [-i{a|f|d|i|w|b}[N]] [-in M] input …`: records of several inputs side by side.
+//!
+//! An input is a file, `-`, or a command after `!`. Its records are N lines (`-ia`) or N binary numbers of 4 (`-if`, `-ii`), 8 (`-id`), 2 (`-iw`) or 1 byte
+//! (`-ib`). Before a line stands S (`-t`; a line break where S is empty), at first a tab, after a binary form nothing; before numbers stands nothing. Options
+//! hold for the inputs after them. `-in` is the most records.
+
+use crate::arguments::Arguments;
+use crate::number_text::leading_integer;
+use crate::text::Text;
+use crate::{Error, Invocation, Output, pipeline};
+use radsight_loader::FileKind;
+
+const USAGE: &str = "rlam [-tS] [-u] [-iaN|-ifN|-idN|-iiN|-iwN|-ibN] [-in M] input1 [options] input2 ..";
+
+/// What a record is.
+#[derive(Clone, Copy)]
+enum Form {
+    Lines(usize),
+    Bytes(usize),
+}
+
+#[derive(Clone)]
+struct Input {
+    /// Which of the streams; standard input may be named several times.
+    stream: usize,
+    form: Form,
+    separator: String,
+}
+
+/// What is left of the bytes of a file, a command or standard input.
+struct Stream {
+    name: String,
+    bytes: Vec<u8>,
+    at: usize,
+}
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let (mut inputs, mut streams, mut most) = (Vec::new(), Vec::new(), 0);
+    let mut now = Input { stream: 0, form: Form::Lines(1), separator: "\t".to_owned() };
+    while let Some(word) = arguments.word() {
+        match word.as_bytes() {
+            [b'-', b't', ..] => {
+                now.separator = Some(&word[2..]).filter(|text| !text.is_empty()).unwrap_or("\n").to_owned();
+            }
+            b"-u" => {}
+            b"-in" => most = usize::try_from(arguments.integer("most records (-in)")?).unwrap_or(0),
+            [b'-', b'i', ..] => now.take_form(word, &arguments)?,
+            [b'-', _, ..] => return Err(arguments.unknown()),
+            _ => {
+                now.stream = stream(word, &mut streams, invocation)?;
+                inputs.push(now.clone());
+            }
+        }
+    }
+    if inputs.is_empty() {
+        return Err(arguments.mistake(invocation.argv.len(), "missing input1"));
+    }
+    let mut text = Text::default();
+    let has_lines = inputs.iter().any(|input| matches!(input.form, Form::Lines(_)));
+    let mut records = 0;
+    while (most == 0 || records < most) && put_record(&inputs, &mut streams, &mut text)? {
+        if has_lines {
+            text.push_bytes(b"\n")?;
+        }
+        records += 1;
+    }
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+}
+
+impl Input {
+    /// Reads an option such as `-id3`.
+    fn take_form(&mut self, option: &str, arguments: &Arguments<'_>) -> Result<(), Error> {
+        let size = match option.as_bytes().get(2) {
+            Some(b'a') => None,
+            Some(b'f' | b'i') => Some(4usize),
+            Some(b'd') => Some(8),
+            Some(b'w') => Some(2),
+            Some(b'b') => Some(1),
+            _ => return Err(arguments.unknown()),
+        };
+        let count = match &option[3..] {
+            "" => 1,
+            digits => leading_integer(digits).ok_or_else(|| arguments.unknown())?.0,
+        };
+        let count = usize::try_from(count).unwrap_or(1).max(1);
+        self.form = match size {
+            None => Form::Lines(count),
+            Some(size) => {
+                self.separator.clear();
+                Form::Bytes(size.saturating_mul(count))
+            }
+        };
+        Ok(())
+    }
+}
+
+/// The number of an input's stream, which is read if it is a new one.
+fn stream(name: &str, streams: &mut Vec<Stream>, invocation: &Invocation<'_>) -> Result<usize, Error> {
+    let known = streams.iter().position(|stream| name == "-" && stream.name == name);
+    if let Some(known) = known {
+        return Ok(known);
+    }
+    let bytes = match name.strip_prefix('!') {
+        Some(command) => {
+            pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?.standard_output
+        }
+        None if name == "-" => invocation.standard_input().to_vec(),
+        None => invocation.loader.load(name, FileKind::Other)?.bytes,
+    };
+    streams.push(Stream { name: name.to_owned(), bytes, at: 0 });
+    Ok(streams.len() - 1)
+}
+
+/// Writes one record of each input that still has one; `false` if none has.
+fn put_record(inputs: &[Input], streams: &mut [Stream], text: &mut Text) -> Result<bool, Error> {
+    let mut wrote = false;
+    for (place, input) in inputs.iter().enumerate() {
+        let stream = &mut streams[input.stream];
+        match input.form {
+            Form::Bytes(size) => {
+                let Some(record) = stream.bytes.get(stream.at..).and_then(|rest| rest.get(..size)) else { continue };
+                text.push_bytes(record)?;
+                stream.at += size;
+                wrote = true;
+            }
+            Form::Lines(count) => {
+                let separator = input.separator.as_bytes();
+                for line in 0..count {
+                    let Some(found) = stream.line() else { break };
+                    text.push_bytes(if place > 0 || line > 0 { separator } else { &[] })?;
+                    text.push_bytes(&stream.bytes[found])?;
+                    wrote = true;
+                }
+            }
+        }
+    }
+    Ok(wrote)
+}
+
+impl Stream {
+    /// Where the next line is, without its end.
+    fn line(&mut self) -> Option<std::ops::Range<usize>> {
+        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|byte| *byte == b'\n');
+        let line = self.at..self.at + length.unwrap_or(rest.len());
+        self.at = line.end + 1;
+        Some(line)
+    }
+}
