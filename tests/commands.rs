@@ -87,3 +87,13 @@ fn what_is_left_out_is_explained_and_measured() {
     }
     assert_eq!(measured.lines().count(), told.lines().count());
 }
+
+#[test]
+fn a_generator_leaves_standard_input_to_the_loop_that_it_stands_in() {
+    let folder = Folder::new();
+    folder.file("hours", "9\n12\n15\n");
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", "while read hour; do \"$0\" gensky 6 21 $hour; done < hours", env!("CARGO_BIN_EXE_radsight")]);
+    let skies = run_with(shell.current_dir(folder.path("")), b"").text();
+    assert_eq!(skies.matches("solar source sun").count(), 3, "{skies}");
+}

@@ -11,6 +11,10 @@ use std::io::{IsTerminal, stdin};
 /// Programs of the shell that scenes call too, but that nobody wants replaced.
 const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
 
+/// Programs that never read standard input: in a shell's loop it holds what the next turns need.
+const WITHOUT_INPUT: [&str; 10] =
+    ["cnt", "ev", "genbeads", "genblinds", "genbox", "genclock", "gendaylit", "genrev", "gensky", "genworm"];
+
 /// The names of the programs.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     let generators = radsight_generate::names().iter().copied().filter(|name| !OF_THE_SHELL.contains(name));
@@ -30,7 +34,8 @@ pub(crate) fn run(argv: &[String]) -> Outcome {
         return getbbox(&argv[1..], commands);
     }
     // Only what is piped in is input: a generator that is typed at a terminal must not wait for it.
-    let input = if stdin().is_terminal() { None } else { Some(read_standard_input()?) };
+    let has_input = !WITHOUT_INPUT.contains(&name) && !stdin().is_terminal();
+    let input = if has_input { Some(read_standard_input()?) } else { None };
     let loader = DiskLoader::new(commands);
     let made = match name {
         "xform" => xform(&argv, input.as_deref(), &loader),
