@@ -31,28 +31,29 @@ impl RenderPlan {
         }
         // What a mirror shows shines as it does itself.
         let light = self.lights_of(light.surface).next().map_or(light, |id| &self.lights[id.0 as usize]);
+        let mut scratch = Scratch::default();
         let look = |index: u32| {
             let encounter =
                 self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
-            self.strongest_emission(shader, &encounter)
+            self.strongest_emission(shader, &encounter, &mut scratch)
         };
         (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
     }
 
     /// The strongest band of what an emitter shows; nothing of what is none.
-    pub(crate) fn strongest_emission(&self, shader: &Shader, encounter: &Encounter) -> f64 {
+    pub(crate) fn strongest_emission(&self, shader: &Shader, encounter: &Encounter, scratch: &mut Scratch) -> f64 {
         match self.bands {
-            1 => self.strongest_of::<1>(shader, encounter),
-            3 => self.strongest_of::<3>(shader, encounter),
-            27 => self.strongest_of::<27>(shader, encounter),
-            36 => self.strongest_of::<36>(shader, encounter),
-            _ => self.strongest_of::<72>(shader, encounter),
+            1 => self.strongest_of::<1>(shader, encounter, scratch),
+            3 => self.strongest_of::<3>(shader, encounter, scratch),
+            27 => self.strongest_of::<27>(shader, encounter, scratch),
+            36 => self.strongest_of::<36>(shader, encounter, scratch),
+            _ => self.strongest_of::<72>(shader, encounter, scratch),
         }
     }
 
-    fn strongest_of<const BANDS: usize>(&self, shader: &Shader, encounter: &Encounter) -> f64 {
+    fn strongest_of<const BANDS: usize>(&self, shader: &Shader, encounter: &Encounter, scratch: &mut Scratch) -> f64 {
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
-        let radiance: [f64; BANDS] = emission(self, shader, emitter, encounter, &mut Scratch::default());
+        let radiance: [f64; BANDS] = emission(self, shader, emitter, encounter, scratch);
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }
 
@@ -74,7 +75,8 @@ impl RenderPlan {
 
     fn beam(&self, light: &Light) -> Option<Beam> {
         let shader = self.shader(light.surface);
-        Beam::new(&light.form, |out| self.strongest_emission(shader, &self.seen_against(light, out)))
+        let mut scratch = Scratch::default();
+        Beam::new(&light.form, |out| self.strongest_emission(shader, &self.seen_against(light, out), &mut scratch))
     }
 
     /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.

@@ -14,6 +14,7 @@ use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{EmitterClass, Kind, Shader};
 use crate::view::Encounter;
 use glam::DVec3;
+use radsight_cal::Scratch;
 use radsight_ir::{Surface, SurfaceHandle};
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
 
@@ -145,7 +146,8 @@ impl Opening {
         if matches!(shader.kind, Kind::Emitter(_)) {
             let distance = plan.bounding_sphere().1;
             let from = Ray { origin: ray.at(-distance), direction };
-            return plan.strongest_emission(shader, &Encounter::new(&from, point, normal, distance, distance));
+            let encounter = Encounter::new(&from, point, normal, distance, distance);
+            return plan.strongest_emission(shader, &encounter, &mut Scratch::default());
         }
         sky_along(plan, ray, own)
     }
@@ -229,7 +231,7 @@ fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId) -> f64 {
             return if is_sampled(plan, surface) {
                 0.0
             } else {
-                plan.strongest_emission(shader, &Encounter::distant(ray.direction))
+                plan.strongest_emission(shader, &Encounter::distant(ray.direction), &mut Scratch::default())
             };
         };
         let shader = plan.shader_at(hit.shader);
