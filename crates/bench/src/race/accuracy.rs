@@ -61,7 +61,8 @@ fn relative(value: f64, reference: f64, floor: f64) -> f64 {
     (value - reference).abs() / reference.hypot(floor)
 }
 
-fn sum(image: &Image<f32>) -> f64 {
+/// The sum of all values of all bands.
+pub(crate) fn sum(image: &Image<f32>) -> f64 {
     image.data().iter().map(|value| f64::from(*value)).sum()
 }
 

@@ -1,6 +1,6 @@
 //! What pictures are compared with: many independent pictures without bias, averaged, kept on disk, and compared with real Radiance's.
 
-use super::accuracy::{Accuracy, BLOCK, Block, blocks};
+use super::accuracy::{Accuracy, BLOCK, Block, blocks, sum};
 use super::own::Own;
 use super::program::read_picture;
 use super::real::{Real, Traced, UNBIASED};
@@ -208,7 +208,6 @@ fn agreement(reference: &Image<f32>, noise: &Image<f32>, traced: &Traced, rays: 
             count += 1;
         }
     }
-    let sum = |image: &Image<f32>| image.data().iter().map(|value| f64::from(*value)).sum::<f64>();
     let squares = |image: &Image<f32>| image.data().iter().map(|value| f64::from(*value).powi(2)).sum::<f64>();
     let mean = sum(&traced.mean) / sum(reference) - 1.0;
     let mean_error = (squares(&traced.error) + squares(noise)).sqrt() / sum(reference);
