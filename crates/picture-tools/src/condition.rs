@@ -26,6 +26,7 @@ pub(crate) use luminance::{Luminance, RODS};
 pub(crate) use mapping::threshold;
 use mapping::{Mapping, ToneMap};
 use radsight_picture::{Encoding, Header, PictureReader, PictureWriter};
+pub(crate) use scotopic::cones;
 use std::io::{Read, Seek, Write};
 use veil::Veil;
 pub use warp::ColorWarp;

@@ -33,6 +33,7 @@ pub mod brightness;
 pub mod combine;
 pub mod compose;
 pub mod condition;
+mod cumulative;
 mod drand48;
 mod error;
 pub mod extrema;

@@ -4,7 +4,8 @@
 //! themselves, where `pcond` takes that of glances. Luminance is in steps in Radiance, here it is not.
 
 use crate::ToolError;
-use crate::condition::{Luminance, MESOPIC, RODS, VISIBLE, threshold};
+use crate::condition::{Luminance, RODS, VISIBLE, cones, threshold};
+use crate::cumulative::{cumulative, share_at};
 use radsight_picture::{Encoding, Header, PictureReader, RgbPrimaries};
 use std::io::Read;
 
@@ -125,7 +126,7 @@ impl Scene {
 /// A colour mixed with the grey that rods see, by its luminance in cd/m².
 fn with_rods(color: [f32; 3], luminance: f64) -> [f64; 3] {
     let color = color.map(f64::from);
-    let cones = ((luminance - MESOPIC[0]) / (MESOPIC[1] - MESOPIC[0])).clamp(0.0, 1.0);
+    let cones = cones(luminance);
     let rods: f64 = color.iter().zip(RODS).map(|(value, weight)| value * weight).sum();
     color.map(|value| cones * value + (1.0 - cones) * rods)
 }
@@ -183,10 +184,7 @@ impl ToneMap {
             ToneMap::Adjusted { limits: [low, high], cumulative } => {
                 let bins = cumulative.len() - 1;
                 let place = ((brightness - low) / (high - low)).clamp(0.0, 1.0) * bins as f64;
-                let bin = (place as usize).min(bins - 1);
-                let part = place - bin as f64;
-                let share = (1.0 - part) * cumulative[bin] + part * cumulative[bin + 1];
-                (RANGE.powf(share - 1.0) - BLACK) / (1.0 - BLACK)
+                (RANGE.powf(share_at(cumulative, place) - 1.0) - BLACK) / (1.0 - BLACK)
             }
         }
     }
@@ -220,7 +218,7 @@ impl Histogram {
         let mut total: u64 = counts.iter().sum();
         let least = total / LEFT + 1;
         loop {
-            let cumulative = cumulative(&counts, total);
+            let cumulative = cumulative(counts.iter().map(|count| *count as f64), total as f64);
             // The count of a bin whose contrast is the scene's own (Eq. 6 of the paper).
             let even = total as f64 * (high - low) / (counts.len() as f64 * RANGE.ln());
             let mut trimmings = 0;
@@ -247,15 +245,6 @@ impl Histogram {
             }
         }
     }
-}
-
-fn cumulative(counts: &[u64], total: u64) -> Vec<f64> {
-    let below = counts.iter().scan(0, |sum, count| {
-        let below = *sum;
-        *sum += count;
-        Some(below as f64 / total as f64)
-    });
-    below.chain([1.0]).collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::histogram::{BINS, Histogram};
 use super::luminance::Luminance;
 use super::{ConditionOptions, Exposure, MappedLuminance, TINY, VISIBLE};
+use crate::cumulative::{cumulative, share_at};
 use radsight_picture::WHITE_EFFICACY;
 
 /// How pixels are mapped.
@@ -84,7 +85,7 @@ impl Mapping {
 #[derive(Clone, Debug)]
 pub(super) struct ToneMap {
     /// The share of the histogram below each bin, and 1.
-    cumulative: [f64; BINS + 1],
+    cumulative: Vec<f64>,
     low: f64,
     high: f64,
     display_low: f64,
@@ -104,7 +105,7 @@ impl ToneMap {
         loop {
             let total: f64 = counts.iter().sum();
             let map = ToneMap {
-                cumulative: cumulative(&counts, total),
+                cumulative: cumulative(counts.iter().copied(), total),
                 low: histogram.low,
                 high: histogram.high,
                 display_low,
@@ -137,10 +138,7 @@ impl ToneMap {
             return self.display_high;
         }
         let place = BINS as f64 * (brightness - self.low) / (self.high - self.low);
-        let bin = (place as usize).min(BINS - 1);
-        let part = place - bin as f64;
-        let share = self.cumulative[bin] * (1.0 - part) + self.cumulative[bin + 1] * part;
-        self.display_low + share * (self.display_high - self.display_low)
+        self.display_low + share_at(&self.cumulative, place) * (self.display_high - self.display_low)
     }
 
     /// The largest share of the histogram that a unit of brightness may have (Eqs. 6 and 10 of the paper).
@@ -152,16 +150,6 @@ impl ToneMap {
         };
         ratio * world / (shown * (self.display_high - self.display_low))
     }
-}
-
-fn cumulative(counts: &[f64; BINS], total: f64) -> [f64; BINS + 1] {
-    let mut shares = [1.0; BINS + 1];
-    let mut sum = 0.0;
-    for (share, count) in shares.iter_mut().zip(counts) {
-        *share = sum / total;
-        sum += count;
-    }
-    shares
 }
 
 /// The smallest difference of luminance that the eye sees when adapted to a luminance, both in cd/m²: J. Ferwerda, S. Pattanaik,

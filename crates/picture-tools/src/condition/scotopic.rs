@@ -3,10 +3,15 @@
 use super::luminance::{Luminance, SCOTOPIC_WHITE};
 use super::{MESOPIC, TINY};
 
+/// The share that cones have in what is seen, by a luminance in cd/m²; the rest is that of rods.
+pub(crate) fn cones(luminance: f64) -> f64 {
+    ((luminance - MESOPIC[0]) / (MESOPIC[1] - MESOPIC[0])).clamp(0.0, 1.0)
+}
+
 /// Mixes a colour with the grey that rods see, by its luminance.
 pub(super) fn fade(pixel: &mut [f32; 3], luminance: &Luminance) {
     let world = luminance.of(*pixel);
-    let color = ((world - MESOPIC[0]) / (MESOPIC[1] - MESOPIC[0])).clamp(0.0, 1.0);
+    let color = cones(world);
     if color >= 1.0 - TINY {
         return;
     }
