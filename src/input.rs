@@ -110,7 +110,7 @@ pub(crate) fn expanded_scene_text(program: &str, path: &str, commands: Commands)
         return Ok(text);
     }
     let loader = DiskLoader::new(commands);
-    let made = radsight_parse::xform(&["xform".to_owned()], Some(&text), &loader);
+    let made = radsight_parse::xform(&["xform".to_owned()], &text, &loader);
     made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("{program}: \"{path}\": {error}")))
 }
 

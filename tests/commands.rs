@@ -92,8 +92,40 @@ fn what_is_left_out_is_explained_and_measured() {
 fn a_generator_leaves_standard_input_to_the_loop_that_it_stands_in() {
     let folder = Folder::new();
     folder.file("hours", "9\n12\n15\n");
+    folder.file("numbers", "1 2\n");
+    folder.file("ball.rad", "void sphere s 0 0 4 0 0 0 1\n");
+    folder.file("corner.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.file("lamp.ies", "IESNA91\nTILT=NONE\n1 100 1 2 1 1 1 1 1 1\n1 1 10\n0 90\n0\n10 5\n");
+    let place = "place here\nlatitude 40\nlongitude 10\ntime_zone 0\nsite_elevation 10\nweather_data_file_units 1\n";
+    folder.file("hour.wea", format!("{place}6 21 12 500 200\n"));
+    let header = "LOCATION,here,-,there,-,1,40,-10,0,10\n".to_owned() + &"-\n".repeat(6) + "DATA PERIODS,1,1\n";
+    folder.file("hour.epw", header + "2001,6,21,12,0,-,0,0,0,0,0,0,0,0,500,200,0\n");
+    for command in [
+        "gensky 6 21 $hour",
+        "cnt $hour",
+        "xform -rz $hour ball.rad",
+        "epw2wea hour.epw",
+        "gendaymtx hour.wea",
+        "obj2rad corner.obj",
+        "ies2rad -o lamp lamp.ies",
+        "rlam numbers numbers",
+        "total numbers",
+        "rcalc -e '$1=$2' numbers",
+        "ev $hour",
+    ] {
+        let line = format!("while read hour; do \"$0\" {command} > made || exit 1; echo $hour; done < hours");
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", &line, env!("CARGO_BIN_EXE_radsight")]);
+        assert_eq!(run_with(shell.current_dir(folder.path("")), b"").text(), "9\n12\n15\n", "{command}");
+    }
+}
+
+#[test]
+fn standard_input_that_cannot_be_read_is_told() {
+    let folder = Folder::new();
     let mut shell = std::process::Command::new("sh");
-    shell.args(["-c", "while read hour; do \"$0\" gensky 6 21 $hour; done < hours", env!("CARGO_BIN_EXE_radsight")]);
-    let skies = run_with(shell.current_dir(folder.path("")), b"").text();
-    assert_eq!(skies.matches("solar source sun").count(), 3, "{skies}");
+    shell.args(["-c", "\"$0\" total < .", env!("CARGO_BIN_EXE_radsight")]);
+    let run = run_with(shell.current_dir(folder.path("")), b"");
+    assert_eq!(run.code, 1, "{}", run.messages);
+    assert!(run.messages.contains("total: cannot read \"standard input\": "), "{}", run.messages);
 }

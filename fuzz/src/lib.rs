@@ -41,7 +41,7 @@ pub fn scene(bytes: &[u8]) {
         .with("f.cal", "f(x) = x*A1;\n");
     read(bytes, &loader);
     let argv = ["xform", "-n", "name", "-rx", "30", "-s", "2", "-mx", "-"].map(str::to_owned);
-    let _ = xform(&argv, Some(bytes), &loader);
+    let _ = xform(&argv, &bytes, &loader);
 }
 
 /// A function file.
@@ -53,7 +53,7 @@ pub fn function(bytes: &[u8]) {
     read_with(&text, bytes);
     let loader = MemoryLoader::default().with(NAME, bytes);
     let argv = ["rcalc", "-f", NAME, "-o", "${f(x,1)} ${red}\n"].map(str::to_owned);
-    let _ = radsight_generate::run(&argv, Some(b"1 2\n3 4\n"), &loader);
+    let _ = radsight_generate::run(&argv, b"1 2\n3 4\n", &loader);
 }
 
 /// A data file.
@@ -144,7 +144,7 @@ pub fn bsdf(bytes: &[u8]) {
 pub fn luminaire(bytes: &[u8]) {
     let loader = MemoryLoader::default().with(NAME, bytes);
     let argv = ["ies2rad", "-o", "lamp", "-t", "default", NAME].map(str::to_owned);
-    if let Ok(output) = radsight_generate::run(&argv, None, &loader) {
+    if let Ok(output) = radsight_generate::run(&argv, b"", &loader) {
         let loader = output.files.iter().fold(loader, |loader, (name, content)| loader.with(name, content));
         read(&output.standard_output, &loader);
         for (name, content) in &output.files {

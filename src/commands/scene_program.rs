@@ -1,19 +1,17 @@
 //! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
 
 use crate::disk::{Commands, DiskLoader};
-use crate::failure::{Failure, Outcome, say};
-use crate::input::{read, read_standard_input, scene_inputs};
+use crate::failure::{Failure, Outcome, reason, say};
+use crate::input::{read, scene_inputs};
 use crate::output::{write_file, write_standard_output};
-use radsight_generate::{Error, Output, padded};
+use radsight_generate::{Error, Output, StandardInput, padded};
+use radsight_loader::LoadError;
 use radsight_parse::{ReadOptions, bounds, xform};
-use std::io::{IsTerminal, stdin};
+use std::cell::OnceCell;
+use std::io::{IsTerminal, Read, stdin};
 
 /// Programs of the shell that scenes call too, but that nobody wants replaced.
 const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
-
-/// Programs that never read standard input: in a shell's loop it holds what the next turns need.
-const WITHOUT_INPUT: [&str; 10] =
-    ["cnt", "ev", "genbeads", "genblinds", "genbox", "genclock", "gendaylit", "genrev", "gensky", "genworm"];
 
 /// The names of the programs.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
@@ -33,15 +31,32 @@ pub(crate) fn run(argv: &[String]) -> Outcome {
     if name == "getbbox" {
         return getbbox(&argv[1..], commands);
     }
-    // Only what is piped in is input: a generator that is typed at a terminal must not wait for it.
-    let has_input = !WITHOUT_INPUT.contains(&name) && !stdin().is_terminal();
-    let input = if has_input { Some(read_standard_input()?) } else { None };
+    let input = Piped::default();
     let loader = DiskLoader::new(commands);
     let made = match name {
-        "xform" => xform(&argv, input.as_deref(), &loader),
-        _ => radsight_generate::run(&argv, input.as_deref(), &loader),
+        "xform" => xform(&argv, &input, &loader),
+        _ => radsight_generate::run(&argv, &input, &loader),
     };
     finish(name, made)
+}
+
+/// Standard input, if it is piped in: a program that is typed at a terminal must not wait for it.
+#[derive(Default)]
+struct Piped(OnceCell<Result<Vec<u8>, LoadError>>);
+
+impl StandardInput for Piped {
+    fn bytes(&self) -> Result<&[u8], LoadError> {
+        self.0.get_or_init(read_piped).as_deref().map_err(LoadError::clone)
+    }
+}
+
+fn read_piped() -> Result<Vec<u8>, LoadError> {
+    let mut bytes = Vec::new();
+    if !stdin().is_terminal() {
+        let unreadable = |error| LoadError::Unreadable { path: "standard input".to_owned(), reason: reason(&error) };
+        stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
+    }
+    Ok(bytes)
 }
 
 fn finish(name: &str, made: Result<Output, Error>) -> Outcome {

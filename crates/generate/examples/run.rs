@@ -1,7 +1,9 @@
 //! Runs a scene command line with files from the working directory: `cargo run --example run -- "genbox m b 1 1 1"`.
 
-use std::io::{Read, Write};
+use std::cell::OnceCell;
+use std::io::{self, Write};
 
+use radsight_generate::StandardInput;
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 
 struct Disk;
@@ -19,14 +21,22 @@ impl Loader for Disk {
     }
 }
 
+/// Standard input, read when it is asked for.
+struct Piped(OnceCell<String>);
+
+impl StandardInput for Piped {
+    fn bytes(&self) -> Result<&[u8], LoadError> {
+        Ok(self.0.get_or_init(|| io::read_to_string(io::stdin()).expect("text")).as_bytes())
+    }
+}
+
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let result = if let [line] = &words[..] {
         radsight_generate::pipeline(line, &Disk, &|_, _| None).map_err(|failed| format!("{:?}: {failed}", failed.range))
     } else {
-        let mut input = Vec::new();
-        std::io::stdin().read_to_end(&mut input).expect("readable standard input");
-        radsight_generate::run(&words, Some(&input), &Disk).map_err(|error| error.to_string())
+        let input = Piped(OnceCell::new());
+        radsight_generate::run(&words, &input, &Disk).map_err(|error| error.to_string())
     };
     match result {
         Ok(output) => {
@@ -34,7 +44,7 @@ fn main() {
             for (name, bytes) in &output.files {
                 eprintln!("writes {name}, {} bytes", bytes.len());
             }
-            std::io::stdout().write_all(&output.standard_output).expect("writable standard output");
+            io::stdout().write_all(&output.standard_output).expect("writable standard output");
         }
         Err(message) => {
             eprintln!("{message}");

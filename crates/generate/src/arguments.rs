@@ -44,6 +44,14 @@ impl<'a> Arguments<'a> {
         &self.argv[self.next.min(self.argv.len())..]
     }
 
+    /// The words from the next one on as names of files, `-` (standard input) when there is none.
+    pub(crate) fn files(&self) -> Vec<&'a str> {
+        match self.rest() {
+            [] => vec!["-"],
+            names => names.iter().map(String::as_str).collect(),
+        }
+    }
+
     /// The next word; `name` says in the error what is missing.
     pub(crate) fn required(&mut self, name: &str) -> Result<&'a str, Error> {
         match self.word() {

@@ -11,10 +11,7 @@ const USAGE: &str = "cat [-u] [file …]";
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut text = Text::default();
     for name in file_names(invocation, USAGE)? {
-        match name {
-            "-" => text.push_bytes(invocation.standard_input())?,
-            name => text.push_bytes(&invocation.loader.load(name, FileKind::Other)?.bytes)?,
-        }
+        text.push_bytes(&invocation.input(name, FileKind::Other)?)?;
     }
     Ok(Output { standard_output: text.into_bytes(), ..Output::default() })
 }
@@ -30,6 +27,5 @@ pub(crate) fn file_names<'a>(invocation: &Invocation<'a>, usage: &'static str) -
             _ => return Err(arguments.unknown()),
         }
     }
-    let names: Vec<&str> = arguments.rest().iter().map(String::as_str).collect();
-    Ok(if names.is_empty() { vec!["-"] } else { names })
+    Ok(arguments.files())
 }

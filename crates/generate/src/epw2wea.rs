@@ -37,10 +37,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let bytes = match input {
-        "-" => invocation.standard_input().to_vec(),
-        name => invocation.loader.load(name, FileKind::Other)?.bytes,
-    };
+    let bytes = invocation.input(input, FileKind::Other)?;
     let wrong = |(line, mistake): (usize, &str)| Error::Input {
         program: arguments.program().to_owned(),
         source_name: input.to_owned(),

@@ -75,17 +75,10 @@ struct Options<'a> {
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
     let options = Options::read(&mut arguments)?;
-    let loaded;
-    let (bytes, name) = match options.weather {
-        Some(path) => {
-            loaded = invocation.loader.load(path, FileKind::Other)?;
-            (&loaded.bytes[..], path)
-        }
-        None => (invocation.standard_input(), "standard input"),
-    };
-    let weather = Weather::read(&String::from_utf8_lossy(bytes)).map_err(|mistake| Error::Input {
+    let bytes = invocation.input(options.weather.unwrap_or("-"), FileKind::Other)?;
+    let weather = Weather::read(&String::from_utf8_lossy(&bytes)).map_err(|mistake| Error::Input {
         program: "gendaymtx".to_owned(),
-        source_name: name.to_owned(),
+        source_name: options.weather.unwrap_or("standard input").to_owned(),
         mistake,
     })?;
     let mut year = Year::new(&options, &weather)?;

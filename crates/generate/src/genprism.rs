@@ -83,14 +83,10 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
 fn read_corners(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> Result<Vec<[f64; 2]>, Error> {
     let position = arguments.position();
     match arguments.peek() {
-        Some("-") => {
-            arguments.word();
-            corners_of(arguments, invocation.standard_input(), "standard input")
-        }
         Some(word) if !word.starts_with(|first: char| first.is_ascii_digit()) => {
             arguments.word();
-            let loaded = invocation.loader.load(word, FileKind::Other)?;
-            corners_of(arguments, &loaded.bytes, word)
+            let source_name = if word == "-" { "standard input" } else { word };
+            corners_of(arguments, &invocation.input(word, FileKind::Other)?, source_name)
         }
         _ => {
             let count = arguments.count("number of vertices")?;

@@ -99,7 +99,7 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
 
     let mut bodies = arguments.again_from(3);
     let data_bytes = match z {
-        "-" => Some(invocation.standard_input().to_vec()),
+        "-" => Some(invocation.standard_input()?.to_vec()),
         name => invocation.loader.load(name, FileKind::Data).ok().map(|loaded| loaded.bytes),
     };
     let is_triplets = data_bytes.is_some() && x == z && y == z;

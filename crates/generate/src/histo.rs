@@ -41,7 +41,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         arguments.word();
     }
     let range = Range::read(&mut arguments)?;
-    let columns = range.count(invocation.standard_input());
+    let columns = range.count(invocation.standard_input()?);
     let mut text = Text::default();
     let steps = range.divisions + usize::from(cumulative);
     let mut sums: Vec<u64> = columns.iter().map(|column| column.below).collect();

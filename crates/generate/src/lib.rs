@@ -77,7 +77,8 @@ pub use pipeline::{PipelineError, pipeline};
 pub use text::{General, MAX_OUTPUT_BYTES, padded};
 pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
 
-use radsight_loader::Loader;
+use radsight_loader::{FileKind, LoadError, Loader};
+use std::borrow::Cow;
 
 /// What a command gave.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -93,18 +94,41 @@ pub struct Output {
 /// Runs a command that this crate lacks (`xform`); `None` when the caller lacks it too.
 pub type Extra<'a> = dyn Fn(&[String], Option<&[u8]>) -> Option<Result<Output, Error>> + 'a;
 
+/// Standard input, empty when there is none. Only programs that read it ask: in a shell's loop it holds what the next turns need.
+pub trait StandardInput {
+    /// All of it; the same whenever it is asked for.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    fn bytes(&self) -> Result<&[u8], LoadError>;
+}
+
+impl<T: AsRef<[u8]>> StandardInput for T {
+    fn bytes(&self) -> Result<&[u8], LoadError> {
+        Ok(self.as_ref())
+    }
+}
+
 /// All that a program is given.
 pub(crate) struct Invocation<'a> {
     pub(crate) argv: &'a [String],
-    pub(crate) standard_input: Option<&'a [u8]>,
+    standard_input: &'a dyn StandardInput,
     pub(crate) loader: &'a dyn Loader,
     pub(crate) extra: &'a Extra<'a>,
 }
 
-impl Invocation<'_> {
+impl<'a> Invocation<'a> {
     /// Standard input, empty when there is none.
-    pub(crate) fn standard_input(&self) -> &[u8] {
-        self.standard_input.unwrap_or_default()
+    pub(crate) fn standard_input(&self) -> Result<&'a [u8], Error> {
+        Ok(self.standard_input.bytes()?)
+    }
+
+    /// What a word names: standard input (`-`) or a file.
+    pub(crate) fn input(&self, name: &str, kind: FileKind) -> Result<Cow<'a, [u8]>, Error> {
+        match name {
+            "-" => self.standard_input().map(Cow::Borrowed),
+            name => Ok(Cow::Owned(self.loader.load(name, kind)?.bytes)),
+        }
     }
 }
 
@@ -164,14 +188,14 @@ pub fn knows(program: &str) -> bool {
 /// Runs one command. `argv[0]` is the program's name.
 ///
 /// # Errors
-/// When the program is unknown, its arguments or input are wrong, a file cannot be loaded, or the output would be too large.
-pub fn run(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader) -> Result<Output, Error> {
+/// When the program is unknown, its arguments or input are wrong, a file or standard input cannot be read, or the output would be too large.
+pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
     run_with(argv, standard_input, loader, &|_, _| None)
 }
 
 pub(crate) fn run_with(
     argv: &[String],
-    standard_input: Option<&[u8]>,
+    standard_input: &dyn StandardInput,
     loader: &dyn Loader,
     extra: &Extra<'_>,
 ) -> Result<Output, Error> {

@@ -31,7 +31,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     writeln!(text, "## {options}")?;
     let mut converter = Converter::new(invocation.loader, materials, text);
     if arguments.rest().is_empty() {
-        converter.convert("standard input", invocation.standard_input())?;
+        converter.convert("standard input", invocation.standard_input()?)?;
     }
     for name in arguments.rest() {
         writeln!(converter.text, "## mgf2rad {name} ##############################")?;

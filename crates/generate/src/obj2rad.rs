@@ -40,18 +40,13 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
             _ => return Err(arguments.unknown()),
         }
     }
-    let loaded;
-    let (source_name, bytes) = match arguments.word() {
-        None | Some("-") => ("<stdin>", invocation.standard_input()),
-        Some(name) => {
-            loaded = invocation.loader.load(name, FileKind::Mesh)?.bytes;
-            (name, loaded.as_slice())
-        }
-    };
+    let name = arguments.word().unwrap_or("-");
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let content = String::from_utf8_lossy(bytes);
+    let source_name = if name == "-" { "<stdin>" } else { name };
+    let bytes = invocation.input(name, FileKind::Mesh)?;
+    let content = String::from_utf8_lossy(&bytes);
     let mut text = Text::default();
     if list_names {
         write_names(&mut text, source_name, &content)?;

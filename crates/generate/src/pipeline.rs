@@ -96,7 +96,7 @@ impl Runner<'_> {
         let result = {
             let files = WrittenFiles { loader: self.loader, files: &self.output.files };
             if crate::knows(&argv[0]) {
-                run_with(&argv, input, &files, self.extra)
+                run_with(&argv, &input.unwrap_or_default(), &files, self.extra)
             } else {
                 (self.extra)(&argv, input).unwrap_or_else(|| external(&argv, input, self.loader))
             }

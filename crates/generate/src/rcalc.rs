@@ -63,13 +63,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     calculator.outputs = calculator.functions.environment.outputs();
     if options.no_input {
         calculator.put_record(&options, &Channels::none())?;
-    } else if arguments.rest().is_empty() {
-        calculator.execute(&options, invocation.standard_input())?;
-    }
-    for name in arguments.rest() {
-        match name.as_str() {
-            "-" => calculator.execute(&options, invocation.standard_input())?,
-            name => calculator.execute(&options, &invocation.loader.load(name, FileKind::Other)?.bytes)?,
+    } else {
+        for name in arguments.files() {
+            calculator.execute(&options, &invocation.input(name, FileKind::Other)?)?;
         }
     }
     let bytes = calculator.text.into_bytes();

@@ -49,7 +49,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let (warnings, written) = (std::mem::take(&mut arguments.warnings), Vec::new());
     let mut replacer = Replacer { markers, expand, invocation, text, warnings, written, depth: 0 };
     if files.is_empty() {
-        replacer.convert("standard input", invocation.standard_input())?;
+        replacer.convert("standard input", invocation.standard_input()?)?;
     }
     for name in files {
         let loaded = invocation.loader.load(name, FileKind::Scene)?;

@@ -105,8 +105,7 @@ fn stream(name: &str, streams: &mut Vec<Stream>, invocation: &Invocation<'_>) ->
         Some(command) => {
             pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?.standard_output
         }
-        None if name == "-" => invocation.standard_input().to_vec(),
-        None => invocation.loader.load(name, FileKind::Other)?.bytes,
+        None => invocation.input(name, FileKind::Other)?.into_owned(),
     };
     streams.push(Stream { name: name.to_owned(), bytes, at: 0 });
     Ok(streams.len() - 1)

@@ -61,20 +61,11 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
     let options = read(&mut arguments)?;
     let (mut text, mut written) = (Text::default(), 0);
-    if arguments.rest().is_empty() {
-        reduce(&options, invocation.standard_input(), &mut text, &mut written)?;
-    }
-    for name in arguments.rest() {
+    for name in arguments.files() {
         if options.most_output > 0 && written >= options.most_output {
             break;
         }
-        match name.as_str() {
-            "-" => reduce(&options, invocation.standard_input(), &mut text, &mut written)?,
-            name => {
-                let bytes = invocation.loader.load(name, FileKind::Other)?.bytes;
-                reduce(&options, &bytes, &mut text, &mut written)?;
-            }
-        }
+        reduce(&options, &invocation.input(name, FileKind::Other)?, &mut text, &mut written)?;
     }
     Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
 }

@@ -2,10 +2,11 @@
 //!
 //! A file can be named without its suffix `.gz` or `.Z`.
 
+use std::borrow::Cow;
 use std::io::Read;
 
 use flate2::read::MultiGzDecoder;
-use radsight_loader::{FileKind, LoadError};
+use radsight_loader::FileKind;
 
 use crate::cat::file_names;
 use crate::text::Text;
@@ -16,16 +17,10 @@ const USAGE: &str = "zcat [file …]";
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut text = Text::default();
     for name in file_names(invocation, USAGE)? {
-        let loaded;
-        let (source_name, bytes) = match name {
-            "-" => ("standard input", invocation.standard_input()),
-            name => {
-                loaded = load(invocation, name)?;
-                (name, loaded.as_slice())
-            }
-        };
+        let bytes = load(invocation, name)?;
+        let source_name = if name == "-" { "standard input" } else { name };
         let room = MAX_OUTPUT_BYTES - text.len();
-        let content = decompress(bytes, room).map_err(|problem| match problem {
+        let content = decompress(&bytes, room).map_err(|problem| match problem {
             Problem::TooLarge => Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES },
             Problem::Damaged(mistake) => {
                 Error::Input { program: "zcat".to_owned(), source_name: source_name.to_owned(), mistake }
@@ -36,10 +31,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     Ok(Output { standard_output: text.into_bytes(), ..Output::default() })
 }
 
-fn load(invocation: &Invocation<'_>, name: &str) -> Result<Vec<u8>, LoadError> {
-    let attempt = |suffix: &str| invocation.loader.load(&format!("{name}{suffix}"), FileKind::Other);
-    let loaded = attempt("").or_else(|error| attempt(".gz").or_else(|_| attempt(".Z")).map_err(|_| error))?;
-    Ok(loaded.bytes)
+fn load<'a>(invocation: &Invocation<'a>, name: &str) -> Result<Cow<'a, [u8]>, Error> {
+    let attempt = |suffix: &str| invocation.input(&format!("{name}{suffix}"), FileKind::Other);
+    attempt("").or_else(|error| attempt(".gz").or_else(|_| attempt(".Z")).map_err(|_| error))
 }
 
 enum Problem {

@@ -190,7 +190,7 @@ fn compare_xform(radiance: &Radiance, folder: &Path, names: &[String]) -> Result
         let arguments = ["-n", "p", "-rx", "20", "-s", "2", "-mx", "-t", "1", "2", "3", name];
         let (theirs, succeeded) = radiance.run("xform", &arguments, folder);
         let argv: Vec<String> = ["xform"].iter().chain(&arguments).map(|word| (*word).to_owned()).collect();
-        match xform(&argv, None, &loader) {
+        match xform(&argv, b"", &loader) {
             Ok(ours) => {
                 let [ours, theirs] = [&ours.standard_output, &theirs].map(|text| without_comments(text));
                 if let Some(difference) = difference(&ours, &theirs, 1e-9) {

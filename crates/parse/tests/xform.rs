@@ -70,7 +70,7 @@ fn every_option_changes_every_type_as_real_xform_does() {
         arguments.push("all.rad");
         let (theirs, _) = radiance.run("xform", &arguments, folder.path());
         let argv: Vec<String> = ["xform"].iter().chain(&arguments).map(|word| (*word).to_owned()).collect();
-        let ours = xform(&argv, None, &loader).unwrap_or_else(|error| panic!("{options}: {error}"));
+        let ours = xform(&argv, b"", &loader).unwrap_or_else(|error| panic!("{options}: {error}"));
         if let Some(difference) = difference(&ours.standard_output, &theirs, 2e-12) {
             panic!("xform {options}: {difference}");
         }
@@ -93,7 +93,7 @@ fn real_files_are_placed_as_real_xform_places_them() {
         let (theirs, succeeded) = radiance.run("xform", &arguments, folder);
         let argv: Vec<String> = ["xform"].iter().chain(&arguments).map(|word| (*word).to_owned()).collect();
         let loader = Disk { folder: folder.to_owned(), library: None };
-        match xform(&argv, None, &loader) {
+        match xform(&argv, b"", &loader) {
             Ok(ours) if succeeded => {
                 let found = difference(&ours.standard_output, &theirs, 1e-11);
                 wrong.extend(found.map(|difference| format!("{}: {difference}", file.display())));
@@ -122,7 +122,7 @@ fn arguments_that_are_wrong_are_named() {
         ("-i 1000000000 -s 2 a.rad", "the transform goes to infinity", 1),
     ] {
         let argv: Vec<String> = ["xform"].into_iter().chain(arguments.split(' ')).map(str::to_owned).collect();
-        let error = xform(&argv, None, &loader).unwrap_err();
+        let error = xform(&argv, b"", &loader).unwrap_err();
         assert!(error.to_string().contains(expected), "{arguments}: {error}");
         assert!(at == 0 || error.argument() == Some(at), "{arguments}: {:?}", error.argument());
     }
@@ -131,6 +131,6 @@ fn arguments_that_are_wrong_are_named() {
 #[test]
 fn a_file_that_includes_itself_is_an_error() {
     let loader = radsight_loader::MemoryLoader::default().with("a.rad", "!xform a.rad\n!xform a.rad\n");
-    let error = xform(&["xform".into(), "a.rad".into()], None, &loader).unwrap_err();
+    let error = xform(&["xform".into(), "a.rad".into()], b"", &loader).unwrap_err();
     assert!(error.to_string().contains("more than 32 deep"), "{error}");
 }

@@ -107,7 +107,7 @@ pub fn words(line: &str) -> Vec<String> {
 }
 
 pub fn ours(argv: &[String], standard_input: &[u8], loader: &dyn Loader) -> Result<Output, Error> {
-    run(argv, Some(standard_input), loader)
+    run(argv, &standard_input, loader)
 }
 
 /// How alike two outputs are.

@@ -164,7 +164,7 @@ impl Reader<'_> {
         let bytes = standard_input.as_ref().map(|key| Arc::clone(&self.inclusions.texts[key].bytes));
         let argv: Vec<String> = call.words.iter().map(|word| word.text.clone()).collect();
         let mut readings = HashMap::new();
-        let result = visit_copies(&argv, bytes.as_deref(), &loader, &mut |event| {
+        let result = visit_copies(&argv, &bytes.as_deref().unwrap_or_default(), &loader, &mut |event| {
             let Event::Copy(copy) = event else { return Ok(()) };
             let placed = PlacedCopy { copy, call, command, standard_input: standard_input.as_ref() };
             self.place_copy(&placed, &loader, here, &mut readings)
@@ -351,7 +351,7 @@ impl Reader<'_> {
         let shared = Rc::clone(&self.loader);
         let loader = DirectoryLoader { directory: key.directory.clone(), loader: &*shared };
         let result = radsight_generate::pipeline(line, &loader, &|argv, standard_input| {
-            is_xform(&argv[0]).then(|| run_xform(argv, standard_input, &loader, 1))
+            is_xform(&argv[0]).then(|| run_xform(argv, &standard_input.unwrap_or_default(), &loader, 1))
         });
         match result {
             Ok(output) => {

@@ -3,7 +3,7 @@
 use crate::placement::{NewModifier, Placement};
 use crate::syntax::{is_space, parse_integer};
 use crate::transform_words;
-use radsight_generate::Error;
+use radsight_generate::{Error, StandardInput};
 use radsight_loader::{FileKind, LoadError, Loader};
 use std::ops::Range;
 
@@ -54,7 +54,7 @@ struct Argument {
 /// When the arguments are wrong or ask for too many copies, or when `visit` fails.
 pub(crate) fn visit_copies(
     argv: &[String],
-    standard_input: Option<&[u8]>,
+    standard_input: &dyn StandardInput,
     loader: &dyn Loader,
     visit: &mut dyn FnMut(Event<'_>) -> Result<(), Error>,
 ) -> Result<(), Error> {
@@ -73,7 +73,7 @@ struct Nesting {
 }
 
 struct Expansion<'a> {
-    standard_input: Option<&'a [u8]>,
+    standard_input: &'a dyn StandardInput,
     loader: &'a dyn Loader,
     visit: &'a mut dyn FnMut(Event<'_>) -> Result<(), Error>,
     copies: usize,
@@ -163,7 +163,7 @@ impl Expansion<'_> {
 
     fn load(&self, name: &str) -> Result<Vec<u8>, LoadError> {
         match name {
-            "-" => Ok(self.standard_input.unwrap_or_default().to_vec()),
+            "-" => self.standard_input.bytes().map(<[u8]>::to_vec),
             _ => self.loader.load(name, FileKind::Other).map(|loaded| loaded.bytes),
         }
     }

@@ -5,7 +5,7 @@ use crate::commands::{DirectoryLoader, command_line, directory_of};
 use crate::syntax::{Item, Items, Primitive, Word, is_space};
 use crate::{Kind, placement::Placement};
 use radsight_diag::SourceMap;
-use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output, padded};
+use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, padded};
 use radsight_loader::{FileKind, LoadError, Loader};
 use std::io::Write;
 
@@ -16,13 +16,13 @@ const MAX_DEPTH: usize = 32;
 ///
 /// # Errors
 /// When an argument, a file or a primitive in it is wrong, a command in a file fails, or the output would be too large.
-pub fn xform(argv: &[String], standard_input: Option<&[u8]>, loader: &dyn Loader) -> Result<Output, Error> {
+pub fn xform(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
     run(argv, standard_input, loader, 0)
 }
 
 pub(crate) fn run(
     argv: &[String],
-    standard_input: Option<&[u8]>,
+    standard_input: &dyn StandardInput,
     loader: &dyn Loader,
     depth: usize,
 ) -> Result<Output, Error> {
@@ -42,14 +42,14 @@ pub(crate) fn run(
 
 fn place_files(
     copy: &Copy,
-    standard_input: Option<&[u8]>,
+    standard_input: &dyn StandardInput,
     loader: &dyn Loader,
     depth: usize,
     output: &mut Output,
 ) -> Result<(), Error> {
     writeln!(output.standard_output, "# {}", copy.words[..copy.transform_words.end].join(" ")).map_err(too_large)?;
     if copy.files.is_empty() {
-        let text = standard_input.unwrap_or_default();
+        let text = standard_input.bytes()?;
         return Placer { copy, loader, depth, output, source: "standard input".to_owned() }.text(text);
     }
     for (name, _) in &copy.files {
@@ -116,7 +116,7 @@ impl Placer<'_> {
         let deeper = self.depth + 1;
         let loader = self.loader;
         let output = radsight_generate::pipeline(&command, loader, &|argv, standard_input| {
-            super::is_xform(&argv[0]).then(|| run(argv, standard_input, loader, deeper))
+            super::is_xform(&argv[0]).then(|| run(argv, &standard_input.unwrap_or_default(), loader, deeper))
         });
         let output = match output {
             Ok(output) => output,
