@@ -53,7 +53,6 @@ const MISSING: [(&[&str], &str); 10] = [
             "objview",
             "glrad",
             "trad",
-            "tabfunc",
             "mgf2inv",
             "mgfilt",
             "3ds2mgf",

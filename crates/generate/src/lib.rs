@@ -55,6 +55,7 @@ mod perez;
 mod pipeline;
 mod pkgbsdf;
 mod rcalc;
+mod rcollate;
 mod record_format;
 mod record_output;
 mod records;
@@ -64,6 +65,7 @@ mod scene_words;
 pub mod shell_words;
 mod sky_patches;
 mod sun;
+mod tabfunc;
 mod text;
 mod total;
 mod wavefront_mesh;
@@ -158,8 +160,10 @@ const PROGRAMS: &[(&str, Program)] = &[
     ("obj2rad", obj2rad::run),
     ("pkgBSDF", pkgbsdf::run),
     ("rcalc", rcalc::run),
+    ("rcollate", rcollate::run),
     ("replmarks", replmarks::run),
     ("rlam", rlam::run),
+    ("tabfunc", tabfunc::run),
     ("total", total::run),
     ("zcat", zcat::run),
 ];

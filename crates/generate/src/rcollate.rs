@@ -1,0 +1,490 @@
+//! `rcollate [-h[io]] [-w] [-c] [-f[afdb][N]] [-t] [-ic COLUMNS] [-ir ROWS] [-oc COLUMNS] [-or ROWS] [-o RxC[xR1xC1..]] [MATRIX]`: the records of a
+//! matrix in other rows and columns, transposed (`-t`) or in blocks (`-o`), as they stand: numbers are not read, but for `-c`, which checks them.
+//!
+//! A record has `N` components of text (`-fa`), 4 bytes (`-ff`), 8 (`-fd`) or 1 (`-fb`); a header says so otherwise.
+
+use crate::arguments::Arguments;
+use crate::number_text::{leading_integer, whole_number};
+use crate::records::is_blank;
+use crate::text::{Quoted, Text};
+use crate::{Error, Invocation, Output};
+use radsight_loader::FileKind;
+use std::fmt::Write;
+use std::ops::Range;
+
+const USAGE: &str = "rcollate [-h[io]][-w][-c][-f[afdb][N]][-t][-ic in_col][-ir in_row][-oc out_col][-or out_row][-o RxC[xR1xC1..]] [input.dat]";
+
+/// Components of a record where nothing says how many.
+const COMPONENTS: usize = 3;
+
+/// Blocks in blocks are no deeper.
+const DEEPEST: usize = 16;
+
+/// Rows and columns; 0 for what is not known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Shape {
+    rows: usize,
+    columns: usize,
+}
+
+impl Shape {
+    fn records(self) -> usize {
+        self.rows.saturating_mul(self.columns)
+    }
+
+    fn turned(self) -> Shape {
+        Shape { rows: self.columns, columns: self.rows }
+    }
+
+    /// What is not known, as another shape has it.
+    fn or(self, other: Shape) -> Shape {
+        let either = |own: usize, other: usize| if own > 0 { own } else { other };
+        Shape { rows: either(self.rows, other.rows), columns: either(self.columns, other.columns) }
+    }
+
+    /// What is not known, by the count of records.
+    fn filled(self, records: usize) -> Shape {
+        match self {
+            Shape { rows: 0, columns } if columns > 0 => Shape { rows: records / columns, columns },
+            Shape { rows, columns: 0 } if rows > 0 => Shape { rows, columns: records / rows },
+            known => known,
+        }
+    }
+}
+
+/// What the records are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Format {
+    /// As a header names it.
+    name: &'static str,
+    /// Bytes of a component; `None` for text.
+    size: Option<usize>,
+}
+
+const FORMATS: [Format; 4] = [
+    Format { name: "ascii", size: None },
+    Format { name: "float", size: Some(4) },
+    Format { name: "double", size: Some(8) },
+    Format { name: "byte", size: Some(1) },
+];
+
+struct Options {
+    reads_header: bool,
+    writes_header: bool,
+    checks: bool,
+    warns: bool,
+    transposes: bool,
+    format: Option<Format>,
+    components: Option<usize>,
+    input: Shape,
+    output: Shape,
+    /// Of `-o`, from the whole down: each level's rows and columns.
+    blocks: Vec<Shape>,
+}
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let options = Options::read(&mut arguments)?;
+    let command = &invocation.argv[..arguments.position()];
+    let name = arguments.word().unwrap_or("-");
+    if arguments.word().is_some() {
+        return Err(arguments.unknown());
+    }
+    let bytes = invocation.input(name, FileKind::Other)?;
+    let mut collation = Collation { options, header: Text::default(), warnings: arguments.warnings };
+    let standard_output = collation.collate(&bytes, command).map_err(|mistake| match mistake {
+        Mistake::Other(error) => error,
+        Mistake::Text(mistake) => Error::Input {
+            program: "rcollate".to_owned(),
+            source_name: if name == "-" { "standard input" } else { name }.to_owned(),
+            mistake,
+        },
+    })?;
+    let warnings = if collation.options.warns { collation.warnings } else { Vec::new() };
+    Ok(Output { standard_output, warnings, files: Vec::new() })
+}
+
+impl Options {
+    fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
+        let mut options = Options {
+            reads_header: true,
+            writes_header: true,
+            checks: false,
+            warns: true,
+            transposes: false,
+            format: None,
+            components: None,
+            input: Shape::default(),
+            output: Shape::default(),
+            blocks: Vec::new(),
+        };
+        while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
+            arguments.word();
+            match option.as_bytes() {
+                b"-h" => (options.reads_header, options.writes_header) = (false, false),
+                b"-hi" => options.reads_header = false,
+                b"-ho" => options.writes_header = false,
+                [b'-', b'w', ..] => options.warns = !options.warns,
+                [b'-', b'c', ..] => options.checks = true,
+                [b'-', b't', ..] => options.transposes = !options.transposes,
+                [b'-', b'i', b'c', ..] => options.input.columns = arguments.count("input columns (-ic)")?,
+                [b'-', b'i', b'r', ..] => options.input.rows = arguments.count("input rows (-ir)")?,
+                [b'-', b'o', b'c', ..] => options.output.columns = arguments.count("output columns (-oc)")?,
+                [b'-', b'o', b'r', ..] => options.output.rows = arguments.count("output rows (-or)")?,
+                b"-o" => options.blocks = read_blocks(arguments)?,
+                [b'-', b'f', letter, count @ ..] => {
+                    let index = b"afdb".iter().position(|known| *known == letter.to_ascii_lowercase());
+                    options.format = Some(FORMATS[index.ok_or_else(|| arguments.unknown())?]);
+                    options.components = Some(match count {
+                        [] => 1,
+                        _ => whole_count(&option[3..]).ok_or_else(|| arguments.unknown())?,
+                    });
+                }
+                _ => return Err(arguments.unknown()),
+            }
+        }
+        if let Some(whole) = options.blocks.first() {
+            options.output = *whole;
+        }
+        Ok(options)
+    }
+
+    /// Whether records go elsewhere than one after the other.
+    fn reorders(&self) -> bool {
+        self.transposes || self.blocks.len() > 1
+    }
+
+    /// Nothing would be other than it is.
+    fn changes_nothing(&self) -> bool {
+        let is_same = self.reads_header == self.writes_header && self.input == self.output;
+        is_same && !self.reorders() && !self.checks
+    }
+
+    /// Lines stay as they are: the output has the input's shape, which is known if the header is to tell it.
+    fn keeps_order(&self) -> bool {
+        let is_same = self.output.or(self.input) == self.input && (self.input.records() > 0 || !self.writes_header);
+        is_same && !self.reorders() && !self.checks
+    }
+}
+
+/// The levels of `RxCxR1xC1…`: blocks of blocks, the whole first.
+fn read_blocks(arguments: &mut Arguments<'_>) -> Result<Vec<Shape>, Error> {
+    let position = arguments.position();
+    let word = arguments.required("blocks (-o)")?;
+    let wrong =
+        || arguments.mistake(position, format!("blocks (-o) are \"{word}\", expected counts as in 4x8 or 2x2x4x8"));
+    let counts: Option<Vec<usize>> = word.split(['x', 'X']).map(whole_count).collect();
+    let counts = counts.filter(|counts| counts.len() % 2 == 0 && counts.len() <= 2 * DEEPEST).ok_or_else(wrong)?;
+    let mut levels: Vec<Shape> = counts.chunks(2).map(|pair| Shape { rows: pair[0], columns: pair[1] }).collect();
+    for level in (1..levels.len()).rev() {
+        let inner = levels[level];
+        let outer = &mut levels[level - 1];
+        *outer =
+            Shape { rows: outer.rows.saturating_mul(inner.rows), columns: outer.columns.saturating_mul(inner.columns) };
+    }
+    Ok(levels)
+}
+
+/// A count above zero.
+fn whole_count(word: &str) -> Option<usize> {
+    let (count, end) = leading_integer(word).filter(|_| word.starts_with(|first: char| first.is_ascii_digit()))?;
+    usize::try_from(count).ok().filter(|count| *count > 0 && end == word.len())
+}
+
+/// What is wrong with the input, and the rest.
+enum Mistake {
+    Text(String),
+    Other(Error),
+}
+
+impl From<std::fmt::Error> for Mistake {
+    fn from(error: std::fmt::Error) -> Self {
+        Mistake::Other(error.into())
+    }
+}
+
+impl From<String> for Mistake {
+    fn from(mistake: String) -> Self {
+        Mistake::Text(mistake)
+    }
+}
+
+struct Collation {
+    options: Options,
+    /// What goes before the records.
+    header: Text,
+    warnings: Vec<String>,
+}
+
+impl Collation {
+    fn collate(&mut self, bytes: &[u8], command: &[String]) -> Result<Vec<u8>, Mistake> {
+        if self.options.changes_nothing() {
+            self.warnings.push("no other order is asked for: the input is copied as it is".to_owned());
+            return Ok(bytes.to_vec());
+        }
+        let mut rest = bytes;
+        if self.options.reads_header {
+            rest = self.read_header(bytes)?;
+        }
+        let format = self.options.format.unwrap_or(FORMATS[0]);
+        let components = self.options.components.unwrap_or(COMPONENTS);
+        let records = Records::find(rest, format, components)?;
+        let count = match &records {
+            Records::Text(ranges) => ranges.len(),
+            Records::Bytes { size } => rest.len() / size,
+        };
+        let keeps_lines = format.size.is_none() && self.options.keeps_order();
+        let (input, output) = match keeps_lines {
+            true => (self.options.input, self.options.input),
+            false => self.shapes(rest, &records, count)?,
+        };
+        let mut text = std::mem::take(&mut self.header);
+        if self.options.writes_header {
+            if !self.options.reads_header {
+                text.write_str("#?RADIANCE\n")?;
+            }
+            let words: Vec<String> = command.iter().map(|word| Quoted(word).to_string()).collect();
+            writeln!(text, "{}\nNCOMP={components}", words.join(" "))?;
+            writeln!(text, "NROWS={}\nNCOLS={}\nFORMAT={}\n", output.rows, output.columns, format.name)?;
+        }
+        if keeps_lines {
+            text.push_bytes(rest)?;
+        } else {
+            self.write_records(&mut text, rest, &records, input, output)?;
+        }
+        Ok(text.into_bytes())
+    }
+
+    /// Takes what the header says of the records, keeps its other lines, and gives what follows it.
+    fn read_header<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], Mistake> {
+        let mut rest = bytes;
+        loop {
+            let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
+                return Err("the header does not end with an empty line; option -hi says that there is none"
+                    .to_owned()
+                    .into());
+            };
+            let (line, behind) = (&rest[..end], &rest[end + 1..]);
+            rest = behind;
+            if line.is_empty() || line == b"\r" {
+                return Ok(rest);
+            }
+            if !self.take_line(&String::from_utf8_lossy(line))? && self.options.writes_header {
+                self.header.push_bytes(line)?;
+                self.header.push_bytes(b"\n")?;
+            }
+        }
+    }
+
+    /// Whether a line of the header says what the records are.
+    fn take_line(&mut self, line: &str) -> Result<bool, Mistake> {
+        let Some((key, value)) = line.split_once('=') else { return Ok(false) };
+        let value = value.trim();
+        // Pictures' bytes are taken apart as they are asked for.
+        let is_open = |options: &Options| {
+            let is_byte = options.format.is_some_and(|format| format.size == Some(1));
+            is_byte && options.components.is_some_and(|count| count > 1) && !options.checks
+        };
+        match key {
+            "FORMAT" if is_open(&self.options) => {}
+            "FORMAT" => {
+                let found = FORMATS.iter().find(|format| format.name == value);
+                match (self.options.format, found) {
+                    (None, None) => {
+                        return Err(format!("the format is \"{value}\", expected ascii, float, double or byte").into());
+                    }
+                    (None, Some(found)) => self.options.format = Some(*found),
+                    (Some(wanted), _) if wanted.name != value => {
+                        return Err(
+                            format!("the header says that the format is {value}, the options {}", wanted.name).into()
+                        );
+                    }
+                    _ => {}
+                }
+            }
+            "NCOMP" if is_open(&self.options) => {}
+            "NCOMP" => {
+                let mut found = self.options.components.unwrap_or(0);
+                agree(&mut found, value, "components")?;
+                self.options.components = Some(found);
+            }
+            "NROWS" => agree(&mut self.options.input.rows, value, "rows")?,
+            "NCOLS" => agree(&mut self.options.input.columns, value, "columns")?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Rows and columns of the input and of the output.
+    fn shapes(&mut self, bytes: &[u8], records: &Records, count: usize) -> Result<(Shape, Shape), Mistake> {
+        let turn = |shape: Shape| if self.options.transposes { shape.turned() } else { shape };
+        let (mut input, mut output) = (self.options.input, self.options.output);
+        let reorders = self.options.reorders();
+        if !reorders && output.columns == 0 {
+            output.columns = input.columns;
+        }
+        if reorders || output == Shape::default() {
+            input = input.or(turn(output));
+        } else if output.rows == 0 && output.columns > 0 && input.records() > 0 {
+            output.rows = input.records() / output.columns;
+        }
+        if input == Shape::default() && (reorders || output == Shape::default()) {
+            input.columns = records.in_first_line(bytes);
+        }
+        if input == Shape::default() {
+            // Lines are as long as they are wanted.
+            input = output;
+        }
+        // Behind the last byte that is wanted others may stand.
+        let used = if input.records() > 0 { input.records() } else { count };
+        if used > count {
+            return Err(format!("there are {count} records, expected {} × {}", input.rows, input.columns).into());
+        }
+        input = input.filled(used);
+        output = output.or(if output.columns > 0 || output.rows > 0 { output.filled(used) } else { turn(input) });
+        let rest = match records {
+            Records::Text(_) => count - used,
+            Records::Bytes { size } => bytes.len() - used * size,
+        };
+        if rest > 0 || input.records() != used {
+            let Shape { rows, columns } = input;
+            let what = match records {
+                Records::Bytes { .. } if rest > 0 => format!("{rest} bytes are left behind {rows} × {columns} records"),
+                _ => format!("there are {count} records, {rows} × {columns} are expected"),
+            };
+            let is_text = matches!(records, Records::Text(_));
+            if self.options.checks || reorders && is_text || input.records() != used {
+                return Err(what.into());
+            }
+            self.warnings.push(what);
+        }
+        if output.records() != used {
+            let Shape { rows, columns } = output;
+            return Err(format!("there are {used} records, which do not make {rows} rows of {columns}").into());
+        }
+        Ok((input, output))
+    }
+
+    fn write_records(
+        &self,
+        text: &mut Text,
+        bytes: &[u8],
+        records: &Records,
+        input: Shape,
+        output: Shape,
+    ) -> Result<(), Mistake> {
+        for row in 0..output.rows {
+            for column in 0..output.columns {
+                let place = self.place(row, column, input, output);
+                match records {
+                    Records::Bytes { size } => text.push_bytes(&bytes[place * size..(place + 1) * size])?,
+                    Records::Text(ranges) => {
+                        let record = ranges.get(place).cloned().unwrap_or_default();
+                        let words = bytes[record].split(|byte| is_between(*byte)).filter(|word| !word.is_empty());
+                        for (index, word) in words.enumerate() {
+                            text.push_bytes(if index > 0 { b" " } else { b"" })?;
+                            if self.options.checks && std::str::from_utf8(word).ok().and_then(whole_number).is_none() {
+                                return Err(format!("\"{}\" is no number", String::from_utf8_lossy(word)).into());
+                            }
+                            text.push_bytes(word)?;
+                        }
+                        text.push_bytes(if column + 1 < output.columns { b"\t" } else { b"\n" })?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Which record of the input comes to a place of the output.
+    fn place(&self, row: usize, column: usize, input: Shape, output: Shape) -> usize {
+        let transposed = |row: usize, column: usize| column * input.columns + row;
+        match (self.options.blocks.len() > 1, self.options.transposes) {
+            (false, false) => row * output.columns + column,
+            (false, true) => transposed(row, column),
+            (true, transposes) => {
+                let place = place_in_blocks(&self.options.blocks, row, column);
+                if transposes { transposed(place / input.rows, place % input.rows) } else { place }
+            }
+        }
+    }
+}
+
+/// Blocks lie one after the other in the input, side by side in the output.
+fn place_in_blocks(levels: &[Shape], mut row: usize, mut column: usize) -> usize {
+    let mut place = 0;
+    for two in levels.windows(2) {
+        let (whole, block) = (two[0], two[1]);
+        place += row / block.rows * block.rows * whole.columns + column / block.columns * block.records();
+        (row, column) = (row % block.rows, column % block.columns);
+    }
+    place + row * levels.last().map_or(0, |block| block.columns) + column
+}
+
+/// Takes a count of a header, which an option may have said, too.
+fn agree(known: &mut usize, value: &str, what: &str) -> Result<(), Mistake> {
+    let found =
+        whole_count(value).ok_or_else(|| format!("the header says \"{value}\" {what}, expected a count above zero"))?;
+    if *known > 0 && *known != found {
+        return Err(format!("the header says {found} {what}, the options {known}").into());
+    }
+    *known = found;
+    Ok(())
+}
+
+/// Where the records are.
+enum Records {
+    Text(Vec<Range<usize>>),
+    Bytes {
+        /// Of a record.
+        size: usize,
+    },
+}
+
+impl Records {
+    fn find(bytes: &[u8], format: Format, components: usize) -> Result<Records, Mistake> {
+        if let Some(size) = format.size {
+            return Ok(Records::Bytes { size: size.saturating_mul(components) });
+        }
+        let (mut ranges, mut words, mut begin, mut line) = (Vec::new(), 0, 0, 1);
+        let mut at = 0;
+        while at < bytes.len() {
+            let is_word = !is_between(bytes[at]);
+            let length = bytes[at..].iter().take_while(|byte| is_between(**byte) != is_word).count();
+            if is_word {
+                begin = if words == 0 { at } else { begin };
+                words += 1;
+                if words == components {
+                    ranges.push(begin..at + length);
+                    words = 0;
+                }
+            } else {
+                let lines = bytes[at..at + length].iter().filter(|byte| **byte == b'\n').count();
+                if lines > 0 && words > 0 {
+                    return Err(broken(line, words, components));
+                }
+                line += lines;
+            }
+            at += length;
+        }
+        if words > 0 { Err(broken(line, words, components)) } else { Ok(Records::Text(ranges)) }
+    }
+
+    /// How many begin before the first line ends.
+    fn in_first_line(&self, bytes: &[u8]) -> usize {
+        let Records::Text(ranges) = self else { return 0 };
+        let begin = ranges.first().map_or(0, |first| first.start);
+        let end = bytes[begin..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |length| begin + length);
+        ranges.partition_point(|range| range.start < end)
+    }
+}
+
+fn broken(line: usize, words: usize, components: usize) -> Mistake {
+    Mistake::Text(format!(
+        "line {line} of the data ends after {words} of {components} components of a record; -fa1 is for single numbers"
+    ))
+}
+
+fn is_between(byte: u8) -> bool {
+    byte == 0 || is_blank(byte)
+}

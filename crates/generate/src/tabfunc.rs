@@ -1,0 +1,184 @@
+//! `tabfunc [-i] NAME …`: functions of one variable from the columns of a table on standard input, as text of the function language.
+//!
+//! The first column is the variable, each further one a function; `0` for a name leaves a column out. With `-i` values are interpolated, without
+//! it they hold for the variable's own values. Names of helpers end with a number made of the table, where the real program puts that of its process.
+
+use crate::arguments::Arguments;
+use crate::number_text::leading_number;
+use crate::text::{Text, general, is_space};
+use crate::{Error, Invocation, Output};
+use std::fmt::{self, Write};
+
+const USAGE: &str = "tabfunc [-i] func1 [func2 ..]";
+
+/// A line of the output is no longer, unless a single number is.
+const LINE: usize = 64;
+
+pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let interpolates = arguments.peek() == Some("-i");
+    if interpolates {
+        arguments.word();
+    }
+    if arguments.peek().is_some_and(|word| word.starts_with('-')) {
+        arguments.word();
+        return Err(arguments.unknown());
+    }
+    arguments.required("func1")?;
+    let names = &invocation.argv[arguments.position() - 1..];
+    let content = String::from_utf8_lossy(invocation.standard_input()?);
+    let table = Table::read(&content, names.len()).map_err(|mistake| Error::Input {
+        program: arguments.program().to_owned(),
+        source_name: "standard input".to_owned(),
+        mistake,
+    })?;
+    let mut text = Text::default();
+    if interpolates {
+        writeln!(text, "interp_arr2`(i,x,f):(i+1-x)*f(i)+(x-i)*f(i+1);")?;
+        writeln!(text, "interp_arr`(x,f):if(x-1,if(f(0)-x,interp_arr2`(floor(x),x,f),f(f(0))),f(1));")?;
+    }
+    let place = table.place(&mut text).map_err(|error| match error {
+        PlaceError::Full(error) => Error::from(error),
+        PlaceError::Turns { row } => Error::Input {
+            program: arguments.program().to_owned(),
+            source_name: "standard input".to_owned(),
+            mistake: format!("row {row}: the variable neither rises nor falls all the way, expected it in order"),
+        },
+    })?;
+    for (name, column) in
+        names.iter().zip(&table.columns).filter(|(name, _)| !name.is_empty() && !name.starts_with('0'))
+    {
+        let number = table.number;
+        if interpolates {
+            write!(text, "{name}`p{number}(i):select(i,")?;
+            put_list(&mut text, column, 27 + name.len())?;
+            writeln!(text, ");\n{name}(x):interp_arr`({place},{name}`p{number});")?;
+        } else {
+            write!(text, "{name}(x):select({place},")?;
+            put_list(&mut text, column, name.len() + place.len() + 12)?;
+            writeln!(text, ");")?;
+        }
+    }
+    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+}
+
+struct Table {
+    /// The first column; it has a row at least.
+    variable: Vec<f64>,
+    /// The others, each with as many rows.
+    columns: Vec<Vec<f64>>,
+    /// Tells this table's helpers from those of others.
+    number: u32,
+}
+
+enum PlaceError {
+    Full(fmt::Error),
+    Turns { row: usize },
+}
+
+impl From<fmt::Error> for PlaceError {
+    fn from(error: fmt::Error) -> Self {
+        PlaceError::Full(error)
+    }
+}
+
+impl Table {
+    /// Lines that do not begin with a number are no data.
+    fn read(content: &str, count: usize) -> Result<Table, String> {
+        let mut table = Table { variable: Vec::new(), columns: vec![Vec::new(); count], number: fingerprint(content) };
+        for (line, number) in content.lines().zip(1..) {
+            let Some((value, end)) = leading_number(line) else { continue };
+            table.variable.push(value);
+            let mut rest = &line[end..];
+            for (column, found) in table.columns.iter_mut().zip(1..) {
+                rest = rest.trim_start_matches(is_delimiter);
+                if rest.is_empty() {
+                    let found = found - 1;
+                    return Err(format!(
+                        "line {number}: {found} columns beside the variable, expected {count}, one for each function"
+                    ));
+                }
+                let value =
+                    leading_number(rest).filter(|(_, end)| rest[*end..].chars().next().is_none_or(is_delimiter));
+                let (value, end) =
+                    value.ok_or_else(|| format!("line {number}: column {found} beside the variable is no number"))?;
+                column.push(value);
+                rest = &rest[end..];
+            }
+        }
+        if table.variable.is_empty() {
+            return Err("no line begins with a number, expected rows of a table".to_owned());
+        }
+        Ok(table)
+    }
+
+    /// Writes what finds the row of `x`, and gives the expression of it: counted from 1, with a fraction between rows.
+    fn place(&self, text: &mut Text) -> Result<String, PlaceError> {
+        let [first, second, ..] = self.variable[..] else { return Ok("1".to_owned()) };
+        let step = second - first;
+        let tolerance = 1e-3 * step.abs();
+        let mut uniform = true;
+        for (row, two) in (2..).zip(self.variable.windows(2)) {
+            uniform &= (two[1] - two[0] - step).abs() <= tolerance;
+            let turns = if step > 0.0 { two[1] <= two[0] } else { two[1] >= two[0] };
+            if turns {
+                return Err(PlaceError::Turns { row });
+            }
+        }
+        let g = |value: f64| general(value, 6);
+        if !uniform {
+            return self.uneven_place(text, step > 0.0);
+        }
+        Ok(if step > 0.0 && (step - 1.0).abs() < tolerance {
+            if (first - 1.0).abs() < tolerance { "x".to_owned() } else { format!("x-{}", g(first - 1.0)) }
+        } else if first.abs() < tolerance {
+            format!("x/{}+1", g(step))
+        } else {
+            format!("(x-{})/{}+1", g(first), g(step))
+        })
+    }
+
+    fn uneven_place(&self, text: &mut Text, rises: bool) -> Result<String, PlaceError> {
+        let (number, rows) = (self.number, self.variable.len());
+        let [first, last] = [self.variable[0], self.variable[rows - 1]].map(|value| general(value, 6));
+        write!(text, "X`p{number}(i):select(i,")?;
+        put_list(text, &self.variable, 20)?;
+        writeln!(text, ");")?;
+        let beyond = if rises { format!("x-X`p{number}(i)") } else { format!("X`p{number}(i)-x") };
+        writeln!(text, "fx2`p{number}(x,i):if({beyond},")?;
+        writeln!(text, "\ti+(x-X`p{number}(i))/(X`p{number}(i+1)-X`p{number}(i)),\n\tfx2`p{number}(x,i-1));")?;
+        let (after, before) = if rises {
+            (format!("x-{first}"), format!("{last}-x"))
+        } else {
+            (format!("{first}-x"), format!("x-{last}"))
+        };
+        writeln!(text, "fx`p{number}(x):if({after},if({before},fx2`p{number}(x,{rows}),{rows}),1);")?;
+        Ok(format!("fx`p{number}(x)"))
+    }
+}
+
+fn is_delimiter(character: char) -> bool {
+    is_space(character) || character == ','
+}
+
+/// FNV-1a, a hash of 32 bits: G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, "The FNV Non-Cryptographic Hash Algorithm", IETF draft.
+fn fingerprint(content: &str) -> u32 {
+    content.bytes().fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// Numbers after commas, in lines; `column` is where on its line the list begins.
+fn put_list(text: &mut Text, values: &[f64], mut column: usize) -> fmt::Result {
+    for (place, value) in values.iter().enumerate() {
+        let digits = general(*value, 7).to_string();
+        column += digits.len() + 1;
+        if column >= LINE {
+            text.write_str("\n")?;
+            column = digits.len() + 1;
+        }
+        text.write_str(&digits)?;
+        if place + 1 < values.len() {
+            text.write_str(",")?;
+        }
+    }
+    Ok(())
+}
