@@ -185,7 +185,27 @@ pub(crate) fn plan_changed(
     render_options: RenderOptions,
     change: impl FnOnce(&mut Scene) -> Outcome,
 ) -> Result<Planned, Failure> {
-    let inputs = scene_inputs(paths, camera)?;
+    plan_inputs(scene_inputs(paths, camera)?, paths, reading, render_options, change)
+}
+
+/// Plans the rendering of a scene's text, of this name in messages.
+pub(crate) fn plan_text(
+    name: &str,
+    text: Vec<u8>,
+    reading: &Reading,
+    render_options: RenderOptions,
+) -> Result<Planned, Failure> {
+    let input = Input::Text { name: name.to_owned(), text: text.into() };
+    plan_inputs(vec![input], &[], reading, render_options, |_| Ok(()))
+}
+
+fn plan_inputs(
+    inputs: Vec<Input>,
+    paths: &[String],
+    reading: &Reading,
+    render_options: RenderOptions,
+    change: impl FnOnce(&mut Scene) -> Outcome,
+) -> Result<Planned, Failure> {
     let (scene, sources) = valid_scene(inputs, reading, change)?;
     let planner = Planner::new(&scene, paths, reading, &sources);
     let plan = planner.plan(scene, render_options)?;

@@ -1,9 +1,9 @@
-//! `gendaymtx`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
+//! `gendaymtx`, `genskyvec`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
 
 mod program;
 mod real_radiance;
 
-use program::{Folder, command, run_with};
+use program::{Folder, command, root, run_with};
 use radsight_matrix::{Matrix, Stored};
 use real_radiance::Radiance;
 use std::env;
@@ -371,6 +371,60 @@ fn skies_are_those_of_the_real_program() {
         [folder.read(&format!("{name}.rad")), folder.read(&format!("{name}.txt"))]
     });
     assert!(ours == real && !ours[1].is_empty());
+}
+
+/// Numbers of the lines after the header, if there is one.
+fn vector(text: &str) -> (Vec<&str>, Vec<[f64; 3]>) {
+    let (head, body) = text.split_once("\n\n").unwrap_or(("", text));
+    let numbers = |line: &str| {
+        let numbers: Vec<f64> = line.split('\t').map(|word| word.parse().expect("a number")).collect();
+        numbers.try_into().expect("three numbers")
+    };
+    (head.lines().collect(), body.lines().map(numbers).collect())
+}
+
+/// References by Radiance's own `genskyvec.pl`, with real programs; its header names the script by `genskyvec`, too.
+#[test]
+fn skies_in_patches_are_those_of_the_real_script() {
+    let folder = root().join("tests/genskyvec");
+    for (name, sky, words) in [
+        ("clear", "clear", "-m 1"),
+        ("perez", "perez", "-m 1 -c .92 1.03 1.2"),
+        ("cloudy", "cloudy", "-m 2 -h -c 1 1 1"),
+        ("five", "perez", "-m 1 -5 -d"),
+        ("direct", "clear", "-m 1 -d -c 1 1 1"),
+    ] {
+        let read = |file: String| std::fs::read_to_string(folder.join(file)).expect("a file");
+        let words = format!("genskyvec {words}");
+        let made = run_with(&mut command(&split(&words)), read(format!("{sky}.rad")).as_bytes()).text();
+        let expected = read(format!("{name}.vec"));
+        let ((ours, found), (real, expected)) = (vector(&made), vector(&expected));
+        assert_eq!(ours, real, "{words}");
+        assert_eq!(found.len(), expected.len(), "{words}");
+        for (patch, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let close = found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 2e-6 * b);
+            assert!(close, "{words}: patch {patch}: {found:?} instead of {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn wrong_skies_are_told() {
+    let sky = "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n7 1 1 1 1 0 0 1\n";
+    for (words, input, message) in [
+        ("genskyvec -q", sky, "genskyvec: unknown option \"-q\""),
+        ("genskyvec -m 0", sky, "subdivision (-m) is 0, expected an integer above zero"),
+        ("genskyvec -m 1000", sky, "subdivision (-m) is 1000, expected at most 64"),
+        ("genskyvec -c 1 2", sky, "missing blue (-c)"),
+        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", "there is no \"skyfunc\""),
+        ("genskyvec", "!gensky 6 21 12\n", "a line is a command, expected the text that \"xform\" makes of it"),
+        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", "a primitive is not whole"),
+        ("genskyvec -m 1", "void brightfunc skyfunc 2 skybr nowhere.cal 0 0\n", "nowhere.cal"),
+    ] {
+        let run = run_with(&mut command(&split(words)), input.as_bytes());
+        assert_eq!((run.code, run.output.len()), (1, 0), "{words}: {}", run.messages);
+        assert!(run.messages.contains(message), "{words}: {}", run.messages);
+    }
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub(crate) fn make(argv: &[String]) -> Result<Output, Error> {
 }
 
 /// The radiance that comes from a direction to a point so far out that no surface with a place is in the way.
-fn seen_from_outside(renderer: &Renderer, direction: [f64; 3]) -> [f64; 3] {
+pub(super) fn seen_from_outside(renderer: &Renderer, direction: [f64; 3]) -> [f64; 3] {
     let direction = DVec3::from_array(direction);
     let (center, radius) = renderer.plan().bounding_sphere();
     let origin = if radius.is_finite() { center + direction * (1.01 * radius) } else { DVec3::ZERO };

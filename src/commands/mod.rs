@@ -5,6 +5,7 @@ mod capture;
 mod check;
 mod explain;
 mod features;
+mod genskyvec;
 mod install_links;
 mod matrix;
 mod missing;
@@ -32,7 +33,19 @@ use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
 pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = ["mkillum", "mksource", "obj2mesh", "oconv", "rad", "rcontrib", "rfluxmtx", "rpict", "rtrace", "vwrays"];
+    let own = [
+        "genskyvec",
+        "mkillum",
+        "mksource",
+        "obj2mesh",
+        "oconv",
+        "rad",
+        "rcontrib",
+        "rfluxmtx",
+        "rpict",
+        "rtrace",
+        "vwrays",
+    ];
     own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
 }
 
@@ -43,6 +56,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         return Some(outcome);
     }
     match name {
+        "genskyvec" => return Some(genskyvec::run(words)),
         "mkillum" => return Some(mkillum::run(words)),
         "mksource" => return Some(mksource::run(words)),
         "obj2mesh" => return Some(obj2mesh::run(words)),

@@ -42,7 +42,7 @@ pub(crate) fn run(argv: &[String]) -> Outcome {
 
 /// Standard input, if it is piped in: a program that is typed at a terminal must not wait for it.
 #[derive(Default)]
-struct Piped(OnceCell<Result<Vec<u8>, LoadError>>);
+pub(super) struct Piped(OnceCell<Result<Vec<u8>, LoadError>>);
 
 impl StandardInput for Piped {
     fn bytes(&self) -> Result<&[u8], LoadError> {
@@ -59,7 +59,7 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
     Ok(bytes)
 }
 
-fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
+pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
     let output = made.map_err(|error| Failure::input(format!("{name}: {error}")))?;
     for warning in &output.warnings {
         say(&format!("{name}: warning - {warning}\n"));

@@ -165,8 +165,9 @@ pub(crate) fn truncated(x: f64) -> i32 {
 
 /// `rand(x)` of the language: a fixed scrambling of `x` into [0, 1), with the constants of calcomp's `rand`.
 #[inline]
+#[must_use]
 #[expect(clippy::approx_constant, reason = "the digits that Radiance has; more would change every value")]
-fn random(x: f64) -> f64 {
+pub fn random(x: f64) -> f64 {
     let spread = x * (1.0 / (1.0 + x * x) + 2.718_281_828_459_04);
     let positive = spread + (0.785_398_163_397_447 - spread.floor());
     let scrambled = 1e5 / positive;

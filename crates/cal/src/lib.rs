@@ -56,6 +56,7 @@ mod schedule;
 mod syntax;
 
 pub use bindings::Bindings;
+pub use builtin::random;
 pub use definitions::Definitions;
 pub use environment::{Environment, Handle};
 pub use fault::{Fault, FaultKind, Warning};

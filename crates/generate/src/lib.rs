@@ -7,7 +7,7 @@
 //! Guarantees: no panic on any argument; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the same arguments give the
 //! same bytes. An [`Error`] knows which argument it is about, and [`PipelineError`] where that argument stands in the line.
 //!
-//! `mksource` needs a renderer, so it is a function of its own, [`mksource()`], for the caller to offer as `extra`.
+//! `mksource` and `genskyvec` need a renderer, so they are functions of their own, [`mksource()`] and [`genskyvec()`], for the caller to offer.
 //!
 //! This crate may not know the scene, the disk, the clock or the environment: files come from a
 //! [`Loader`], and `xform`, which needs the scene parser, comes from the caller as `extra`.
@@ -39,6 +39,7 @@ mod gendaymtx;
 mod genprism;
 mod genrev;
 mod gensky;
+mod genskyvec;
 mod gensurf;
 mod genworm;
 mod grid_data;
@@ -73,6 +74,7 @@ mod weather;
 mod zcat;
 
 pub use error::Error;
+pub use genskyvec::{OpenSky, genskyvec};
 pub use lamps::lamp_color;
 pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};

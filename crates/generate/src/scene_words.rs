@@ -13,6 +13,11 @@ impl<'a> SceneWords<'a> {
         SceneWords { bytes, position: 0 }
     }
 
+    /// How many bytes were taken.
+    pub(crate) fn position(&self) -> usize {
+        self.position
+    }
+
     /// The next byte that is not white space, left in place.
     pub(crate) fn peek(&mut self) -> Option<u8> {
         while self.bytes.get(self.position).is_some_and(|byte| is_space(*byte as char)) {

@@ -72,6 +72,11 @@ impl SkyPatches {
         SkyPatches { patches }
     }
 
+    /// Altitude and azimuth (from north to east) of a patch's middle, radians, and its solid angle, sr; the ground is patch 0.
+    pub(crate) fn patch(&self, patch: usize) -> [f64; 3] {
+        self.patches[patch]
+    }
+
     /// How many there are, the ground with them.
     pub(crate) fn len(&self) -> usize {
         self.patches.len()
