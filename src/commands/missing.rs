@@ -12,7 +12,7 @@ const MISSING: [(&[&str], &str); 10] = [
     (&["lookamb", "ambpos"], "there are no files of ambient values"),
     (&["tmesh2rad", "robjutil"], "expected obj2rad or obj2mesh"),
     (
-        &["gensdaymtx", "genssky", "rsplit"],
+        &["gensdaymtx", "genssky"],
         "expected Radiance's own: rmtxop, rcomb and dctimestep here take the same matrices, and gendaymtx makes those without spectra",
     ),
     (

@@ -21,6 +21,7 @@ mod rcontrib;
 mod rfluxmtx;
 mod rig;
 mod rpict;
+mod rsplit;
 mod rtrace;
 mod scene_program;
 mod sensor;
@@ -43,6 +44,7 @@ pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
         "rcontrib",
         "rfluxmtx",
         "rpict",
+        "rsplit",
         "rtrace",
         "vwrays",
     ];
@@ -65,6 +67,7 @@ pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
         "rcontrib" => return Some(rcontrib::run(words)),
         "rfluxmtx" => return Some(rfluxmtx::run(words)),
         "rpict" => return Some(rpict::run(words)),
+        "rsplit" => return Some(rsplit::run(words)),
         "rtrace" => return Some(rtrace::run(words)),
         "vwrays" => return Some(vwrays::run(&words[1..])),
         _ => {}
