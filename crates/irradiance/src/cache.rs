@@ -199,34 +199,28 @@ impl<const BANDS: usize> Cache<BANDS> {
     /// `None` where no record reaches.
     #[must_use]
     pub fn irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.interpolate(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY)
+        self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY).irradiance()
     }
 
     /// The same, in the small gaps between places that were looked around from by records that do not quite reach.
     #[must_use]
     pub fn irradiance_or_next(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.irradiance(position, normal, facet).or_else(|| {
-            let farther = neighbourhood(&self.limits);
-            self.interpolate(&self.neighbourhoods, farther, [position, normal, facet], f64::INFINITY)
-        })
+        self.irradiance(position, normal, facet).or_else(|| self.irradiance_from_next(position, normal, facet))
     }
 
     /// The same where it can be trusted; `None` also where irradiance bends more than the records can follow.
     #[must_use]
     pub fn trusted_irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        let follows = self.bend(position, normal) <= MOST_BEND;
-        if follows { self.irradiance_or_next(position, normal, facet) } else { None }
+        let blend = self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY);
+        if blend.bend() > MOST_BEND {
+            return None;
+        }
+        blend.irradiance().or_else(|| self.irradiance_from_next(position, normal, facet))
     }
 
-    /// By how much the records that reach a point disagree around it, as a share.
-    fn bend(&self, position: DVec3, normal: DVec3) -> f64 {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        self.reaches.visit(position, |index| {
-            let weight = self.weight(&self.records[index as usize], position, normal, 1.0);
-            sum += weight * self.fits[index as usize].bend;
-            weights += weight;
-        });
-        if weights > 0.0 { sum / weights } else { 0.0 }
+    fn irradiance_from_next(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
+        let farther = neighbourhood(&self.limits);
+        self.blend(&self.neighbourhoods, farther, [position, normal, facet], f64::INFINITY).irradiance()
     }
 
     /// The same from records that reach no farther than this; `None` where there are none.
@@ -238,18 +232,17 @@ impl<const BANDS: usize> Cache<BANDS> {
         facet: DVec3,
         farthest_reach: f64,
     ) -> Option<[f64; BANDS]> {
-        self.interpolate(&self.reaches, 1.0, [position, normal, facet], farthest_reach)
+        self.blend(&self.reaches, 1.0, [position, normal, facet], farthest_reach).irradiance()
     }
 
-    fn interpolate(
+    fn blend(
         &self,
         near: &Grid,
         farther: f64,
         [position, normal, facet]: [DVec3; 3],
         farthest_reach: f64,
-    ) -> Option<[f64; BANDS]> {
-        let mut sum = [0.0; BANDS];
-        let mut weights = 0.0;
+    ) -> Blend<BANDS> {
+        let mut blend = Blend { sum: [0.0; BANDS], bend: 0.0, weights: 0.0 };
         near.visit(position, |index| {
             let record = &self.records[index as usize];
             if record.reach(&self.limits) > farthest_reach {
@@ -257,19 +250,42 @@ impl<const BANDS: usize> Cache<BANDS> {
             }
             let weight = self.weight(record, position, normal, farther);
             if weight > 0.0 {
-                weights += weight;
-                for (sum, value) in sum.iter_mut().zip(self.fits[index as usize].at(record, position, facet)) {
+                let fit = &self.fits[index as usize];
+                blend.weights += weight;
+                blend.bend += weight * fit.bend;
+                for (sum, value) in blend.sum.iter_mut().zip(fit.at(record, position, facet)) {
                     *sum += weight * value;
                 }
             }
         });
-        (weights > LEAST_WEIGHT).then(|| sum.map(|band| band / weights))
+        blend
     }
 
     /// Falls to zero at the border of the reach, so that nothing jumps there (Tabellion and Lamorlette 2004).
     fn weight(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3, farther: f64) -> f64 {
         let reach = farther * record.reach(&self.limits);
         (1.0 - record.misplacement(position, normal, reach, self.limits.accuracy)).max(0.0)
+    }
+}
+
+/// What the records around a point say, weighted.
+#[derive(Clone, Copy, Debug)]
+struct Blend<const BANDS: usize> {
+    /// Of irradiance, and of the share by which the records disagree around them.
+    sum: [f64; BANDS],
+    bend: f64,
+    weights: f64,
+}
+
+impl<const BANDS: usize> Blend<BANDS> {
+    /// `None` where no record reaches.
+    fn irradiance(&self) -> Option<[f64; BANDS]> {
+        (self.weights > LEAST_WEIGHT).then(|| self.sum.map(|band| band / self.weights))
+    }
+
+    /// By how much the records disagree, as a share.
+    fn bend(&self) -> f64 {
+        if self.weights > 0.0 { self.bend / self.weights } else { 0.0 }
     }
 }
 

@@ -79,13 +79,14 @@ impl Openings {
             .collect();
         candidates.sort_by(|one, two| two.2.area().total_cmp(&one.2.area()));
         candidates.truncate(MOST_CANDIDATES);
+        let mut scratch = Scratch::default();
         let mut openings: Vec<Opening> = candidates
             .into_iter()
             .flat_map(|(member, handle, form)| {
                 let turned = turned(&form);
                 [form, turned].into_iter().filter_map(Opening::new).map(move |side| (member, handle, side))
             })
-            .map(|(member, handle, side)| side.looked_through(plan, (member, handle)))
+            .map(|(member, handle, side)| side.looked_through(plan, (member, handle), &mut scratch))
             .filter(|opening| opening.radiance > 0.0)
             .collect();
         let brightest = openings.iter().map(|opening| opening.radiance).fold(0.0, f64::max);
@@ -126,18 +127,29 @@ impl Opening {
     }
 
     /// With the radiance that comes through a surface.
-    fn looked_through(self, plan: &RenderPlan, (member, handle): (MemberId, SurfaceHandle)) -> Opening {
+    fn looked_through(
+        self,
+        plan: &RenderPlan,
+        (member, handle): (MemberId, SurfaceHandle),
+        scratch: &mut Scratch,
+    ) -> Opening {
         let shader = plan.shader(handle);
         let look = |index: u32| {
             let u = RaySampler::new(plan.options.seed, u64::from(index)).take(DimensionSet::CAMERA);
-            self.look(plan, shader, member.primitive(), u)
+            self.look(plan, (shader, member.primitive()), u, scratch)
         };
         let radiance = (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS);
         Opening { radiance, ..self }
     }
 
     /// The radiance that comes along one way, its strongest band.
-    fn look(&self, plan: &RenderPlan, shader: &Shader, own: PrimitiveId, u: [f64; 4]) -> f64 {
+    fn look(
+        &self,
+        plan: &RenderPlan,
+        (shader, own): (&Shader, PrimitiveId),
+        u: [f64; 4],
+        scratch: &mut Scratch,
+    ) -> f64 {
         let Some((normal, point)) = self.form.point([u[0], u[1]]) else { return 0.0 };
         let (x, y) = normal.any_orthonormal_pair();
         let local = DVec3::from_array(cosine_hemisphere(u[2], u[3]));
@@ -147,9 +159,9 @@ impl Opening {
             let distance = plan.bounding_sphere().1;
             let from = Ray { origin: ray.at(-distance), direction };
             let encounter = Encounter::new(&from, point, normal, distance, distance);
-            return plan.strongest_emission(shader, &encounter, &mut Scratch::default());
+            return plan.strongest_emission(shader, &encounter, scratch);
         }
-        sky_along(plan, ray, own)
+        sky_along(plan, ray, own, scratch)
     }
 
     fn power(&self) -> f64 {
@@ -223,7 +235,7 @@ fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
 }
 
 /// The radiance of the sky along a ray, where nothing but panes is in the way; zero elsewhere, and where the sky is a sampled light.
-fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId) -> f64 {
+fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId, scratch: &mut Scratch) -> f64 {
     let mut from = Some(own);
     for _ in 0..MOST_PANES {
         let Some(hit) = plan.first_hit(&ray, from) else {
@@ -231,7 +243,7 @@ fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId) -> f64 {
             return if is_sampled(plan, surface) {
                 0.0
             } else {
-                plan.strongest_emission(shader, &Encounter::distant(ray.direction), &mut Scratch::default())
+                plan.strongest_emission(shader, &Encounter::distant(ray.direction), scratch)
             };
         };
         let shader = plan.shader_at(hit.shader);
