@@ -7,7 +7,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 /// Numbered balls, and where to find those that a point lies in.
 ///
 /// Space is divided into cubes of several sizes, halved from one to the next. A ball stands in all cubes that it touches, of the size that is at least
-/// its diameter, so that there are at most eight; a point looks into one cube of each size.
+/// its radius, so that there are at most 27; a point looks into one cube of each size, and most balls there are met.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     levels: Vec<Level>,
@@ -30,10 +30,10 @@ impl Grid {
     /// For balls of these radii; smaller and larger ones cost time only.
     pub(crate) fn new(least: f64, most: f64) -> Grid {
         let mut levels = Vec::new();
-        let mut side = 2.0 * most;
+        let mut side = most;
         while levels.len() < MAX_LEVELS {
             levels.push(Level { side, cubes: HashMap::default() });
-            if 0.5 * side < 2.0 * least {
+            if 0.5 * side < least {
                 break;
             }
             side *= 0.5;
@@ -42,7 +42,7 @@ impl Grid {
     }
 
     pub(crate) fn insert(&mut self, number: u32, center: DVec3, radius: f64) {
-        let level = self.levels.iter().rposition(|level| level.side >= 2.0 * radius).unwrap_or(0);
+        let level = self.levels.iter().rposition(|level| level.side >= radius).unwrap_or(0);
         let level = &mut self.levels[level];
         let low = cube(center - DVec3::splat(radius), level.side);
         let high = cube(center + DVec3::splat(radius), level.side);
