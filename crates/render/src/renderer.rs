@@ -21,6 +21,9 @@ pub struct Renderer {
 struct SharedIrradiance {
     grey: Option<GatheredIrradiance<1>>,
     color: Option<GatheredIrradiance<3>>,
+    narrow_spectrum: Option<GatheredIrradiance<27>>,
+    spectrum: Option<GatheredIrradiance<36>>,
+    wide_spectrum: Option<GatheredIrradiance<72>>,
 }
 
 /// The memory with which one thread answers rays.
@@ -59,9 +62,13 @@ impl Renderer {
         if !self.plan.shares_irradiance() {
             return 0;
         }
-        match self.plan.bands {
-            1 => gather(&self.plan, &mut self.shared.grey, rays, spread),
-            _ => gather(&self.plan, &mut self.shared.color, rays, spread),
+        let (plan, shared) = (&self.plan, &mut self.shared);
+        match plan.bands {
+            1 => gather(plan, &mut shared.grey, rays, spread),
+            3 => gather(plan, &mut shared.color, rays, spread),
+            27 => gather(plan, &mut shared.narrow_spectrum, rays, spread),
+            36 => gather(plan, &mut shared.spectrum, rays, spread),
+            _ => gather(plan, &mut shared.wide_spectrum, rays, spread),
         }
     }
 
@@ -69,8 +76,9 @@ impl Renderer {
     /// sharing bends away from the truth comes on top.
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
-        let SharedIrradiance { grey, color } = &self.shared;
-        grey.as_ref().map(GatheredIrradiance::noise).or_else(|| color.as_ref().map(GatheredIrradiance::noise))
+        let SharedIrradiance { grey, color, narrow_spectrum, spectrum, wide_spectrum } = &self.shared;
+        let noises = [noise(grey), noise(color), noise(narrow_spectrum), noise(spectrum), noise(wide_spectrum)];
+        noises.into_iter().flatten().next()
     }
 
     /// A worker for the calling thread.
@@ -79,9 +87,9 @@ impl Renderer {
         RayWorker(match self.plan.bands {
             1 => Bands::Grey(Tracer::new(&self.plan, caches(&self.shared.grey))),
             3 => Bands::Color(Tracer::new(&self.plan, caches(&self.shared.color))),
-            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
-            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
-            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, [None; 2]))),
+            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.narrow_spectrum)))),
+            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.spectrum)))),
+            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.wide_spectrum)))),
         })
     }
 
@@ -105,6 +113,10 @@ impl Renderer {
 
 fn caches<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> Caches<'_, BANDS> {
     gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches)
+}
+
+fn noise<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> Option<f64> {
+    gathered.as_ref().map(GatheredIrradiance::noise)
 }
 
 impl RayWorker<'_> {

@@ -74,10 +74,7 @@ const FIRST_LOOK_BEYOND: u64 = 1 << 40;
 impl RenderPlan {
     /// Whether irradiance is shared between points at all.
     pub(crate) fn shares_irradiance(&self) -> bool {
-        self.layout.sampling().is_rgb()
-            && self.options.ambient_bounces > 0
-            && self.options.gathering.accuracy > 0.0
-            && self.options.gathering.rays() > 1
+        self.options.ambient_bounces > 0 && self.options.gathering.accuracy > 0.0 && self.options.gathering.rays() > 1
     }
 
     /// How near and how far records are trusted: as Radiance does, from the scene's size.
