@@ -60,9 +60,10 @@ impl<const BANDS: usize> Cache<BANDS> {
         &self.limits
     }
 
-    /// The stratum through which fewest of those around a point have looked.
+    /// The stratum through which fewest of those around a point have looked. Looks through it are told apart by how often that was: stratum s has the
+    /// numbers s, s + [`STRATA`], s + 2 [`STRATA`]…
     #[must_use]
-    pub fn next_stratum(&self, position: DVec3, normal: DVec3) -> usize {
+    pub fn next_look(&self, position: DVec3, normal: DVec3) -> usize {
         let mut looks = [0u32; STRATA];
         self.neighbourhoods.visit(position, |index| {
             let record = &self.records[index as usize];
@@ -73,26 +74,27 @@ impl<const BANDS: usize> Cache<BANDS> {
                 }
             }
         });
-        (0..STRATA).min_by_key(|stratum| looks[*stratum]).unwrap_or(0)
+        let stratum = (0..STRATA).min_by_key(|stratum| looks[*stratum]).unwrap_or(0);
+        stratum + STRATA * looks[stratum] as usize
     }
 
-    /// The stratum through which fewest around a record have looked; it counts as looked through from now on.
+    /// The next look from a record; it counts as done from now on.
     ///
     /// # Panics
     /// If there is no such record.
-    pub fn take_stratum(&mut self, index: usize) -> usize {
-        let stratum = self.next_stratum(self.records[index].position, self.records[index].normal);
-        self.count_look(index, stratum);
-        stratum
+    pub fn take_look(&mut self, index: usize) -> usize {
+        let look = self.next_look(self.records[index].position, self.records[index].normal);
+        self.count_look(index, look);
+        look
     }
 
-    fn count_look(&mut self, index: usize, stratum: usize) {
-        let looks = &mut self.looks[index][stratum % STRATA];
+    fn count_look(&mut self, index: usize, look: usize) {
+        let looks = &mut self.looks[index][look % STRATA];
         *looks = looks.saturating_add(1);
     }
 
-    /// Adds a record that looked through a stratum; it and its neighbours restrain each other's reach.
-    pub fn insert(&mut self, mut record: Record<BANDS>, stratum: usize) {
+    /// Adds a record that has made this look ([`Cache::next_look`]); it and its neighbours restrain each other's reach.
+    pub fn insert(&mut self, mut record: Record<BANDS>, look: usize) {
         let mut near = Vec::new();
         self.neighbourhoods.visit(record.position, |index| near.push(index as usize));
         for &index in &near {
@@ -111,7 +113,7 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.records.push(record);
         self.is_stale.push(true);
         self.looks.push([0; STRATA]);
-        self.count_look(index as usize, stratum);
+        self.count_look(index as usize, look);
     }
 
     /// Adds what further rays found from the place of a record.

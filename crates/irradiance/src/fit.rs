@@ -239,9 +239,9 @@ pub(crate) fn neighbourhood(limits: &Limits) -> f64 {
 }
 
 /// No neighbourhood is wider than this share of the scale, however far records reach: irradiance bends.
-const WIDEST: f64 = 0.3;
+const WIDEST: f64 = 0.4;
 const NARROWEST_IN_REACHES: f64 = 1.5;
-const WIDEST_IN_REACHES: f64 = 2.5;
+const WIDEST_IN_REACHES: f64 = 3.5;
 
 /// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
 const PRIOR: f64 = 0.02;

@@ -132,13 +132,13 @@ fn field(divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<
                 let DVec3 { x, y, z } = direction;
                 world(at, DVec3::new(cos * x - sin * y, sin * x + cos * y, z))
             };
-            let stratum = cache.next_stratum(place, DVec3::Z);
-            strata[stratum] += 1;
-            cache.insert(record(place, DVec3::Z, divisions, turned), stratum);
+            let look = cache.next_look(place, DVec3::Z);
+            strata[look % STRATA] += 1;
+            cache.insert(record(place, DVec3::Z, divisions, turned), look);
         }
     }
-    // A record has eight neighbours in reach of its fit.
-    assert!(strata[..8].iter().all(|looks| *looks >= 11), "looks through each stratum: {strata:?}");
+    // Fits reach so many neighbours that together they look through all strata, at the rim of the field too, if less evenly there.
+    assert!(strata.iter().all(|looks| 2 * STRATA * looks >= 11 * 11), "looks through each stratum: {strata:?}");
     let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
     fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
     cache.shorten_reaches();

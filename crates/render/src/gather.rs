@@ -41,9 +41,9 @@ impl<const BANDS: usize> Place<BANDS> {
         cache.reaches(self.point, self.normal)
     }
 
-    /// Through which part of each cell to look from here.
-    pub(crate) fn next_stratum(&self, cache: &Cache<BANDS>) -> usize {
-        cache.next_stratum(self.point, self.normal)
+    /// Through which part of each cell to look from here, and the how manyth time.
+    pub(crate) fn next_look(&self, cache: &Cache<BANDS>) -> usize {
+        cache.next_look(self.point, self.normal)
     }
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct Survey<const BANDS: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look<'h> {
     pub(crate) hemisphere: &'h Hemisphere,
-    /// The part of each cell to look through; any place of it without one.
+    /// The part of each cell to look through ([`Cache::next_look`]); any place of it without one.
     pub(crate) stratum: Option<usize>,
     /// Tells the rays from those of other looks.
     pub(crate) number: u64,
@@ -180,7 +180,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
         let within = match look.stratum {
             None => sampler.take(DimensionSet::CAMERA),
-            // All looks through a stratum of this cell go the same way, those through the others elsewhere.
+            // The points of one sequence in this cell: each STRATA of them take all its strata, and no two are the same.
             Some(stratum) => {
                 let of_cell = seed ^ ((cell as u64 + 1) << 32);
                 RaySampler::new(of_cell, stratum as u64).take(DimensionSet::CAMERA)

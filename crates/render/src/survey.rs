@@ -241,7 +241,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 let uncovered: Vec<_> = group
                     .iter()
                     .filter(|place| !place.is_covered(&self.cache))
-                    .map(|place| (place.clone(), place.next_stratum(&self.cache)))
+                    .map(|place| (place.clone(), place.next_look(&self.cache)))
                     .collect();
                 let knew_nothing = self.knows_nothing(bright);
                 let mut records = self.look_around(plan, (caches, bright), &uncovered);
@@ -273,7 +273,7 @@ impl<const BANDS: usize> Level<BANDS> {
             while due >= 1.0 {
                 due -= 1.0;
                 weak.push(index);
-                again.push((self.places[index].clone(), self.cache.take_stratum(index)));
+                again.push((self.places[index].clone(), self.cache.take_look(index)));
             }
         }
         let records = self.look_around(plan, known, &again);
