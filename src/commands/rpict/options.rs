@@ -22,7 +22,7 @@ const USUAL_SAMPLES: u32 = 128;
 /// The error that is asked for when nothing is said: of pictures for which Radiance samples many of the pixels, of those with the fewest, and how it grows
 /// with the root of the spacing between.
 const LEAST_ERROR: f64 = 0.03;
-const LARGEST_ERROR: f64 = 0.04;
+const LARGEST_ERROR: f64 = 0.05;
 const ERROR_OF_SPACING: f64 = 0.015;
 
 /// What of an error goes to the noise and the reach of shared irradiance, and to pixels; values that reach no farther than this are good enough for
@@ -32,6 +32,11 @@ const USUAL_NOISE_SHARE: f64 = 0.7;
 const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 const PIXEL_SHARE: f64 = 0.8;
+
+/// The share of pixels when nothing is said: at least and at most, and how it grows with the root of the spacing. What Radiance interpolates between its samples is
+/// less exact than that.
+const USUAL_PIXEL_SHARES: [f64; 2] = [1.0, 1.5];
+const PIXEL_SHARE_OF_SPACING: f64 = 0.75;
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -158,7 +163,10 @@ impl Options {
     pub(super) fn pixel_effort(&self) -> Effort {
         match self.effort() {
             Effort::Error { error, most } if self.render.ambient_bounces > 0 => {
-                Effort::Error { error: PIXEL_SHARE * error, most }
+                let [least, most_share] = USUAL_PIXEL_SHARES;
+                let usual = (PIXEL_SHARE_OF_SPACING * self.sample_spacing.sqrt()).clamp(least, most_share);
+                let share = if self.effort.is_some() { PIXEL_SHARE } else { usual };
+                Effort::Error { error: share * error, most }
             }
             effort => effort,
         }
@@ -287,7 +295,7 @@ mod tests {
             ("rpict a.oct", 0.03),
             ("rpict -ps 1 a.oct", 0.03),
             ("rpict -ps 16 -ps 1 a.oct", 0.03),
-            ("rpict -ps 16 a.oct", 0.04),
+            ("rpict -ps 16 a.oct", 0.05),
             ("rpict -ps 16 --error .1 a.oct", 0.1),
         ] {
             assert!((asked_error(words) - expected).abs() < 1e-12, "{words}: {}", asked_error(words));
