@@ -136,3 +136,17 @@ fn standard_input_that_cannot_be_read_is_told() {
     assert_eq!(run.code, 1, "{}", run.messages);
     assert!(run.messages.contains("total: cannot read \"standard input\": "), "{}", run.messages);
 }
+
+#[test]
+fn a_message_names_its_program_once() {
+    let folder = Folder::new();
+    for (words, mistake) in [
+        (&["cnt", "many"][..], "cnt: count is \"many\""),
+        (&["rlam", "nowhere"], "rlam: cannot find file"),
+        (&["genskyvec"], "genskyvec: standard input:"),
+    ] {
+        let run = run(&folder, words);
+        let named = run.messages.matches(&format!("{}: ", words[0])).count();
+        assert!(run.code != 0 && named == 1 && run.messages.contains(mistake), "{}", run.messages);
+    }
+}

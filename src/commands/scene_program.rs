@@ -51,6 +51,12 @@ impl StandardInput for Piped {
     }
 }
 
+/// A message with the program's name before it, once: many say it themselves.
+fn said_by(name: &str, message: &str) -> String {
+    let prefix = format!("{name}: ");
+    if message.starts_with(&prefix) { message.to_owned() } else { prefix + message }
+}
+
 fn read_piped() -> Result<Vec<u8>, LoadError> {
     let mut bytes = Vec::new();
     if !stdin().is_terminal() {
@@ -61,7 +67,7 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
 }
 
 pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
-    let output = made.map_err(|error| Failure::input(format!("{name}: {error}")))?;
+    let output = made.map_err(|error| Failure::input(said_by(name, &error.to_string())))?;
     for warning in &output.warnings {
         say(&format!("{name}: warning - {warning}\n"));
     }
