@@ -1,7 +1,6 @@
 //! Rays in, radiance out.
 
 use crate::contribution::Contribution;
-use crate::gather::Caches;
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::survey::{GatheredIrradiance, gather};
@@ -16,14 +15,14 @@ pub struct Renderer {
     shared: SharedIrradiance,
 }
 
-/// Irradiance that was gathered before the rays are answered, in as many bands as are traced.
-#[derive(Debug, Default)]
-struct SharedIrradiance {
-    grey: Option<GatheredIrradiance<1>>,
-    color: Option<GatheredIrradiance<3>>,
-    narrow_spectrum: Option<GatheredIrradiance<27>>,
-    spectrum: Option<GatheredIrradiance<36>>,
-    wide_spectrum: Option<GatheredIrradiance<72>>,
+/// Irradiance that was gathered before the rays are answered, in as many bands as are traced; `None` before any was.
+#[derive(Debug)]
+enum SharedIrradiance {
+    Grey(Option<GatheredIrradiance<1>>),
+    Color(Option<GatheredIrradiance<3>>),
+    NarrowSpectrum(Option<GatheredIrradiance<27>>),
+    Spectrum(Option<GatheredIrradiance<36>>),
+    WideSpectrum(Option<GatheredIrradiance<72>>),
 }
 
 /// The memory with which one thread answers rays.
@@ -46,7 +45,14 @@ impl Renderer {
     /// Renders according to a plan.
     #[must_use]
     pub fn new(plan: RenderPlan) -> Renderer {
-        Renderer { plan, shared: SharedIrradiance::default() }
+        let shared = match plan.bands {
+            1 => SharedIrradiance::Grey(None),
+            3 => SharedIrradiance::Color(None),
+            27 => SharedIrradiance::NarrowSpectrum(None),
+            36 => SharedIrradiance::Spectrum(None),
+            _ => SharedIrradiance::WideSpectrum(None),
+        };
+        Renderer { plan, shared }
     }
 
     /// The plan.
@@ -62,13 +68,13 @@ impl Renderer {
         if !self.plan.shares_irradiance() {
             return 0;
         }
-        let (plan, shared) = (&self.plan, &mut self.shared);
-        match plan.bands {
-            1 => gather(plan, &mut shared.grey, rays, spread),
-            3 => gather(plan, &mut shared.color, rays, spread),
-            27 => gather(plan, &mut shared.narrow_spectrum, rays, spread),
-            36 => gather(plan, &mut shared.spectrum, rays, spread),
-            _ => gather(plan, &mut shared.wide_spectrum, rays, spread),
+        let plan = &self.plan;
+        match &mut self.shared {
+            SharedIrradiance::Grey(gathered) => gather(plan, gathered, rays, spread),
+            SharedIrradiance::Color(gathered) => gather(plan, gathered, rays, spread),
+            SharedIrradiance::NarrowSpectrum(gathered) => gather(plan, gathered, rays, spread),
+            SharedIrradiance::Spectrum(gathered) => gather(plan, gathered, rays, spread),
+            SharedIrradiance::WideSpectrum(gathered) => gather(plan, gathered, rays, spread),
         }
     }
 
@@ -76,20 +82,25 @@ impl Renderer {
     /// sharing bends away from the truth comes on top.
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
-        let SharedIrradiance { grey, color, narrow_spectrum, spectrum, wide_spectrum } = &self.shared;
-        let noises = [noise(grey), noise(color), noise(narrow_spectrum), noise(spectrum), noise(wide_spectrum)];
-        noises.into_iter().flatten().next()
+        match &self.shared {
+            SharedIrradiance::Grey(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
+            SharedIrradiance::Color(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
+            SharedIrradiance::NarrowSpectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
+            SharedIrradiance::Spectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
+            SharedIrradiance::WideSpectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
+        }
     }
 
     /// A worker for the calling thread.
     #[must_use]
     pub fn worker(&self) -> RayWorker<'_> {
-        RayWorker(match self.plan.bands {
-            1 => Bands::Grey(Tracer::new(&self.plan, caches(&self.shared.grey))),
-            3 => Bands::Color(Tracer::new(&self.plan, caches(&self.shared.color))),
-            27 => Bands::NarrowSpectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.narrow_spectrum)))),
-            36 => Bands::Spectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.spectrum)))),
-            _ => Bands::WideSpectrum(Box::new(Tracer::new(&self.plan, caches(&self.shared.wide_spectrum)))),
+        let plan = &self.plan;
+        RayWorker(match &self.shared {
+            SharedIrradiance::Grey(gathered) => Bands::Grey(tracer(plan, gathered)),
+            SharedIrradiance::Color(gathered) => Bands::Color(tracer(plan, gathered)),
+            SharedIrradiance::NarrowSpectrum(gathered) => Bands::NarrowSpectrum(Box::new(tracer(plan, gathered))),
+            SharedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer(plan, gathered))),
+            SharedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer(plan, gathered))),
         })
     }
 
@@ -111,12 +122,11 @@ impl Renderer {
     }
 }
 
-fn caches<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> Caches<'_, BANDS> {
-    gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches)
-}
-
-fn noise<const BANDS: usize>(gathered: &Option<GatheredIrradiance<BANDS>>) -> Option<f64> {
-    gathered.as_ref().map(GatheredIrradiance::noise)
+fn tracer<'r, const BANDS: usize>(
+    plan: &'r RenderPlan,
+    gathered: &'r Option<GatheredIrradiance<BANDS>>,
+) -> Tracer<'r, BANDS> {
+    Tracer::new(plan, gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches))
 }
 
 impl RayWorker<'_> {
