@@ -41,7 +41,7 @@ impl<const BANDS: usize> Place<BANDS> {
         cache.reaches(self.point, self.normal)
     }
 
-    /// Through which part of each cell to look from here, and the how manyth time.
+    /// Which look is the next one from here.
     pub(crate) fn next_look(&self, cache: &Cache<BANDS>) -> usize {
         cache.next_look(self.point, self.normal)
     }
@@ -59,8 +59,8 @@ pub(crate) struct Survey<const BANDS: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look<'h> {
     pub(crate) hemisphere: &'h Hemisphere,
-    /// The part of each cell to look through ([`Cache::next_look`]); any place of it without one.
-    pub(crate) stratum: Option<usize>,
+    /// The sample of each cell to look through, by the number of the look ([`Cache::next_look`]); any place of it without one.
+    pub(crate) sample: Option<usize>,
     /// Tells the rays from those of other looks.
     pub(crate) number: u64,
     /// Where light is expected, if that is known.
@@ -152,7 +152,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
         let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
         let before = self.set_aside();
-        let look = Look { hemisphere: &hemisphere, stratum: None, number, bright: None };
+        let look = Look { hemisphere: &hemisphere, sample: None, number, bright: None };
         let (record, _) = self.look_around(place, &look, &self.plan.gathering_limits());
         self.take_up(before);
         record
@@ -178,12 +178,12 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
-        let within = match look.stratum {
+        let within = match look.sample {
             None => sampler.take(DimensionSet::CAMERA),
             // The points of one sequence in this cell: each STRATA of them take all its strata, and no two are the same.
-            Some(stratum) => {
+            Some(sample) => {
                 let of_cell = seed ^ ((cell as u64 + 1) << 32);
-                RaySampler::new(of_cell, stratum as u64).take(DimensionSet::CAMERA)
+                RaySampler::new(of_cell, sample as u64).take(DimensionSet::CAMERA)
             }
         };
         let [x, y, z] = Record::<BANDS>::frame(place.normal);

@@ -249,8 +249,8 @@ impl<const BANDS: usize> Level<BANDS> {
                     // By chance these saw more or less of what is bright: now that it is known they see it again.
                     records = self.look_around(plan, (caches, bright), &uncovered);
                 }
-                for ((place, stratum), record) in uncovered.into_iter().zip(records) {
-                    self.cache.insert(record, stratum);
+                for ((place, look), record) in uncovered.into_iter().zip(records) {
+                    self.cache.insert(record, look);
                     self.places.push(place);
                 }
             }
@@ -313,9 +313,9 @@ impl<const BANDS: usize> Level<BANDS> {
             .enumerate()
             .map_init(
                 || Tracer::new(plan, caches),
-                |tracer, (index, (place, stratum))| {
+                |tracer, (index, (place, sample))| {
                     let number = first + index as u64;
-                    let look = Look { hemisphere, stratum: Some(*stratum), number, bright: Some(known) };
+                    let look = Look { hemisphere, sample: Some(*sample), number, bright: Some(known) };
                     tracer.look_around(place, &look, limits)
                 },
             )
@@ -402,7 +402,7 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
                 |tracer, index| {
                     tracer.survey = Some(Survey { places: Vec::new(), spread: self.spread });
                     let number = (index / cells) as u64;
-                    let look = Look { hemisphere: &self.hemisphere, stratum: None, number, bright: None };
+                    let look = Look { hemisphere: &self.hemisphere, sample: None, number, bright: None };
                     let way = tracer.way(&self.from[index / cells], &look, index % cells);
                     let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
                     tracer.survey.take().map(|survey| survey.places).unwrap_or_default()

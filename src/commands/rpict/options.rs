@@ -33,10 +33,10 @@ const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 const PIXEL_SHARE: f64 = 0.8;
 
-/// The share of pixels when nothing is said: at least and at most, and how it grows with the root of the spacing. What Radiance interpolates between its samples is
-/// less exact than that.
-const USUAL_PIXEL_SHARES: [f64; 2] = [1.0, 1.5];
-const PIXEL_SHARE_OF_SPACING: f64 = 0.75;
+/// The share of pixels when nothing is said, by the spacing of Radiance's samples: what it interpolates between them is less exact than that.
+fn usual_pixel_share(spacing: f64) -> f64 {
+    (0.75 * spacing.sqrt()).clamp(1.0, 1.5)
+}
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -163,9 +163,7 @@ impl Options {
     pub(super) fn pixel_effort(&self) -> Effort {
         match self.effort() {
             Effort::Error { error, most } if self.render.ambient_bounces > 0 => {
-                let [least, most_share] = USUAL_PIXEL_SHARES;
-                let usual = (PIXEL_SHARE_OF_SPACING * self.sample_spacing.sqrt()).clamp(least, most_share);
-                let share = if self.effort.is_some() { PIXEL_SHARE } else { usual };
+                let share = if self.effort.is_some() { PIXEL_SHARE } else { usual_pixel_share(self.sample_spacing) };
                 Effort::Error { error: share * error, most }
             }
             effort => effort,
