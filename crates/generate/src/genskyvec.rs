@@ -13,7 +13,6 @@ use radsight_cal::random;
 use radsight_sky::SkyDivision;
 
 use crate::arguments::Arguments;
-use crate::facets::dot;
 use crate::scene_words::SceneWords;
 use crate::sky_patches::{SkyPatches, towards};
 use crate::text::{Text, general};
@@ -224,23 +223,17 @@ fn sample(radiances: &mut [[f64; 3]], subdivision: usize, surrounding: &Surround
 
 impl Sun {
     fn add_to(&self, radiances: &mut [[f64; 3]], patches: &SkyPatches, in_one: bool) {
-        let mut nearest: Vec<(f64, f64, usize)> = (1..patches.len())
-            .map(|patch| {
-                let [altitude, azimuth, solid_angle] = patches.patch(patch);
-                let cosine = dot(towards(altitude, azimuth), self.direction);
-                (cosine.min(1.0).acos(), solid_angle, patch)
-            })
-            .collect();
-        nearest.sort_by(|one, other| one.0.total_cmp(&other.0));
         if in_one {
-            radiances[nearest[0].2] = self.radiance;
+            let (_, patch) = patches.nearest(self.direction, 1)[0];
+            radiances[patch] = self.radiance;
             return;
         }
-        nearest.truncate(SHARERS);
         let solid_angle = PI * (0.5 * self.angle.to_radians()).powi(2);
-        let weights: f64 = nearest.iter().map(|(angle, ..)| 1.0 / (angle + SOFTENING)).sum();
-        for (angle, of_patch, patch) in nearest {
-            let share = solid_angle / of_patch / (angle + SOFTENING) / weights;
+        let weight = |cosine: f64| 1.0 / (cosine.min(1.0).acos() + SOFTENING);
+        let nearest = patches.nearest(self.direction, SHARERS);
+        let weights: f64 = nearest.iter().map(|(cosine, _)| weight(*cosine)).sum();
+        for (cosine, patch) in nearest {
+            let share = solid_angle / patches.solid_angle(patch) * weight(cosine) / weights;
             radiances[patch].iter_mut().zip(self.radiance).for_each(|(value, sun)| *value += share * sun);
         }
     }

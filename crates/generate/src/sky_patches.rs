@@ -4,6 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::facets::dot;
 use crate::perez::{Conditions, SOLAR_CONSTANT, air_mass, clearness, eccentricity, relative_luminance};
 use crate::weather::Quantity;
 use radsight_sky::SkyDivision;
@@ -72,9 +73,9 @@ impl SkyPatches {
         SkyPatches { patches }
     }
 
-    /// Altitude and azimuth (from north to east) of a patch's middle, radians, and its solid angle, sr; the ground is patch 0.
-    pub(crate) fn patch(&self, patch: usize) -> [f64; 3] {
-        self.patches[patch]
+    /// The solid angle of a patch, sr; the ground is patch 0.
+    pub(crate) fn solid_angle(&self, patch: usize) -> f64 {
+        self.patches[patch][2]
     }
 
     /// How many there are, the ground with them.
@@ -109,6 +110,15 @@ impl SkyPatches {
         luminances
     }
 
+    /// The patches of the sky nearest to a direction, with the cosines of their angles to it if it is a unit vector.
+    pub(crate) fn nearest(&self, direction: [f64; 3], count: usize) -> Vec<(f64, usize)> {
+        let nearness = |(index, patch): (usize, &[f64; 3])| (dot(towards(patch[0], patch[1]), direction), index);
+        let mut nearest: Vec<(f64, usize)> = self.patches.iter().enumerate().skip(1).map(nearness).collect();
+        nearest.sort_by(|a, b| b.0.total_cmp(&a.0));
+        nearest.truncate(count);
+        nearest
+    }
+
     /// The patches nearest to the sun, and by how much light of irradiance 1 raises the radiance of each: shared by nearness, over their own solid
     /// angle or one that is given.
     pub(crate) fn around_sun(
@@ -117,15 +127,7 @@ impl SkyPatches {
         count: usize,
         solid_angle: Option<f64>,
     ) -> Vec<(usize, f64)> {
-        let sun = towards(altitude, azimuth);
-        let nearness = |(index, patch): (usize, &[f64; 3])| {
-            let [x, y, z] = towards(patch[0], patch[1]);
-            (x * sun[0] + y * sun[1] + z * sun[2], index)
-        };
-        let mut nearest: Vec<(f64, usize)> = self.patches.iter().enumerate().skip(1).map(nearness).collect();
-        let count = count.min(nearest.len());
-        nearest.sort_by(|a, b| b.0.total_cmp(&a.0));
-        nearest.truncate(count);
+        let nearest = self.nearest(towards(altitude, azimuth), count);
         // As in Radiance, so that a patch that holds the sun does not get all of it.
         let weight = |cosine: f64| 1.0 / (1.002 - cosine);
         let total: f64 = nearest.iter().map(|(cosine, _)| weight(*cosine)).sum();
