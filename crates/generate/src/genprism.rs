@@ -11,7 +11,7 @@ use radsight_loader::FileKind;
 use crate::arguments::Arguments;
 use crate::number_text::leading_number;
 use crate::text::{Text, wide};
-use crate::{Error, Invocation, Output};
+use crate::{Error, Invocation, Output, source_name};
 
 const USAGE: &str = "genprism material name { - | vfile | N v1 v2 .. vN } [-l lvect] [-r radius] [-c] [-e]";
 
@@ -85,8 +85,7 @@ fn read_corners(arguments: &mut Arguments<'_>, invocation: &Invocation<'_>) -> R
     match arguments.peek() {
         Some(word) if !word.starts_with(|first: char| first.is_ascii_digit()) => {
             arguments.word();
-            let source_name = if word == "-" { "standard input" } else { word };
-            corners_of(arguments, &invocation.input(word, FileKind::Other)?, source_name)
+            corners_of(arguments, &invocation.input(word, FileKind::Other)?, source_name(word))
         }
         _ => {
             let count = arguments.count("number of vertices")?;

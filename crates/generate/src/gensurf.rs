@@ -15,7 +15,7 @@ use crate::facets::{cross, dot, normalize, subtract};
 use crate::functions::Functions;
 use crate::grid_data::GridData;
 use crate::text::{Text, general, wide};
-use crate::{Error, Invocation, Output};
+use crate::{Error, Invocation, Output, source_name};
 
 const USAGE: &str = "gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-o] [-i] [-e expr] [-f file]";
 
@@ -106,7 +106,7 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
     let components = if is_triplets { 3 } else { 1 };
     let data = match data_bytes {
         Some(bytes) => Some(GridData::read(&bytes, steps, components).map_err(|mistake| {
-            let source_name = if z == "-" { "standard input" } else { z }.to_owned();
+            let source_name = source_name(z).to_owned();
             Error::Input { program: arguments.program().to_owned(), source_name, mistake }
         })?),
         None => None,

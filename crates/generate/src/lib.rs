@@ -121,6 +121,11 @@ pub(crate) struct Invocation<'a> {
     pub(crate) extra: &'a Extra<'a>,
 }
 
+/// What a word that names an input is called in messages.
+pub(crate) fn source_name(name: &str) -> &str {
+    if name == "-" { "standard input" } else { name }
+}
+
 impl<'a> Invocation<'a> {
     /// Standard input, empty when there is none.
     pub(crate) fn standard_input(&self) -> Result<&'a [u8], Error> {

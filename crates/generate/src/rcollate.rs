@@ -7,7 +7,7 @@ use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, whole_number};
 use crate::records::is_blank;
 use crate::text::{Quoted, Text};
-use crate::{Error, Invocation, Output};
+use crate::{Error, Invocation, Output, source_name};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
@@ -96,7 +96,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         Mistake::Other(error) => error,
         Mistake::Text(mistake) => Error::Input {
             program: "rcollate".to_owned(),
-            source_name: if name == "-" { "standard input" } else { name }.to_owned(),
+            source_name: source_name(name).to_owned(),
             mistake,
         },
     })?;

@@ -10,7 +10,7 @@ use radsight_loader::FileKind;
 
 use crate::cat::file_names;
 use crate::text::Text;
-use crate::{Error, Invocation, MAX_OUTPUT_BYTES, Output};
+use crate::{Error, Invocation, MAX_OUTPUT_BYTES, Output, source_name};
 
 const USAGE: &str = "zcat [file …]";
 
@@ -18,12 +18,11 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut text = Text::default();
     for name in file_names(invocation, USAGE)? {
         let bytes = load(invocation, name)?;
-        let source_name = if name == "-" { "standard input" } else { name };
         let room = MAX_OUTPUT_BYTES - text.len();
         let content = decompress(&bytes, room).map_err(|problem| match problem {
             Problem::TooLarge => Error::OutputTooLarge { limit_bytes: MAX_OUTPUT_BYTES },
             Problem::Damaged(mistake) => {
-                Error::Input { program: "zcat".to_owned(), source_name: source_name.to_owned(), mistake }
+                Error::Input { program: "zcat".to_owned(), source_name: source_name(name).to_owned(), mistake }
             }
         })?;
         text.push_bytes(&content)?;
