@@ -144,6 +144,7 @@ fn a_message_names_its_program_once() {
         (&["cnt", "many"][..], "cnt: count is \"many\""),
         (&["rlam", "nowhere"], "rlam: cannot find file"),
         (&["genskyvec"], "genskyvec: standard input:"),
+        (&["mksource", "-q"], "mksource: unknown option \"-q\""),
     ] {
         let run = run(&folder, words);
         let named = run.messages.matches(&format!("{}: ", words[0])).count();

@@ -51,12 +51,6 @@ impl StandardInput for Piped {
     }
 }
 
-/// A message with the program's name before it, once: many say it themselves.
-fn said_by(name: &str, message: &str) -> String {
-    let prefix = format!("{name}: ");
-    if message.starts_with(&prefix) { message.to_owned() } else { prefix + message }
-}
-
 fn read_piped() -> Result<Vec<u8>, LoadError> {
     let mut bytes = Vec::new();
     if !stdin().is_terminal() {
@@ -66,8 +60,12 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
     Ok(bytes)
 }
 
+/// Writes what a program has made, or tells why it has not.
 pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
-    let output = made.map_err(|error| Failure::input(said_by(name, &error.to_string())))?;
+    let output = made.map_err(|error| {
+        let says_its_name = error.program() == Some(name);
+        Failure::input(if says_its_name { error.to_string() } else { format!("{name}: {error}") })
+    })?;
     for warning in &output.warnings {
         say(&format!("{name}: warning - {warning}\n"));
     }

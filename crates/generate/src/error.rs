@@ -69,6 +69,18 @@ pub enum Error {
 }
 
 impl Error {
+    /// The program that the message begins with, where it does.
+    #[must_use]
+    pub fn program(&self) -> Option<&str> {
+        match self {
+            Error::Argument { program, .. }
+            | Error::Impossible { program, .. }
+            | Error::Input { program, .. }
+            | Error::Expression { program, .. } => Some(program),
+            Error::UnknownProgram { .. } | Error::OutputTooLarge { .. } | Error::Syntax(_) | Error::Load(_) => None,
+        }
+    }
+
     /// Index into `argv` of the word that the error is about; `argv.len()` when a word is missing.
     #[must_use]
     pub fn argument(&self) -> Option<usize> {

@@ -94,11 +94,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut collation = Collation { options, header: Text::default(), warnings: arguments.warnings };
     let standard_output = collation.collate(&bytes, command).map_err(|mistake| match mistake {
         Mistake::Other(error) => error,
-        Mistake::Text(mistake) => Error::Input {
-            program: "rcollate".to_owned(),
-            source_name: source_name(name).to_owned(),
-            mistake,
-        },
+        Mistake::Text(mistake) => {
+            Error::Input { program: "rcollate".to_owned(), source_name: source_name(name).to_owned(), mistake }
+        }
     })?;
     let warnings = if collation.options.warns { collation.warnings } else { Vec::new() };
     Ok(Output { standard_output, warnings, files: Vec::new() })
