@@ -4,7 +4,7 @@ mod program;
 mod real_radiance;
 
 use program::{Folder, Run, command, run_with};
-use radsight_picture::{Header, Picture, Resolution};
+use radsight_picture::{Header, Picture, Resolution, read_image};
 use real_radiance::Radiance;
 
 const ROOM: &str = "
@@ -280,4 +280,30 @@ fn every_option_that_the_real_programs_print_is_taken() {
         let words: Vec<&str> = std::iter::once(program).chain(options).chain(["-defaults"]).collect();
         run_with(&mut command(&words), b"").done();
     }
+}
+
+#[test]
+fn floats_are_what_pixels_are_made_of() {
+    let folder = Folder::new();
+    folder.file("room.rad", ROOM);
+    let view = ["-vp", "0", "-3", "1", "-vd", "0", "1", "-.2", "-x", "20", "-y", "14"];
+    for color in [&[][..], &["-pXYZ"]] {
+        let words = [&view[..], color].concat();
+        let pixels = Picture::read(&rpict(&folder, &[&words[..], &["room.rad"]].concat()).done()).expect("a picture");
+        let bytes = rpict(&folder, &[&words[..], &["-ff", "room.rad"]].concat()).done();
+        let (header, _) = Header::read(&bytes).expect("a header");
+        assert_eq!(header.variable("NCOMP").as_deref(), Some("3"));
+        let floats = read_image(&bytes).expect("floats").image;
+        assert_eq!((floats.width(), floats.height(), floats.components()), (pixels.width(), pixels.height(), 3));
+        let mut differ = 0;
+        for (float, pixel) in floats.data().chunks_exact(3).zip(pixels.values().data().chunks_exact(3)) {
+            // Eight bits of the largest component.
+            let step = float.iter().copied().fold(0.0, f32::max) / 128.0;
+            assert!(float.iter().zip(pixel).all(|(a, b)| (a - b).abs() <= step), "{float:?} as {pixel:?}");
+            differ += usize::from(float != pixel);
+        }
+        assert!(differ > 0, "pixels are rounded");
+    }
+    let refused = rpict(&folder, &["-ff", "-ro", "a.hdr", "room.rad"]);
+    assert!(refused.code == 2 && refused.messages.contains("-ff begins a picture anew"), "{}", refused.messages);
 }

@@ -10,6 +10,7 @@ use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
+use crate::output_format::OutputFormat;
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
@@ -132,7 +133,10 @@ impl Picture {
             }
             let mut bytes = Vec::new();
             for line in pixels[(row - block.start) * columns..].chunks(columns) {
-                write_rgbe_scanline(line, &mut bytes);
+                match options.format {
+                    OutputFormat::Pixels => write_rgbe_scanline(line, &mut bytes),
+                    numbers => line.iter().for_each(|pixel| numbers.put(&pixel.map(f64::from), &mut bytes)),
+                }
             }
             writer.write(&bytes)?;
             if writer.wants_depths() {
@@ -174,13 +178,17 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
-    if let OutputColor::Xyz(_) = options.color {
-        header.push_variable("FORMAT", Encoding::Xyze.name());
-        return header;
+    if options.format != OutputFormat::Pixels {
+        header.push_variable("NCOMP", "3");
     }
-    let primaries = options.color.primaries().unwrap_or(RgbPrimaries::STANDARD);
-    header.push_variable("PRIMARIES", &primaries.to_header_value());
-    header.push_variable("FORMAT", Encoding::Rgbe.name());
+    let pixels = if let OutputColor::Xyz(_) = options.color {
+        Encoding::Xyze
+    } else {
+        let primaries = options.color.primaries().unwrap_or(RgbPrimaries::STANDARD);
+        header.push_variable("PRIMARIES", &primaries.to_header_value());
+        Encoding::Rgbe
+    };
+    options.format.end_header(&mut header, pixels.name());
     header
 }
 

@@ -6,11 +6,13 @@ use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
+use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use crate::view_args;
 use radsight_frame::Effort;
 use radsight_picture::ViewOptions;
+use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, RenderOptions, Unshared};
 
 /// Rays that no pixel exceeds for an asked error.
@@ -51,6 +53,8 @@ pub(super) struct Options {
     pub(super) size: [usize; 2],
     /// The components of pixels. Other primaries than Radiance's are those in which the scene's colours are meant.
     pub(super) color: OutputColor,
+    /// Pixels of four bytes, or numbers as they are.
+    pub(super) format: OutputFormat,
     /// Height over width of a pixel; 0 for whatever fills the size.
     pub(super) pixel_aspect: f64,
     pub(super) pixel_jitter: f64,
@@ -99,6 +103,7 @@ impl Default for Options {
             view: ViewOptions::default(),
             size: [512, 512],
             color: OutputColor::Rgb,
+            format: OutputFormat::Pixels,
             pixel_aspect: 1.0,
             pixel_jitter: 0.67,
             motion: 0.0,
@@ -130,6 +135,9 @@ impl Options {
             options = Options::parse_once(&kept)?;
         }
         options.share_error();
+        if options.recover.is_some() && options.format != OutputFormat::Pixels {
+            return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
+        }
         if options.scenes.is_empty() {
             options.scenes.push("-".to_owned());
         }
@@ -213,6 +221,10 @@ impl Options {
                 )));
             }
             "-co-" => return Ok(1),
+            "-ff" => {
+                self.format = OutputFormat::Numbers(NumberFormat::Float);
+                return Ok(1);
+            }
             _ => {
                 if let Some(shown) = switched(word, "-w", !self.reading.no_warnings) {
                     self.reading.no_warnings = !shown;

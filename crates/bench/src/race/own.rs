@@ -69,8 +69,8 @@ impl Program for Own {
     }
 
     fn render(&self, scene: &Scene, setting: &Setting, folder: &Path) -> Result<(Taken, Image<f32>), BenchError> {
-        let output = folder.join("own.hdr");
-        let mut command = self.radsight.command(&["rpict", "-w-", "-pj", "1"]);
+        let output = folder.join("own.floats");
+        let mut command = self.radsight.command(&["rpict", "-w-", "-ff", "-pj", "1"]);
         command.args(scene.frame()).args(&scene.task).args(&setting.options).args(&scene.files);
         scene.place(&mut command);
         let taken = taken(&mut command, &scene.folder, None, Some(&output))?;
