@@ -143,10 +143,7 @@ fn ra_bmp_maps_tones_as_the_real_one() {
                         real.iter().zip(&ours).map(|(a, b)| i32::from(b[band]) - i32::from(a[band])).collect();
                     let found = f64::from(apart.iter().map(|apart| apart.abs()).sum::<i32>()) / apart.len() as f64;
                     let beyond = apart.iter().filter(|apart| !(least..=most).contains(apart)).count();
-                    assert!(
-                        beyond == 0 && found <= mean,
-                        "{words:?}: band {band}: {found}, {beyond} pixels beyond"
-                    );
+                    assert!(beyond == 0 && found <= mean, "{words:?}: band {band}: {found}, {beyond} pixels beyond");
                 }
             }
         }

@@ -173,10 +173,10 @@ impl<const BANDS: usize> Cache<BANDS> {
         }
     }
 
-    /// The mean of the irradiance of all records and bands.
+    /// The mean of [`Fit::brightness`] over all records.
     #[must_use]
     pub fn typical(&self) -> f64 {
-        self.fits.iter().map(Fit::strength).sum::<f64>() / self.len().max(1) as f64
+        self.fits.iter().map(Fit::brightness).sum::<f64>() / self.len().max(1) as f64
     }
 
     /// What a record's irradiance rests on.

@@ -21,6 +21,8 @@ pub struct Fit<const BANDS: usize> {
     rays: f64,
     /// Of the irradiance averaged over the bands.
     variance: f64,
+    /// All irradiance averaged over the bands, also what comes otherwise: where it is least counts most.
+    brightness: f64,
     /// The scale up to which the neighbours agree.
     pub(crate) scale: f64,
     /// The share of the irradiance by which the neighbours miss the plane beyond their noise, where they do not agree.
@@ -55,6 +57,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             translation: record.gradients.translation,
             rays: record.rays,
             variance: record.variance,
+            brightness: mean(&record.irradiance) + record.otherwise,
             scale: record.scale,
             bend: 0.0,
         }
@@ -152,6 +155,10 @@ impl<const BANDS: usize> Fit<BANDS> {
             fit.translation[band] = (x * plane.y + y * plane.z) / radius;
             fit.rotation[band] = rotation;
         }
+        let darkness = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| {
+            weight / (fit.strength() + other.record.otherwise).max(f64::MIN_POSITIVE)
+        };
+        fit.brightness = total / weights.iter().zip(neighbours).map(darkness).sum::<f64>();
         let misfit = fit.misfit(record, neighbours, &weights);
         (fit, misfit)
     }
@@ -206,6 +213,12 @@ impl<const BANDS: usize> Fit<BANDS> {
     #[must_use]
     pub fn standard_error(&self) -> f64 {
         self.variance.sqrt()
+    }
+
+    /// The irradiance averaged over the bands and that which comes otherwise: their harmonic mean around the record, since what is in shadow is spoilt first.
+    #[must_use]
+    pub fn brightness(&self) -> f64 {
+        self.brightness
     }
 
     /// The irradiance averaged over the bands.

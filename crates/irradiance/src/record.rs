@@ -33,6 +33,8 @@ pub struct Record<const BANDS: usize> {
     pub(crate) rays: f64,
     /// Of the irradiance averaged over the bands, from the differences of neighbouring cells.
     pub(crate) variance: f64,
+    /// Irradiance that comes otherwise, averaged over the bands.
+    pub(crate) otherwise: f64,
 }
 
 impl<const BANDS: usize> Record<BANDS> {
@@ -79,6 +81,7 @@ impl<const BANDS: usize> Record<BANDS> {
             least: limits.least,
             rays: count,
             variance: 0.5 * squares * (PI / count).powi(2),
+            otherwise: 0.0,
         };
         record.bound(limits);
         record
@@ -103,6 +106,13 @@ impl<const BANDS: usize> Record<BANDS> {
         Record { rays: rays as f64, ..self }
     }
 
+    /// The same where so much irradiance, averaged over the bands, comes from elsewhere: from lights that rays do not look for. Beside it what is
+    /// gathered need not be as exact.
+    #[must_use]
+    pub fn beside(self, otherwise: f64) -> Self {
+        Record { otherwise, ..self }
+    }
+
     /// Rays that looked around.
     #[must_use]
     pub fn rays(&self) -> f64 {
@@ -119,6 +129,7 @@ impl<const BANDS: usize> Record<BANDS> {
             vector(&mut self.gradients.rotation[band], other.gradients.rotation[band]);
             vector(&mut self.gradients.translation[band], other.gradients.translation[band]);
         }
+        scalar(&mut self.otherwise, other.otherwise);
         self.variance = self.variance * (1.0 - share).powi(2) + other.variance * share.powi(2);
         self.scale = self.scale.min(other.scale);
         self.rays += other.rays;

@@ -163,6 +163,25 @@ fn neighbours_lend_each_other_their_rays() {
 }
 
 #[test]
+fn what_is_in_shadow_counts_most() {
+    // An irradiance of π, and half of the plane gets three times as much from a lamp.
+    let even = |_: DVec3, _: DVec3| (1.0, 1.0);
+    let mut cache = Cache::new(LIMITS);
+    for column in -5..=5 {
+        let place = DVec3::new(0.1 * f64::from(column), 0.0, 0.0);
+        let from_lamp = if column > 0 { 3.0 * PI } else { 0.0 };
+        cache.insert(record(place, DVec3::Z, 48, even).beside(from_lamp), cache.next_look(place, DVec3::Z));
+    }
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
+    let brightness = |index: usize| cache.fitted(index).1.brightness() / PI;
+    assert!((brightness(0) - 1.0).abs() < 1e-6, "in the shadow {}", brightness(0));
+    assert!((brightness(10) - 4.0).abs() < 1e-6, "in the light {}", brightness(10));
+    // Half of each: 2 / (1 + 1/4) is the harmonic mean, 2.5 the other one.
+    assert!((1.2..2.0).contains(&brightness(5)), "on the border {}", brightness(5));
+}
+
+#[test]
 fn records_are_trusted_less_far_where_the_irradiance_jumps() {
     let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
     let cache = field(48, step);

@@ -2,6 +2,7 @@
 
 use crate::antimatter::Cut;
 use crate::bright_places::BrightPlaces;
+use crate::direct::DirectSampler;
 use crate::light_tree::Reception;
 use crate::link::{Link, Lobe};
 use crate::look_out::Surroundings;
@@ -14,7 +15,7 @@ use crate::tree::NodeId;
 use glam::DVec3;
 use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Irradiance that is shared where no diffuse bounce lies behind, and where one does.
 pub(crate) type Caches<'c, const BANDS: usize> = [Option<&'c Cache<BANDS>>; 2];
@@ -89,6 +90,7 @@ const REACH_SEEN: f64 = 2.0;
 
 /// Rays that look around are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
+const DIRECT_SEED: u64 = 0x6469_7265_6374;
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead. A survey
@@ -171,6 +173,29 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let around = self.glance_around(place, look);
         let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
         (record.resting_on(around.rays), around)
+    }
+
+    /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.
+    pub(crate) fn direct_irradiance(&mut self, place: &Place<BANDS>, number: u64) -> f64 {
+        let sampler = RaySampler::new(self.plan.options.seed ^ DIRECT_SEED, number);
+        let medium = self.begin(sampler, place.medium);
+        let cut = self.add_cut(place.cut.clone());
+        let white = LitPoint::white(place.normal, place.normal);
+        let reception = white.reception(self.plan.light_draws[1]);
+        let direct = DirectSampler {
+            point: place.point,
+            primitive: place.primitive,
+            highlight_draws: 0,
+            shares_diffuse: false,
+            outlook: None,
+            reception,
+            travelled: 0.0,
+            medium,
+            cuts: [cut; 2],
+            normal: place.normal,
+            drawn: true,
+        };
+        PI * direct.sample(self, &white).iter().sum::<f64>() / BANDS as f64
     }
 
     /// By which way to look through a cell of the hemisphere.

@@ -12,6 +12,7 @@ use crate::weak_highlight::{LobeStrength, Undrawn};
 use glam::DVec3;
 use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
+use radsight_ir::Rgb;
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;
@@ -212,6 +213,12 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             mirror: if smooth && kind.specularity > 0.0 { specular } else { [0.0; BANDS] },
             beyond: None,
         }
+    }
+
+    /// What scatters all light evenly, seen from this unit direction.
+    pub(crate) fn white(outgoing: DVec3, normal: DVec3) -> Self {
+        let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
+        LitPoint::glossy(&white, false, [1.0; BANDS], outgoing, normal, normal)
     }
 
     /// The same plastic or metal; its highlight is not drawn from where it is no stronger than the threshold.

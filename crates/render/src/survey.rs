@@ -150,7 +150,7 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
         }
     }
 
-    /// The standard error that rays leave in what the eye sees of it, as a share: rms over all records.
+    /// The standard error that rays leave in it, as a share of all light that the places get: rms over all records.
     pub(crate) fn noise(&self) -> f64 {
         let cache = &self.seen.cache;
         let typical = cache.typical();
@@ -316,7 +316,8 @@ impl<const BANDS: usize> Level<BANDS> {
                 |tracer, (index, (place, sample))| {
                     let number = first + index as u64;
                     let look = Look { hemisphere, sample: Some(*sample), number, bright: Some(known) };
-                    tracer.look_around(place, &look, limits)
+                    let (record, around) = tracer.look_around(place, &look, limits);
+                    (record.beside(tracer.direct_irradiance(place, number)), around)
                 },
             )
             .collect();
@@ -342,9 +343,9 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 }
 
-/// What an error of irradiance is taken relative to.
+/// What an error of irradiance is taken relative to: all that comes to a place, since that is seen of it.
 fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
-    fit.strength().max(DARK * typical)
+    fit.brightness().max(DARK * typical)
 }
 
 /// Where these rays want irradiance that the cache does not have.

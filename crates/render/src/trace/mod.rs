@@ -28,11 +28,10 @@ use crate::model_light::ModelBatch;
 use crate::options::{BackFaces, Quantity};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, Ray};
-use crate::shader::{GlossyKind, Kind};
+use crate::shader::Kind;
 use crate::surface_light::LitPoint;
 use crate::tree::{Course, NodeId, Tree};
 use radsight_cal::Scratch;
-use radsight_ir::Rgb;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
 use std::f64::consts::PI;
@@ -272,9 +271,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
 
     /// Irradiance is π times the radiance of a white Lambertian surface.
     fn irradiance(&mut self, start: &Segment<BANDS>) {
-        let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
         let normal = start.ray.direction;
-        let point = LitPoint::glossy(&white, false, [1.0; BANDS], normal, normal, normal);
+        let point = LitPoint::white(normal, normal);
         self.light_and_scatter(start, start.ray.origin, None, &point, 0.0);
     }
 

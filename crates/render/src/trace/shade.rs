@@ -8,12 +8,11 @@ use crate::cast::FirstHit;
 use crate::geometry::is_flat;
 use crate::options::Quantity;
 use crate::ray::Hit;
-use crate::shader::{Appearance, GlossyKind, Kind, Shader, bands};
+use crate::shader::{Appearance, Kind, Shader, bands};
 use crate::surface_light::{LitPoint, colored, pane};
 use crate::tree::Image;
 use crate::view::Encounter;
 use glam::DVec3;
-use radsight_ir::Rgb;
 use std::f64::consts::PI;
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
@@ -113,9 +112,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 
     /// A measurement of irradiance where a surface is: the surface does not matter.
     fn shade_white(&mut self, segment: &Segment<BANDS>, hit: &Hit, encounter: &Encounter) {
-        let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
-        let normal = encounter.normal;
-        let point = LitPoint::glossy(&white, false, [1.0; BANDS], -encounter.direction, normal, normal);
+        let point = LitPoint::white(-encounter.direction, encounter.normal);
         let segment = Segment { throughput: segment.throughput.map(|band| band * PI), ..*segment };
         self.light_and_scatter(&segment, hit.point, Some(hit.primitive), &point, encounter.total_distance);
     }
