@@ -17,7 +17,7 @@ const ASKED: [(&str, &str); 15] = [
     ("mirror_fish", "--error .08 -ad 16384 -aa .15"),
     ("mist_def", "--error .05"),
     ("mixtex_def", "--error .05 -ad 12288"),
-    ("mixtex_fish", "--error .05 -ad 12288"),
+    ("mixtex_fish", "--error .05 -ad 32768"),
     ("mixtex_rplan", "--error .05 -ad 12288"),
     ("prism2_fish", "--error .05 -ad 4096"),
     ("spectra_fish", "--samples 16"),
