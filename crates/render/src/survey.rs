@@ -317,18 +317,19 @@ impl<const BANDS: usize> Level<BANDS> {
                     let number = first + index as u64;
                     let look = Look { hemisphere, sample: Some(*sample), number, bright: Some(known) };
                     let (record, around) = tracer.look_around(place, &look, limits);
-                    (record.beside(tracer.direct_irradiance(place, number)), around)
+                    // What is seen in each cell is in the record: of a million looks it would fill the memory.
+                    let Surroundings { bright, rays, .. } = around;
+                    (record.beside(tracer.direct_irradiance(place, number)), bright, rays)
                 },
             )
             .collect();
         self.looks += places.len() as u64;
-        self.rays += looked.iter().map(|(_, around)| around.rays).sum::<usize>();
-        let record =
-            |((place, _), (record, around)): (&(Place<BANDS>, usize), (Record<BANDS>, Surroundings<BANDS>))| {
-                bright.note(place.point, place.normal, around.bright);
-                record
-            };
-        let records = places.iter().zip(looked).map(record).collect();
+        let mut records = Vec::with_capacity(looked.len());
+        for ((place, _), (record, found, rays)) in places.iter().zip(looked) {
+            bright.note(place.point, place.normal, found);
+            self.rays += rays;
+            records.push(record);
+        }
         bright.settle();
         records
     }
