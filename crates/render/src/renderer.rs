@@ -38,6 +38,19 @@ enum Bands<'r> {
     WideSpectrum(Box<Tracer<'r, 72>>),
 }
 
+/// The same for whichever number of bands it is.
+macro_rules! in_bands {
+    ($of:expr, $kind:ident($inner:ident) => $done:expr) => {
+        match $of {
+            $kind::Grey($inner) => $done,
+            $kind::Color($inner) => $done,
+            $kind::NarrowSpectrum($inner) => $done,
+            $kind::Spectrum($inner) => $done,
+            $kind::WideSpectrum($inner) => $done,
+        }
+    };
+}
+
 /// Rays that one thread takes at a time.
 const CHUNK: usize = 1024;
 
@@ -69,26 +82,14 @@ impl Renderer {
             return 0;
         }
         let plan = &self.plan;
-        match &mut self.shared {
-            SharedIrradiance::Grey(gathered) => gather(plan, gathered, rays, spread),
-            SharedIrradiance::Color(gathered) => gather(plan, gathered, rays, spread),
-            SharedIrradiance::NarrowSpectrum(gathered) => gather(plan, gathered, rays, spread),
-            SharedIrradiance::Spectrum(gathered) => gather(plan, gathered, rays, spread),
-            SharedIrradiance::WideSpectrum(gathered) => gather(plan, gathered, rays, spread),
-        }
+        in_bands!(&mut self.shared, SharedIrradiance(gathered) => gather(plan, gathered, rays, spread))
     }
 
     /// The standard error that rays left in gathered irradiance, as a share of it: rms over the points it was gathered from. `None` where none is shared. What
     /// sharing bends away from the truth comes on top.
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
-        match &self.shared {
-            SharedIrradiance::Grey(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
-            SharedIrradiance::Color(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
-            SharedIrradiance::NarrowSpectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
-            SharedIrradiance::Spectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
-            SharedIrradiance::WideSpectrum(gathered) => gathered.as_ref().map(GatheredIrradiance::noise),
-        }
+        in_bands!(&self.shared, SharedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
     }
 
     /// A worker for the calling thread.
@@ -133,49 +134,25 @@ impl RayWorker<'_> {
     /// Answers ray number `index` of its stream by what it owes to each modifier that is tracked, in the order in which it met them.
     pub fn contributions(&mut self, index: u64, ray: &Ray) -> Vec<Contribution> {
         let _ = self.trace(index, ray);
-        match &mut self.0 {
-            Bands::Grey(tracer) => tracer.take_contributions(),
-            Bands::Color(tracer) => tracer.take_contributions(),
-            Bands::NarrowSpectrum(tracer) => tracer.take_contributions(),
-            Bands::Spectrum(tracer) => tracer.take_contributions(),
-            Bands::WideSpectrum(tracer) => tracer.take_contributions(),
-        }
+        in_bands!(&mut self.0, Bands(tracer) => tracer.take_contributions())
     }
 
     /// Answers ray number `index` of its stream, and tells all rays that came of it where the options ask for that: each after those that came of
     /// it, so that the last is the ray itself.
     pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<ToldRay>) {
         let traced = self.trace(index, ray);
-        let told = match &mut self.0 {
-            Bands::Grey(tracer) => tracer.take_tree(),
-            Bands::Color(tracer) => tracer.take_tree(),
-            Bands::NarrowSpectrum(tracer) => tracer.take_tree(),
-            Bands::Spectrum(tracer) => tracer.take_tree(),
-            Bands::WideSpectrum(tracer) => tracer.take_tree(),
-        };
+        let told = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
         (traced, told)
     }
 
     /// Sees nothing of the rays that follow beyond a distance, scene units, before they are reflected.
     pub fn limit_distance(&mut self, distance: f64) {
-        match &mut self.0 {
-            Bands::Grey(tracer) => tracer.limit = distance,
-            Bands::Color(tracer) => tracer.limit = distance,
-            Bands::NarrowSpectrum(tracer) => tracer.limit = distance,
-            Bands::Spectrum(tracer) => tracer.limit = distance,
-            Bands::WideSpectrum(tracer) => tracer.limit = distance,
-        }
+        in_bands!(&mut self.0, Bands(tracer) => tracer.limit = distance)
     }
 
     /// Answers ray number `index` of its stream.
     #[must_use]
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
-        match &mut self.0 {
-            Bands::Grey(tracer) => tracer.trace(index, ray),
-            Bands::Color(tracer) => tracer.trace(index, ray),
-            Bands::NarrowSpectrum(tracer) => tracer.trace(index, ray),
-            Bands::Spectrum(tracer) => tracer.trace(index, ray),
-            Bands::WideSpectrum(tracer) => tracer.trace(index, ray),
-        }
+        in_bands!(&mut self.0, Bands(tracer) => tracer.trace(index, ray))
     }
 }
