@@ -222,8 +222,7 @@ impl<const BANDS: usize> Fit<BANDS> {
     }
 
     /// The irradiance averaged over the bands.
-    #[must_use]
-    pub fn strength(&self) -> f64 {
+    fn strength(&self) -> f64 {
         mean(&self.irradiance)
     }
 
