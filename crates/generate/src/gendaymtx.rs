@@ -15,7 +15,7 @@ use crate::sky_patches::{Light, Sky, SkyPatches, WHITE_EFFICACY, towards};
 use crate::sun::{Site, Sun, day_of_year, simple_declination, simple_time_adjustment};
 use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text, general};
 use crate::weather::{Quantity, Record, Weather};
-use crate::{Error, Invocation, Output};
+use crate::{Error, Invocation, Output, source_name};
 use radsight_loader::FileKind;
 
 const USAGE: &str = "gendaymtx [-v][-h][-A][-d|-s|-n][-u][-D file [-M modfile]][-r deg][-m N][-g r g b][-c r g b][-o{f|d|a}][-O{0|1}][-5 deg][-i minutes] [weather]";
@@ -69,16 +69,17 @@ struct Options<'a> {
     disk: Option<f64>,
     /// Minutes; 0 for moments.
     interval: f64,
-    weather: Option<&'a str>,
+    /// A file, or `-`.
+    weather: &'a str,
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
     let options = Options::read(&mut arguments)?;
-    let bytes = invocation.input(options.weather.unwrap_or("-"), FileKind::Other)?;
+    let bytes = invocation.input(options.weather, FileKind::Other)?;
     let weather = Weather::read(&String::from_utf8_lossy(&bytes)).map_err(|mistake| Error::Input {
         program: "gendaymtx".to_owned(),
-        source_name: options.weather.unwrap_or("standard input").to_owned(),
+        source_name: source_name(options.weather).to_owned(),
         mistake,
     })?;
     let mut year = Year::new(&options, &weather)?;
@@ -106,7 +107,7 @@ impl<'a> Options<'a> {
             rotation: 0.0,
             disk: None,
             interval: 0.0,
-            weather: None,
+            weather: "-",
         };
         while let Some(word) = arguments.word() {
             match word {
@@ -147,7 +148,7 @@ impl<'a> Options<'a> {
                     }
                 }
                 _ if word.starts_with('-') && word != "-" => return Err(arguments.unknown()),
-                path if arguments.peek().is_none() => options.weather = Some(path).filter(|path| *path != "-"),
+                path if arguments.peek().is_none() => options.weather = path,
                 _ => return Err(arguments.unknown()),
             }
         }

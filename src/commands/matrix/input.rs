@@ -2,7 +2,7 @@
 
 use crate::commands::words::Words;
 use crate::failure::Failure;
-use crate::input::{read_file, read_source};
+use crate::input::{read_file, read_source, source_name};
 use radsight_matrix::{Matrix, MatrixError, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_picture::leading_number;
 
@@ -32,8 +32,7 @@ pub(super) fn read_bytes(source: &str) -> Result<Vec<u8>, Failure> {
 
 /// What is wrong with a matrix of this name.
 pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure {
-    let name = if source == "-" { "standard input" } else { source };
-    Failure::input(format!("{program}: {name}: {error}"))
+    Failure::input(format!("{program}: {}: {error}", source_name(source)))
 }
 
 /// Reads a picture or a float matrix.

@@ -1,6 +1,7 @@
 //! Pictures from files and pipes.
 
 use crate::failure::{Failure, Outcome, reason};
+use crate::input::source_name;
 use crate::output::write_file;
 use radsight_picture::{Header, PictureError, PictureReader};
 use radsight_picture_tools::ToolError;
@@ -78,10 +79,9 @@ pub(super) fn output() -> BufWriter<StdoutLock<'static>> {
 
 /// What goes wrong with a picture of this name.
 pub(super) fn failed(path: &str, error: ToolError) -> Failure {
-    let name = if path == "-" { "standard input" } else { path };
     match error {
         ToolError::Picture(PictureError::Stream { kind, reason }) => stream_failed(kind, &reason),
-        error => Failure::input(format!("{name}: {error}")),
+        error => Failure::input(format!("{}: {error}", source_name(path))),
     }
 }
 

@@ -4,6 +4,7 @@ use super::{Options, Original, power, skip};
 use crate::commands::picture::files::{Source, failed, open, output, read_header};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
+use crate::input::source_name;
 use radsight_picture::{Header, PictureError, PictureWriter, Resolution, RgbPrimaries, WHITE_EFFICACY, encode_rgbe};
 use radsight_picture_tools::values::{ByteOrder, NumberForm, Part};
 use std::io::{BufRead, BufReader, Read};
@@ -187,8 +188,7 @@ fn read_pixel(options: &Options, inputs: &mut [Numbers]) -> Result<[f32; 3], Fai
 
 impl Numbers {
     fn wrong(&self, words: &str) -> Failure {
-        let name = if self.name == "-" { "standard input" } else { &self.name };
-        Failure::input(format!("pvalue: {name}: {words}"))
+        Failure::input(format!("pvalue: {}: {words}", source_name(&self.name)))
     }
 
     fn read_header(&mut self) -> Result<Header, Failure> {
