@@ -197,6 +197,19 @@ impl<const BANDS: usize> Cache<BANDS> {
         weights > LEAST_WEIGHT
     }
 
+    /// Adds the numbers of the records that give the irradiance at a point of a surface with this unit normal, with the share of each.
+    pub fn shares(&self, position: DVec3, normal: DVec3, shares: &mut Vec<(u32, f64)>) {
+        let before = shares.len();
+        self.reaches.visit(position, |index| {
+            let weight = self.weight(&self.records[index as usize], position, normal, 1.0);
+            if weight > 0.0 {
+                shares.push((index, weight));
+            }
+        });
+        let total: f64 = shares[before..].iter().map(|(_, weight)| weight).sum();
+        shares[before..].iter_mut().for_each(|(_, weight)| *weight /= total);
+    }
+
     /// The irradiance at a point of a surface with this unit normal, on a facet of it that is turned to the unit normal `facet`;
     /// `None` where no record reaches.
     #[must_use]
@@ -204,25 +217,22 @@ impl<const BANDS: usize> Cache<BANDS> {
         self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY).irradiance()
     }
 
-    /// The same, in the small gaps between places that were looked around from by records that do not quite reach.
+    /// The same where records disagree around it by no more than this share: where irradiance bends more they cannot follow. In the small gaps between
+    /// places that were looked around from it is told by records that do not quite reach.
     #[must_use]
-    pub fn irradiance_or_next(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        self.irradiance(position, normal, facet).or_else(|| self.irradiance_from_next(position, normal, facet))
-    }
-
-    /// The same where it can be trusted; `None` also where irradiance bends more than the records can follow.
-    #[must_use]
-    pub fn trusted_irradiance(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        let blend = self.blend(&self.reaches, 1.0, [position, normal, facet], f64::INFINITY);
-        if blend.bend() > MOST_BEND {
-            return None;
+    pub fn trusted_irradiance(
+        &self,
+        position: DVec3,
+        normal: DVec3,
+        facet: DVec3,
+        most_bend: f64,
+    ) -> Option<[f64; BANDS]> {
+        let place = [position, normal, facet];
+        let mut blend = self.blend(&self.reaches, 1.0, place, f64::INFINITY);
+        if blend.irradiance().is_none() {
+            blend = self.blend(&self.neighbourhoods, neighbourhood(&self.limits), place, f64::INFINITY);
         }
-        blend.irradiance().or_else(|| self.irradiance_from_next(position, normal, facet))
-    }
-
-    fn irradiance_from_next(&self, position: DVec3, normal: DVec3, facet: DVec3) -> Option<[f64; BANDS]> {
-        let farther = neighbourhood(&self.limits);
-        self.blend(&self.neighbourhoods, farther, [position, normal, facet], f64::INFINITY).irradiance()
+        if blend.bend() > most_bend { None } else { blend.irradiance() }
     }
 
     /// The same from records that reach no farther than this; `None` where there are none.
@@ -290,9 +300,6 @@ impl<const BANDS: usize> Blend<BANDS> {
         if self.weights > 0.0 { self.bend / self.weights } else { 0.0 }
     }
 }
-
-/// Where records disagree by more than this share, drawing single rays is more exact.
-const MOST_BEND: f64 = 0.2;
 
 /// Below this total the nearest record is all but out of reach.
 const LEAST_WEIGHT: f64 = 1e-4;

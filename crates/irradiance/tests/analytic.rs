@@ -188,7 +188,9 @@ fn records_are_trusted_less_far_where_the_irradiance_jumps() {
     let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
     assert!(between(-0.45).is_some_and(|found| (found[0] / PI - 1.0).abs() < 0.02), "{:?}", between(-0.45));
     assert!(between(0.45).is_some_and(|found| (found[0] / PI - 2.0).abs() < 0.02), "{:?}", between(0.45));
-    let in_gap = cache.irradiance_or_next(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z).expect("records are near");
+    let in_gap = cache
+        .trusted_irradiance(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z, f64::INFINITY)
+        .expect("records are near");
     assert!((PI..2.0 * PI).contains(&in_gap[0]), "{in_gap:?}");
     assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
 }
@@ -201,6 +203,24 @@ fn what_bends_too_much_is_not_trusted() {
     assert!(
         cache.irradiance(beside, DVec3::Z, DVec3::Z).is_some() && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
     );
-    assert_eq!(cache.trusted_irradiance(beside, DVec3::Z, DVec3::Z), None);
-    assert_eq!(cache.trusted_irradiance(far, DVec3::Z, DVec3::Z), cache.irradiance(far, DVec3::Z, DVec3::Z));
+    let trusted = |place: DVec3| cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, 0.2);
+    assert_eq!(trusted(beside), None);
+    assert_eq!(trusted(far), cache.irradiance(far, DVec3::Z, DVec3::Z));
+    let in_gap = DVec3::new(0.05, 0.05, 0.0);
+    let anyhow = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, f64::INFINITY);
+    assert!(cache.irradiance(in_gap, DVec3::Z, DVec3::Z).is_none() && anyhow.is_some() && trusted(in_gap).is_none());
+}
+
+#[test]
+fn shares_say_which_records_give_the_irradiance() {
+    let cache = field(48, |at, _| (1.0 + at.x, 1.0));
+    let place = DVec3::new(0.13, 0.02, 0.0);
+    let mut shares = vec![(7, 0.25)];
+    cache.shares(place, DVec3::Z, &mut shares);
+    assert_eq!(shares[0], (7, 0.25), "what was there stays");
+    let total: f64 = shares[1..].iter().map(|(_, share)| share).sum();
+    assert!((total - 1.0).abs() < 1e-12 && shares.len() > 1);
+    let before = shares.len();
+    cache.shares(DVec3::Z * 1e3, DVec3::Z, &mut shares);
+    assert_eq!(shares.len(), before, "nothing reaches there");
 }

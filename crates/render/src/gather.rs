@@ -48,10 +48,13 @@ impl<const BANDS: usize> Place<BANDS> {
     }
 }
 
-/// Points whose irradiance is missing.
+/// What a ray wants of shared irradiance.
 #[derive(Clone, Debug)]
 pub(crate) struct Survey<const BANDS: usize> {
+    /// Points whose irradiance is missing.
     pub(crate) places: Vec<Place<BANDS>>,
+    /// The records that give the rest, with their shares in it; `None` where that is not asked for.
+    pub(crate) served: Option<Vec<(u32, f64)>>,
     /// Of the ray in hand.
     pub(crate) spread: Spread,
 }
@@ -126,12 +129,15 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 bounces: segment.ambient_bounces - 1,
                 width: self.survey.as_ref().map_or(0.0, |survey| survey.spread.at(travelled)),
             };
-            let shared = cache.and_then(|cache| match &self.survey {
-                Some(_) => cache.irradiance(at, normal, facet),
+            let shared = cache.and_then(|cache| match &mut self.survey {
+                Some(survey) => {
+                    if let Some(served) = &mut survey.served {
+                        cache.shares(at, normal, served);
+                    }
+                    cache.irradiance(at, normal, facet)
+                }
                 None if bounces_behind > 0 => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
-                // Single rays hardly find caustics.
-                None if self.plan.has_caustics => cache.irradiance_or_next(at, normal, facet),
-                None => cache.trusted_irradiance(at, normal, facet),
+                None => cache.trusted_irradiance(at, normal, facet, self.plan.most_bend()),
             });
             let irradiance = match shared {
                 Some(irradiance) => irradiance,

@@ -95,6 +95,9 @@ pub struct Gathering {
     pub super_samples: u32,
     /// What a point does that no shared irradiance reaches.
     pub unshared: Unshared,
+    /// The share by which records may disagree around a point of a scene with caustics before it does the same: single rays hardly find those, so this is
+    /// only for pixels that get as many as they need. Default infinite.
+    pub caustic_bend: f64,
 }
 
 impl Default for Gathering {
@@ -106,6 +109,7 @@ impl Default for Gathering {
             divisions: 1024,
             super_samples: 0,
             unshared: Unshared::DrawOne,
+            caustic_bend: f64::INFINITY,
         }
     }
 }

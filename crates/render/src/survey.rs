@@ -42,6 +42,15 @@ const GREATEST_RIGOUR: f64 = 16.0;
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
 const DARK: f64 = 0.03;
 
+/// Where records disagree by more than this share, drawing single rays is more exact.
+const MOST_BEND: f64 = 0.2;
+
+/// What serves nothing counts like this share of what records serve in the mean.
+const LEAST_SERVED: f64 = 0.1;
+
+/// It is counted over no more surveyed rays.
+const MOST_COUNTED: usize = 1 << 16;
+
 /// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
 const SURVEYS: usize = 3;
 
@@ -77,6 +86,11 @@ impl RenderPlan {
         self.options.ambient_bounces > 0 && self.options.gathering.accuracy > 0.0 && self.options.gathering.rays() > 1
     }
 
+    /// By what share records may disagree around a point and still be trusted there.
+    pub(crate) fn most_bend(&self) -> f64 {
+        if self.has_caustics { self.options.gathering.caustic_bend } else { MOST_BEND }
+    }
+
     /// How near and how far records are trusted: as Radiance does, from the scene's size.
     pub(crate) fn gathering_limits(&self) -> Limits {
         let gathering = &self.options.gathering;
@@ -102,12 +116,16 @@ pub(crate) fn gather<const BANDS: usize>(
     if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
         let looks = SampleLooks::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
-        beyond.gather(plan, ([None; 2], bright), looks.len(), |cache, order| looks.survey(plan, cache, order));
+        beyond.gather(plan, ([None; 2], bright), looks.len(), |cache, order, asked| {
+            looks.survey(plan, cache, order, asked)
+        });
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather(plan, (caches, bright), rays.len(), |cache, order| survey(plan, cache, rays, order, spread));
+    seen.gather(plan, (caches, bright), rays.len(), |cache, order, asked| {
+        survey(plan, cache, rays, order, &Survey::new(spread, asked))
+    });
     seen.cache.len() - before
 }
 
@@ -137,6 +155,23 @@ struct Level<const BANDS: usize> {
     budget: usize,
     /// Looks so far: each has random numbers of its own.
     looks: u64,
+    /// How many times as many rays as others each of the newest records deserves ([`favours`]).
+    favours: Vec<f64>,
+}
+
+/// What is asked of surveyed rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Asked {
+    /// Where irradiance is missing.
+    Places,
+    /// Which records give it.
+    Served,
+}
+
+impl<const BANDS: usize> Survey<BANDS> {
+    fn new(spread: Spread, asked: Asked) -> Self {
+        Survey { places: Vec::new(), served: (asked == Asked::Served).then(Vec::new), spread }
+    }
 }
 
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
@@ -174,7 +209,17 @@ impl<const BANDS: usize> Level<BANDS> {
         let divided = |share: usize| Hemisphere::with_divisions((wanted / share).max(FEWEST_RAYS.min(wanted)));
         let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_PLACES_SHARE));
         let cache = Cache::new(limits);
-        Level { cache, noise, places: Vec::new(), hemisphere, first_hemisphere, rays: 0, budget: 0, looks: first_look }
+        Level {
+            cache,
+            noise,
+            places: Vec::new(),
+            hemisphere,
+            first_hemisphere,
+            rays: 0,
+            budget: 0,
+            looks: first_look,
+            favours: Vec::new(),
+        }
     }
 
     /// How many rays may look around for these.
@@ -194,7 +239,7 @@ impl<const BANDS: usize> Level<BANDS> {
         plan: &RenderPlan,
         (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         count: usize,
-        survey: impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
+        survey: impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
     ) {
         let before = self.cache.len();
         let surveys = if plan.has_caustics { SURVEYS_FOR_CAUSTICS } else { SURVEYS };
@@ -208,13 +253,17 @@ impl<const BANDS: usize> Level<BANDS> {
                 break;
             }
             self.settle();
-            if plan.has_caustics && self.look_again(plan, (caches, bright), before) > 0 {
-                self.settle();
+            if plan.has_caustics {
+                self.count_served(before, count, &survey);
+                if self.look_again(plan, (caches, bright), before) > 0 {
+                    self.settle();
+                }
             }
         }
         if self.cache.len() == before {
             return;
         }
+        self.count_served(before, count, &survey);
         for _ in 0..FURTHER_ROUNDS {
             if self.look_again(plan, (caches, bright), before) == 0 {
                 break;
@@ -230,13 +279,14 @@ impl<const BANDS: usize> Level<BANDS> {
         plan: &RenderPlan,
         (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
         count: usize,
-        survey: &impl Fn(&Cache<BANDS>, &[usize]) -> Vec<Place<BANDS>>,
+        survey: &impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
     ) {
         let order = scattered(count);
         let (mut first, mut batch) = (0, FIRST_BATCH);
         while first < order.len() && self.rays < self.budget {
             let end = (first + batch).min(order.len());
-            let missing = survey(&self.cache, &order[first..end]);
+            let surveys = survey(&self.cache, &order[first..end], Asked::Places);
+            let missing: Vec<_> = surveys.into_iter().flat_map(|survey| survey.places).collect();
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
@@ -259,11 +309,32 @@ impl<const BANDS: usize> Level<BANDS> {
         }
     }
 
+    /// Finds out how much of what is surveyed each record from `first` on gives, and so how many rays it deserves.
+    fn count_served(
+        &mut self,
+        first: usize,
+        count: usize,
+        survey: &impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
+    ) {
+        let mut served = vec![0.0; self.cache.len() - first];
+        for some in scattered(count)[..count.min(MOST_COUNTED)].chunks(LARGEST_BATCH) {
+            let surveys = survey(&self.cache, some, Asked::Served);
+            for (record, share) in surveys.into_iter().flat_map(|survey| survey.served.unwrap_or_default()) {
+                if let Some(served) = (record as usize).checked_sub(first).and_then(|index| served.get_mut(index)) {
+                    *served += share;
+                }
+            }
+        }
+        self.favours = favours(&served);
+    }
+
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
     fn look_again(&mut self, plan: &RenderPlan, known: (Caches<'_, BANDS>, &mut BrightPlaces), first: usize) -> usize {
         let typical = self.cache.typical();
-        let missing: Vec<usize> =
-            (first..self.cache.len()).map(|index| self.looks_missing(plan, index, typical)).collect();
+        let missing: Vec<usize> = (first..)
+            .zip(&self.favours)
+            .map(|(index, favour)| self.looks_missing(plan, index, typical, *favour))
+            .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
         // Where there is not enough for all, all get the same share.
         let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
@@ -284,13 +355,13 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
-    fn looks_missing(&self, plan: &RenderPlan, index: usize, typical: f64) -> usize {
+    fn looks_missing(&self, plan: &RenderPlan, index: usize, typical: f64, favour: f64) -> usize {
         let (record, fit) = self.cache.fitted(index);
         let wanted = plan.options.gathering.rays() as f64;
         let allowed = self.noise * weighed_against(fit, typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
         let least = (COARSE_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
-        let wanted = noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
+        let wanted = favour * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
@@ -349,24 +420,34 @@ fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
     fit.brightness().max(DARK * typical)
 }
 
-/// Where these rays want irradiance that the cache does not have.
+/// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
+/// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
+/// as much is seen as with equal noise.
+fn favours(served: &[f64]) -> Vec<f64> {
+    let least = LEAST_SERVED * served.iter().sum::<f64>() / served.len().max(1) as f64;
+    let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
+    let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
+    roots().map(|root| scale * root).collect()
+}
+
+/// What these rays want of the irradiance in the cache.
 fn survey<const BANDS: usize>(
     plan: &RenderPlan,
     cache: &Cache<BANDS>,
     rays: &[Option<Ray>],
     order: &[usize],
-    spread: Spread,
-) -> Vec<Place<BANDS>> {
+    start: &Survey<BANDS>,
+) -> Vec<Survey<BANDS>> {
     order
         .par_iter()
         .map_init(
             || Tracer::new(plan, [Some(cache), None]),
             |tracer, index| {
-                tracer.survey = Some(Survey { places: Vec::new(), spread });
+                tracer.survey = Some(start.clone());
                 if let Some(ray) = &rays[*index] {
                     let _ = tracer.trace(*index as u64, ray);
                 }
-                tracer.survey.take().map(|survey| survey.places).unwrap_or_default()
+                tracer.survey.take()
             },
         )
         .flatten_iter()
@@ -385,7 +466,9 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
     /// From where some of these rays want irradiance that is not there.
     fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: Spread) -> Self {
         let order = scattered(rays.len());
-        let from = survey(plan, cache, rays, &order[..order.len().min(MOST_SAMPLE_PLACES)], spread);
+        let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
+        let surveys = survey(plan, cache, rays, some, &Survey::new(spread, Asked::Places));
+        let from = surveys.into_iter().flat_map(|survey| survey.places).collect();
         let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
         SampleLooks { from, hemisphere: Hemisphere::with_divisions(SAMPLE_LOOKS), spread: Spread { width: 0.0, angle } }
     }
@@ -394,20 +477,20 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
         self.from.len() * self.hemisphere.len()
     }
 
-    /// Where some of them want irradiance that the cache does not have.
-    fn survey(&self, plan: &RenderPlan, cache: &Cache<BANDS>, order: &[usize]) -> Vec<Place<BANDS>> {
+    /// What some of them want of the irradiance in the cache.
+    fn survey(&self, plan: &RenderPlan, cache: &Cache<BANDS>, order: &[usize], asked: Asked) -> Vec<Survey<BANDS>> {
         let cells = self.hemisphere.len();
         order
             .par_iter()
             .map_init(
                 || Tracer::new(plan, [None, Some(cache)]),
                 |tracer, index| {
-                    tracer.survey = Some(Survey { places: Vec::new(), spread: self.spread });
+                    tracer.survey = Some(Survey::new(self.spread, asked));
                     let number = (index / cells) as u64;
                     let look = Look { hemisphere: &self.hemisphere, sample: None, number, bright: None };
                     let way = tracer.way(&self.from[index / cells], &look, index % cells);
                     let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
-                    tracer.survey.take().map(|survey| survey.places).unwrap_or_default()
+                    tracer.survey.take()
                 },
             )
             .flatten_iter()
@@ -436,7 +519,7 @@ fn scattered(count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::scattered;
+    use super::{favours, scattered};
 
     #[test]
     fn scattered_indices_are_all_there_and_spread() {
@@ -450,5 +533,19 @@ mod tests {
             order.sort_unstable();
             assert_eq!(order, (0..count).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn as_little_noise_is_seen_for_fewer_rays() {
+        let served: Vec<f64> = (0..1000).map(|index| f64::from(index % 10).powi(2)).collect();
+        let favours = favours(&served);
+        let (rays, pixels) = (favours.iter().sum::<f64>(), served.iter().sum::<f64>());
+        let seen: f64 = served.iter().zip(&favours).map(|(served, favour)| served / favour).sum();
+        // Even noise takes a ray each and shows as much as there are pixels.
+        assert!(rays < 0.75 * served.len() as f64, "{rays} rays");
+        assert!((0.9..1.01).contains(&(seen / pixels)), "{seen} of {pixels}");
+        assert!(favours.iter().all(|favour| *favour > 0.1));
+        assert_eq!(super::favours(&[0.0; 3]), [1.0; 3]);
+        assert_eq!(super::favours(&[]), [0.0; 0]);
     }
 }

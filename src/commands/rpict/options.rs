@@ -35,6 +35,11 @@ const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 const PIXEL_SHARE: f64 = 0.8;
 
+/// Caustics are shared where records disagree by less than so many times the noise, and by less than this share; elsewhere pixels have as many rays as the
+/// asked error needs.
+const CAUSTIC_BEND: f64 = 2.0;
+const MOST_CAUSTIC_BEND: f64 = 0.2;
+
 /// The share of pixels when nothing is said, by the spacing of Radiance's samples: what it interpolates between them is less exact than that.
 fn usual_pixel_share(spacing: f64) -> f64 {
     (0.75 * spacing.sqrt()).clamp(1.0, 1.5)
@@ -163,6 +168,9 @@ impl Options {
             let share = if self.effort.is_some() { NOISE_SHARE } else { USUAL_NOISE_SHARE };
             let gathering = &mut self.render.gathering;
             gathering.noise = share * error;
+            if self.effort.is_some() {
+                gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(MOST_CAUSTIC_BEND);
+            }
             gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
         }
     }
