@@ -21,9 +21,10 @@ pub(crate) enum Shown {
 }
 
 /// Each with what shows it.
-pub(crate) const EXCEPTIONS: [(&str, Shown); 10] = [
+pub(crate) const EXCEPTIONS: [(&str, Shown); 11] = [
     ("mist_def", Shown::ManyRays),
     ("mixtex_def", Shown::ManyRays),
+    ("mixtex_fish", Shown::ManyRays),
     ("mixtex_rplan", Shown::ManyRays),
     ("prism1_fish", Shown::SunsImage),
     ("prism2_fish", Shown::SunsImage),
