@@ -98,6 +98,9 @@ pub struct Gathering {
     /// The share by which records may disagree around a point of a scene with caustics before it does the same: single rays hardly find those, so this is
     /// only for pixels that get as many as they need. Default infinite.
     pub caustic_bend: f64,
+    /// Places look around the more often the more of the picture they serve; those that serve nothing do so as if it were this share of what places serve in
+    /// the mean. More makes noise more even, less makes less of it in all. Default 0.5.
+    pub evenness: f64,
 }
 
 impl Default for Gathering {
@@ -110,6 +113,7 @@ impl Default for Gathering {
             super_samples: 0,
             unshared: Unshared::DrawOne,
             caustic_bend: f64::INFINITY,
+            evenness: 0.5,
         }
     }
 }

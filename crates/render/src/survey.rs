@@ -45,10 +45,7 @@ const DARK: f64 = 0.03;
 /// Where records disagree by more than this share, drawing single rays is more exact.
 const MOST_BEND: f64 = 0.2;
 
-/// What serves nothing counts like this share of what records serve in the mean.
-const LEAST_SERVED: f64 = 0.1;
-
-/// It is counted over no more surveyed rays.
+/// What records serve is counted over no more surveyed rays.
 const MOST_COUNTED: usize = 1 << 16;
 
 /// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
@@ -157,6 +154,7 @@ struct Level<const BANDS: usize> {
     looks: u64,
     /// How many times as many rays as others each of the newest records deserves ([`favours`]).
     favours: Vec<f64>,
+    evenness: f64,
 }
 
 /// What is asked of surveyed rays.
@@ -219,6 +217,7 @@ impl<const BANDS: usize> Level<BANDS> {
             budget: 0,
             looks: first_look,
             favours: Vec::new(),
+            evenness: plan.options.gathering.evenness,
         }
     }
 
@@ -325,7 +324,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 }
             }
         }
-        self.favours = favours(&served);
+        self.favours = favours(&served, self.evenness);
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
@@ -423,8 +422,8 @@ fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
 /// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
 /// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
 /// as much is seen as with equal noise.
-fn favours(served: &[f64]) -> Vec<f64> {
-    let least = LEAST_SERVED * served.iter().sum::<f64>() / served.len().max(1) as f64;
+fn favours(served: &[f64], evenness: f64) -> Vec<f64> {
+    let least = evenness * served.iter().sum::<f64>() / served.len().max(1) as f64;
     let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
     let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
     roots().map(|root| scale * root).collect()
@@ -538,14 +537,14 @@ mod tests {
     #[test]
     fn as_little_noise_is_seen_for_fewer_rays() {
         let served: Vec<f64> = (0..1000).map(|index| f64::from(index % 10).powi(2)).collect();
-        let favours = favours(&served);
+        let favours = favours(&served, 0.1);
         let (rays, pixels) = (favours.iter().sum::<f64>(), served.iter().sum::<f64>());
         let seen: f64 = served.iter().zip(&favours).map(|(served, favour)| served / favour).sum();
         // Even noise takes a ray each and shows as much as there are pixels.
         assert!(rays < 0.85 * served.len() as f64, "{rays} rays");
         assert!(seen < 1.01 * pixels, "{seen} of {pixels}");
         assert!(favours.iter().all(|favour| *favour > 0.1));
-        assert_eq!(super::favours(&[0.0; 3]), [1.0; 3]);
-        assert_eq!(super::favours(&[]), [0.0; 0]);
+        assert_eq!(super::favours(&[0.0; 3], 0.5), [1.0; 3]);
+        assert_eq!(super::favours(&[], 0.5), [0.0; 0]);
     }
 }

@@ -35,6 +35,9 @@ const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 const PIXEL_SHARE: f64 = 0.8;
 
+/// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
+const EVENNESS: f64 = 0.1;
+
 /// Caustics are shared where records disagree by less than so many times the noise, and by less than this share; elsewhere pixels have as many rays as the
 /// asked error needs.
 const CAUSTIC_BEND: f64 = 2.0;
@@ -169,6 +172,7 @@ impl Options {
             let gathering = &mut self.render.gathering;
             gathering.noise = share * error;
             if self.effort.is_some() {
+                gathering.evenness = EVENNESS;
                 gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(MOST_CAUSTIC_BEND);
             }
             gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
