@@ -55,11 +55,6 @@ fn read_scene_file(path: &str) -> Result<Arc<[u8]>, Failure> {
     read().map_err(|error| Failure::input(format!("cannot read scene file \"{path}\": {}", reason(&error))))
 }
 
-/// What a word that names an input is called in messages.
-pub(crate) fn source_name(name: &str) -> &str {
-    if name == "-" { "standard input" } else { name }
-}
-
 /// All of standard input.
 pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();

@@ -122,7 +122,8 @@ pub(crate) struct Invocation<'a> {
 }
 
 /// What a word that names an input is called in messages.
-pub(crate) fn source_name(name: &str) -> &str {
+#[must_use]
+pub fn source_name(name: &str) -> &str {
     if name == "-" { "standard input" } else { name }
 }
 

@@ -50,13 +50,32 @@ impl<const BANDS: usize> Place<BANDS> {
 
 /// What a ray wants of shared irradiance.
 #[derive(Clone, Debug)]
-pub(crate) struct Survey<const BANDS: usize> {
-    /// Points whose irradiance is missing.
-    pub(crate) places: Vec<Place<BANDS>>,
-    /// The records that give the rest, with their shares in it; `None` where that is not asked for.
-    pub(crate) served: Option<Vec<(u32, f64)>>,
-    /// Of the ray in hand.
-    pub(crate) spread: Spread,
+pub(crate) enum Survey<const BANDS: usize> {
+    /// Places whose irradiance is missing, and how wide the ray is that finds them.
+    Missing(Vec<Place<BANDS>>, Spread),
+    /// The records that give it where it is not, with their shares in it.
+    Served(Vec<(u32, f64)>),
+}
+
+impl<const BANDS: usize> Survey<BANDS> {
+    pub(crate) fn missing(self) -> Vec<Place<BANDS>> {
+        if let Survey::Missing(places, _) = self { places } else { Vec::new() }
+    }
+
+    pub(crate) fn served(self) -> Vec<(u32, f64)> {
+        if let Survey::Served(served) = self { served } else { Vec::new() }
+    }
+
+    fn note(&mut self, place: Place<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
+        match self {
+            Survey::Missing(places, spread) => {
+                if !place.is_covered(cache) {
+                    places.push(Place { width: spread.at(travelled), ..place });
+                }
+            }
+            Survey::Served(served) => cache.shares(place.point, place.normal, served),
+        }
+    }
 }
 
 /// How to look around.
@@ -96,8 +115,8 @@ const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
-    /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead. A survey
-    /// notes what is missing.
+    /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead, and in a survey, which notes what
+    /// it wants.
     pub(crate) fn gathered(
         &mut self,
         segment: &Segment<BANDS>,
@@ -127,26 +146,24 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 medium: self.medium(segment.medium),
                 cut: self.cut(if normal.dot(point.normal) < 0.0 { segment.cut_beyond } else { segment.cut }).clone(),
                 bounces: segment.ambient_bounces - 1,
-                width: self.survey.as_ref().map_or(0.0, |survey| survey.spread.at(travelled)),
+                width: 0.0,
             };
-            let shared = cache.and_then(|cache| match &mut self.survey {
-                Some(survey) => {
-                    if let Some(served) = &mut survey.served {
-                        cache.shares(at, normal, served);
-                    }
-                    cache.irradiance(at, normal, facet)
-                }
-                None if bounces_behind > 0 => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
-                None => cache.trusted_irradiance(at, normal, facet, self.plan.most_bend()),
+            if let (Some(survey), Some(cache)) = (&mut self.survey, cache) {
+                survey.note(place, cache, travelled);
+                complete = false;
+                continue;
+            }
+            let shared = cache.and_then(|cache| match bounces_behind {
+                0 => cache.trusted_irradiance(at, normal, facet, self.plan.most_bend()),
+                _ => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
             });
             let irradiance = match shared {
                 Some(irradiance) => irradiance,
-                None if self.survey.is_some() || !looks_around => {
-                    self.survey.iter_mut().for_each(|survey| survey.places.push(place.clone()));
+                None if looks_around => self.look_around_between(&place).irradiance_on(facet),
+                None => {
                     complete = false;
                     continue;
                 }
-                None => self.look_around_between(&place).irradiance_on(facet),
             };
             for (sum, (share, irradiance)) in radiance.iter_mut().zip(reflectance.iter().zip(irradiance)) {
                 *sum += share * irradiance * FRAC_1_PI;

@@ -119,6 +119,9 @@ impl Default for Gathering {
 }
 
 impl Gathering {
+    /// Where records disagree by more than this share, drawing single rays is more exact.
+    pub const MOST_BEND: f64 = 0.2;
+
     /// All rays that look around from a point; with fewer than two a single one is drawn instead.
     pub(crate) fn rays(&self) -> usize {
         self.divisions as usize + self.super_samples as usize

@@ -3,6 +3,7 @@
 use crate::bright_places::BrightPlaces;
 use crate::gather::{Caches, Look, Place, Survey};
 use crate::look_out::Surroundings;
+use crate::options::Gathering;
 use crate::plan::RenderPlan;
 use crate::ray::{Ray, Spread};
 use crate::trace::Tracer;
@@ -41,9 +42,6 @@ const GREATEST_RIGOUR: f64 = 16.0;
 
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
 const DARK: f64 = 0.03;
-
-/// Where records disagree by more than this share, drawing single rays is more exact.
-const MOST_BEND: f64 = 0.2;
 
 /// What records serve is counted over no more surveyed rays.
 const MOST_COUNTED: usize = 1 << 16;
@@ -85,7 +83,7 @@ impl RenderPlan {
 
     /// By what share records may disagree around a point and still be trusted there.
     pub(crate) fn most_bend(&self) -> f64 {
-        if self.has_caustics { self.options.gathering.caustic_bend } else { MOST_BEND }
+        if self.has_caustics { self.options.gathering.caustic_bend } else { Gathering::MOST_BEND }
     }
 
     /// How near and how far records are trusted: as Radiance does, from the scene's size.
@@ -113,15 +111,15 @@ pub(crate) fn gather<const BANDS: usize>(
     if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
         let looks = SampleLooks::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
-        beyond.gather(plan, ([None; 2], bright), looks.len(), |cache, order, asked| {
+        beyond.gather(plan, ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
             looks.survey(plan, cache, order, asked)
         });
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather(plan, (caches, bright), rays.len(), |cache, order, asked| {
-        survey(plan, cache, rays, order, &Survey::new(spread, asked))
+    seen.gather(plan, (caches, bright), (rays.len(), spread), |cache, order, asked| {
+        survey(plan, cache, rays, order, asked)
     });
     seen.cache.len() - before
 }
@@ -154,22 +152,6 @@ struct Level<const BANDS: usize> {
     looks: u64,
     /// How many times as many rays as others each of the newest records deserves ([`favours`]).
     favours: Vec<f64>,
-    evenness: f64,
-}
-
-/// What is asked of surveyed rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Asked {
-    /// Where irradiance is missing.
-    Places,
-    /// Which records give it.
-    Served,
-}
-
-impl<const BANDS: usize> Survey<BANDS> {
-    fn new(spread: Spread, asked: Asked) -> Self {
-        Survey { places: Vec::new(), served: (asked == Asked::Served).then(Vec::new), spread }
-    }
 }
 
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
@@ -217,7 +199,6 @@ impl<const BANDS: usize> Level<BANDS> {
             budget: 0,
             looks: first_look,
             favours: Vec::new(),
-            evenness: plan.options.gathering.evenness,
         }
     }
 
@@ -232,13 +213,13 @@ impl<const BANDS: usize> Level<BANDS> {
         (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, GREATEST_RIGOUR)
     }
 
-    /// Fills the cache for `count` surveyed rays; `survey` says where some of them want irradiance that it does not have.
+    /// Fills the cache for `count` surveyed rays; `survey` says what some of them want of it.
     fn gather(
         &mut self,
         plan: &RenderPlan,
         (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
-        count: usize,
-        survey: impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
+        (count, spread): (usize, Spread),
+        survey: impl Fn(&Cache<BANDS>, &[usize], &Survey<BANDS>) -> Vec<Survey<BANDS>>,
     ) {
         let before = self.cache.len();
         let surveys = if plan.has_caustics { SURVEYS_FOR_CAUSTICS } else { SURVEYS };
@@ -247,13 +228,13 @@ impl<const BANDS: usize> Level<BANDS> {
                 self.cache.shorten_reaches();
             }
             let known = self.cache.len();
-            self.fill(plan, (caches, bright), count, &survey);
+            self.fill(plan, (caches, bright), (count, spread), &survey);
             if self.cache.len() == known {
                 break;
             }
             self.settle();
             if plan.has_caustics {
-                self.count_served(before, count, &survey);
+                self.count_served(plan, before, count, &survey);
                 if self.look_again(plan, (caches, bright), before) > 0 {
                     self.settle();
                 }
@@ -262,7 +243,7 @@ impl<const BANDS: usize> Level<BANDS> {
         if self.cache.len() == before {
             return;
         }
-        self.count_served(before, count, &survey);
+        self.count_served(plan, before, count, &survey);
         for _ in 0..FURTHER_ROUNDS {
             if self.look_again(plan, (caches, bright), before) == 0 {
                 break;
@@ -277,15 +258,15 @@ impl<const BANDS: usize> Level<BANDS> {
         &mut self,
         plan: &RenderPlan,
         (caches, bright): (Caches<'_, BANDS>, &mut BrightPlaces),
-        count: usize,
-        survey: &impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
+        (count, spread): (usize, Spread),
+        survey: &impl Fn(&Cache<BANDS>, &[usize], &Survey<BANDS>) -> Vec<Survey<BANDS>>,
     ) {
         let order = scattered(count);
         let (mut first, mut batch) = (0, FIRST_BATCH);
         while first < order.len() && self.rays < self.budget {
             let end = (first + batch).min(order.len());
-            let surveys = survey(&self.cache, &order[first..end], Asked::Places);
-            let missing: Vec<_> = surveys.into_iter().flat_map(|survey| survey.places).collect();
+            let surveys = survey(&self.cache, &order[first..end], &Survey::Missing(Vec::new(), spread));
+            let missing: Vec<_> = surveys.into_iter().flat_map(Survey::missing).collect();
             for group in missing.chunks(GROUP) {
                 let uncovered: Vec<_> = group
                     .iter()
@@ -311,20 +292,21 @@ impl<const BANDS: usize> Level<BANDS> {
     /// Finds out how much of what is surveyed each record from `first` on gives, and so how many rays it deserves.
     fn count_served(
         &mut self,
+        plan: &RenderPlan,
         first: usize,
         count: usize,
-        survey: &impl Fn(&Cache<BANDS>, &[usize], Asked) -> Vec<Survey<BANDS>>,
+        survey: &impl Fn(&Cache<BANDS>, &[usize], &Survey<BANDS>) -> Vec<Survey<BANDS>>,
     ) {
         let mut served = vec![0.0; self.cache.len() - first];
         for some in scattered(count)[..count.min(MOST_COUNTED)].chunks(LARGEST_BATCH) {
-            let surveys = survey(&self.cache, some, Asked::Served);
-            for (record, share) in surveys.into_iter().flat_map(|survey| survey.served.unwrap_or_default()) {
+            let surveys = survey(&self.cache, some, &Survey::Served(Vec::new()));
+            for (record, share) in surveys.into_iter().flat_map(Survey::served) {
                 if let Some(served) = (record as usize).checked_sub(first).and_then(|index| served.get_mut(index)) {
                     *served += share;
                 }
             }
         }
-        self.favours = favours(&served, self.evenness);
+        self.favours = favours(&served, plan.options.gathering.evenness);
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
@@ -429,20 +411,20 @@ fn favours(served: &[f64], evenness: f64) -> Vec<f64> {
     roots().map(|root| scale * root).collect()
 }
 
-/// What these rays want of the irradiance in the cache.
+/// What these rays want of the irradiance in the cache, of what is asked.
 fn survey<const BANDS: usize>(
     plan: &RenderPlan,
     cache: &Cache<BANDS>,
     rays: &[Option<Ray>],
     order: &[usize],
-    start: &Survey<BANDS>,
+    asked: &Survey<BANDS>,
 ) -> Vec<Survey<BANDS>> {
     order
         .par_iter()
         .map_init(
             || Tracer::new(plan, [Some(cache), None]),
             |tracer, index| {
-                tracer.survey = Some(start.clone());
+                tracer.survey = Some(asked.clone());
                 if let Some(ray) = &rays[*index] {
                     let _ = tracer.trace(*index as u64, ray);
                 }
@@ -466,8 +448,8 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
     fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: Spread) -> Self {
         let order = scattered(rays.len());
         let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
-        let surveys = survey(plan, cache, rays, some, &Survey::new(spread, Asked::Places));
-        let from = surveys.into_iter().flat_map(|survey| survey.places).collect();
+        let surveys = survey(plan, cache, rays, some, &Survey::Missing(Vec::new(), spread));
+        let from = surveys.into_iter().flat_map(Survey::missing).collect();
         let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
         SampleLooks { from, hemisphere: Hemisphere::with_divisions(SAMPLE_LOOKS), spread: Spread { width: 0.0, angle } }
     }
@@ -476,15 +458,21 @@ impl<const BANDS: usize> SampleLooks<BANDS> {
         self.from.len() * self.hemisphere.len()
     }
 
-    /// What some of them want of the irradiance in the cache.
-    fn survey(&self, plan: &RenderPlan, cache: &Cache<BANDS>, order: &[usize], asked: Asked) -> Vec<Survey<BANDS>> {
+    /// What some of them want of the irradiance in the cache, of what is asked.
+    fn survey(
+        &self,
+        plan: &RenderPlan,
+        cache: &Cache<BANDS>,
+        order: &[usize],
+        asked: &Survey<BANDS>,
+    ) -> Vec<Survey<BANDS>> {
         let cells = self.hemisphere.len();
         order
             .par_iter()
             .map_init(
                 || Tracer::new(plan, [None, Some(cache)]),
                 |tracer, index| {
-                    tracer.survey = Some(Survey::new(self.spread, asked));
+                    tracer.survey = Some(asked.clone());
                     let number = (index / cells) as u64;
                     let look = Look { hemisphere: &self.hemisphere, sample: None, number, bright: None };
                     let way = tracer.way(&self.from[index / cells], &look, index % cells);

@@ -2,7 +2,8 @@
 
 use crate::commands::words::Words;
 use crate::failure::Failure;
-use crate::input::{read_file, read_source, source_name};
+use crate::input::{read_file, read_source};
+use radsight_generate::source_name;
 use radsight_matrix::{Matrix, MatrixError, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_picture::leading_number;
 

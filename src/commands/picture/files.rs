@@ -1,8 +1,8 @@
 //! Pictures from files and pipes.
 
 use crate::failure::{Failure, Outcome, reason};
-use crate::input::source_name;
 use crate::output::write_file;
+use radsight_generate::source_name;
 use radsight_picture::{Header, PictureError, PictureReader};
 use radsight_picture_tools::ToolError;
 use std::fs::File;

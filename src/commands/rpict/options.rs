@@ -38,10 +38,8 @@ const PIXEL_SHARE: f64 = 0.8;
 /// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
 const EVENNESS: f64 = 0.1;
 
-/// Caustics are shared where records disagree by less than so many times the noise, and by less than this share; elsewhere pixels have as many rays as the
-/// asked error needs.
+/// Caustics are shared where records disagree by less than so many times the noise; elsewhere pixels have as many rays as the asked error needs.
 const CAUSTIC_BEND: f64 = 2.0;
-const MOST_CAUSTIC_BEND: f64 = 0.2;
 
 /// The share of pixels when nothing is said, by the spacing of Radiance's samples: what it interpolates between them is less exact than that.
 fn usual_pixel_share(spacing: f64) -> f64 {
@@ -168,12 +166,13 @@ impl Options {
     /// what bends them away from the truth grows as the square of the distance that they reach.
     fn share_error(&mut self) {
         if let Effort::Error { error, .. } = self.effort() {
-            let share = if self.effort.is_some() { NOISE_SHARE } else { USUAL_NOISE_SHARE };
             let gathering = &mut self.render.gathering;
-            gathering.noise = share * error;
             if self.effort.is_some() {
+                gathering.noise = NOISE_SHARE * error;
                 gathering.evenness = EVENNESS;
-                gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(MOST_CAUSTIC_BEND);
+                gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(Gathering::MOST_BEND);
+            } else {
+                gathering.noise = USUAL_NOISE_SHARE * error;
             }
             gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
         }

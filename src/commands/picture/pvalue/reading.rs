@@ -4,7 +4,7 @@ use super::{Options, Original, power, skip};
 use crate::commands::picture::files::{Source, failed, open, output, read_header};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
-use crate::input::source_name;
+use radsight_generate::source_name;
 use radsight_picture::{Header, PictureError, PictureWriter, Resolution, RgbPrimaries, WHITE_EFFICACY, encode_rgbe};
 use radsight_picture_tools::values::{ByteOrder, NumberForm, Part};
 use std::io::{BufRead, BufReader, Read};
