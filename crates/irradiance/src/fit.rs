@@ -87,7 +87,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             .collect();
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
-            let (mut fit, misfit) = Fit::over(record, &neighbours, share * radius, share);
+            let (mut fit, misfit) = Fit::over(record, &neighbours, (share * radius, share), limits);
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
             let (agree, can_judge) = (misfit.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
             if can_judge {
@@ -108,8 +108,8 @@ impl<const BANDS: usize> Fit<BANDS> {
     fn over(
         record: &Record<BANDS>,
         neighbours: &[Neighbour<'_, BANDS>],
-        radius: f64,
-        share: f64,
+        (radius, share): (f64, f64),
+        limits: &Limits,
     ) -> (Fit<BANDS>, Misfit) {
         let weights: Vec<f64> = neighbours.iter().map(|neighbour| neighbour.weight(share)).collect();
         let total: f64 = weights.iter().sum();
@@ -159,7 +159,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             weight / (fit.strength() + other.record.otherwise).max(f64::MIN_POSITIVE)
         };
         fit.brightness = total / weights.iter().zip(neighbours).map(darkness).sum::<f64>();
-        let misfit = fit.misfit(record, neighbours, &weights);
+        let misfit = fit.misfit(record, neighbours, &weights, limits);
         (fit, misfit)
     }
 
@@ -184,7 +184,13 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    fn misfit(&self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>], weights: &[f64]) -> Misfit {
+    fn misfit(
+        &self,
+        record: &Record<BANDS>,
+        neighbours: &[Neighbour<'_, BANDS>],
+        weights: &[f64],
+        limits: &Limits,
+    ) -> Misfit {
         let (mut found, mut noise, mut total) = (0.0, 0.0, 0.0);
         for (weight, neighbour) in weights.iter().zip(neighbours) {
             let other = neighbour.record;
@@ -195,7 +201,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             };
             let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
             found += weight * residual * residual;
-            noise += weight * other.variance;
+            noise += weight * limits.explained * other.variance;
             total += weight;
         }
         let expected = noise + total * (TOLERANCE * self.strength()).powi(2);

@@ -16,7 +16,7 @@
 //! // A point in the middle of a large white box.
 //! let hemisphere = Hemisphere::with_divisions(256);
 //! let seen = vec![Gathered { radiance: [2.0], distance: 5.0 }; hemisphere.len()];
-//! let limits = Limits { accuracy: 0.1, least: 0.1, most: 100.0 };
+//! let limits = Limits { accuracy: 0.1, least: 0.1, most: 100.0, explained: 1.0 };
 //! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
 //! let mut cache = Cache::new(limits);
 //! cache.insert(record, 0);

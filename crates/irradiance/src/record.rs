@@ -15,6 +15,9 @@ pub struct Limits {
     pub least: f64,
     /// And at most this far.
     pub most: f64,
+    /// Neighbours disagree where they miss their plane by more than this share of the squared noise that their rays tell explains, 0…1. Rays know nothing of
+    /// how evenly those of neighbours look together and so tell several times too much: less than 1 finds weaker bends, for more records.
+    pub explained: f64,
 }
 
 /// The irradiance of one point, as its own rays tell it.

@@ -5,7 +5,7 @@ use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record, STRATA};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
-const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0 };
+const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0, explained: 1.0 };
 
 /// A record of a world in which a ray meets radiance and distance.
 fn record(at: DVec3, normal: DVec3, divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Record<1> {

@@ -36,9 +36,13 @@ const FEWEST_RAYS: usize = 32;
 /// is usual, as many times as that is less. It rests on fewer, this share of them at least, where more noise is allowed than this.
 const MOST_FURTHER: f64 = 4.0;
 const LEAST_RAYS: f64 = 0.25;
-const COARSE_NOISE: f64 = 0.02;
+const FINE_NOISE: f64 = 0.01;
 const USUAL_NOISE: f64 = 0.03;
 const GREATEST_RIGOUR: f64 = 16.0;
+
+/// Where less noise is allowed than this, what bends in caustics must not remain either: less of the noise explains it, but this share at least.
+const COARSE_NOISE: f64 = 0.02;
+const LEAST_EXPLAINED: f64 = 0.02;
 
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
 const DARK: f64 = 0.03;
@@ -95,7 +99,9 @@ impl RenderPlan {
         let accuracy = if self.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
         let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
         let least = if gathering.resolution > 0 && resolved < most { resolved } else { most / 64.0 };
-        Limits { accuracy, least, most }
+        let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(LEAST_EXPLAINED, 1.0);
+        let explained = if self.has_caustics { explained } else { 1.0 };
+        Limits { accuracy, least, most, explained }
     }
 }
 
@@ -157,7 +163,8 @@ struct Level<const BANDS: usize> {
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     fn new(plan: &RenderPlan) -> Self {
         let (limits, noise) = (plan.gathering_limits(), plan.options.gathering.noise);
-        let coarse = Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, ..limits };
+        let coarse =
+            Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, explained: 1.0, ..limits };
         GatheredIrradiance {
             seen: Level::new(plan, limits, noise, 0),
             beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
@@ -341,7 +348,7 @@ impl<const BANDS: usize> Level<BANDS> {
         let wanted = plan.options.gathering.rays() as f64;
         let allowed = self.noise * weighed_against(fit, typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
-        let least = (COARSE_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
+        let least = (FINE_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
         let wanted = favour * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize

@@ -10,13 +10,14 @@ use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use crate::view_args;
-use radsight_frame::Effort;
+use radsight_frame::{Effort, MAX_SAMPLES};
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, RenderOptions, Unshared};
 
-/// Rays that no pixel exceeds for an asked error.
+/// Rays that no pixel exceeds for an asked error, from this error on; for less error so many more as that takes.
 const MOST_SAMPLES: u32 = 1024;
+const COARSE_ERROR: f64 = 0.02;
 
 /// The same when nothing is said.
 const USUAL_SAMPLES: u32 = 128;
@@ -181,11 +182,16 @@ impl Options {
     /// How many rays a pixel gets: where irradiance is shared, as many as the pixels' part of the error allows.
     pub(super) fn pixel_effort(&self) -> Effort {
         match self.effort() {
-            Effort::Error { error, most } if self.render.ambient_bounces > 0 => {
-                let share = if self.effort.is_some() { PIXEL_SHARE } else { usual_pixel_share(self.sample_spacing) };
-                Effort::Error { error: share * error, most }
+            Effort::Error { error, most } => {
+                let share = match self.effort {
+                    _ if self.render.ambient_bounces == 0 => 1.0,
+                    Some(_) => PIXEL_SHARE,
+                    None => usual_pixel_share(self.sample_spacing),
+                };
+                let finer = (COARSE_ERROR / error).max(1.0).powi(2);
+                Effort::Error { error: share * error, most: (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32 }
             }
-            effort => effort,
+            samples => samples,
         }
     }
 
