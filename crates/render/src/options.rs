@@ -84,8 +84,8 @@ impl Default for RenderOptions {
 pub struct Gathering {
     /// Error that sharing aims at, as a share (`-aa`); 0 shares nothing. Default 0.
     pub accuracy: f64,
-    /// Standard error that shared irradiance may keep, as a share; it gets up to eight times `divisions` rays for that, more
-    /// where this is less than 0.03, and no fewer than a quarter where it is more than 0.02. Default 0.02.
+    /// Standard error that shared irradiance may keep, as a share; it gets up to four times `divisions` rays for that, more
+    /// where this is less than 0.03, and fewer, a quarter at least, where it is more than 0.01. Default 0.02.
     pub noise: f64,
     /// The scene's size over the least distance at which details of irradiance are wanted, times `accuracy` (`-ar`); 0 is no bound. Default 256.
     pub resolution: u32,
