@@ -120,7 +120,11 @@ fn a_near_neighbour_shortens_the_reach() {
 
 /// Records on a square grid over part of the plane below the disk.
 fn field(divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<1> {
-    let mut cache = Cache::new(LIMITS);
+    field_within(LIMITS, divisions, world)
+}
+
+fn field_within(limits: Limits, divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<1> {
+    let mut cache = Cache::new(limits);
     let mut strata = [0; STRATA];
     for row in -5..=5 {
         for column in -5..=5 {
@@ -193,6 +197,21 @@ fn records_are_trusted_less_far_where_the_irradiance_jumps() {
         .expect("records are near");
     assert!((PI..2.0 * PI).contains(&in_gap[0]), "{in_gap:?}");
     assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
+}
+
+#[test]
+fn small_bends_are_found_where_less_of_the_noise_explains_them() {
+    // What comes from above changes with the direction, which rays take for noise, and is the same for all places but for a step of a quarter.
+    let small_step = |at: DVec3, direction: DVec3| {
+        let step = if at.x < 0.05 { 1.0 } else { 1.25 };
+        (step * (1.0 + 0.9 * (9.0 * direction.z).sin()), 1.0)
+    };
+    let reached = |explained: f64| {
+        let cache = field_within(Limits { explained, ..LIMITS }, 48, small_step);
+        (-4..5).filter(|row| cache.reaches(DVec3::new(0.05, 0.1 * f64::from(*row) + 0.05, 0.0), DVec3::Z)).count()
+    };
+    let [hidden, found] = [1.0, 0.02].map(reached);
+    assert!(hidden == 9 && found < 5, "of 9 places on the step records reach {hidden} and {found}");
 }
 
 #[test]
