@@ -87,7 +87,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             .collect();
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
-            let (mut fit, misfit) = Fit::over(record, &neighbours, (share * radius, share), limits);
+            let (mut fit, misfit) = Fit::over(record, &neighbours, share, limits);
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
             let (agree, can_judge) = (misfit.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
             if can_judge {
@@ -104,13 +104,14 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
     }
 
-    /// The fit over a ball of this radius, and how well it goes with the neighbours.
+    /// The fit over a ball of this share of the widest radius, and how well it goes with the neighbours.
     fn over(
         record: &Record<BANDS>,
         neighbours: &[Neighbour<'_, BANDS>],
-        (radius, share): (f64, f64),
+        share: f64,
         limits: &Limits,
     ) -> (Fit<BANDS>, Misfit) {
+        let radius = share * (neighbourhood(limits) * record.reach(limits));
         let weights: Vec<f64> = neighbours.iter().map(|neighbour| neighbour.weight(share)).collect();
         let total: f64 = weights.iter().sum();
         let mut fit = Fit::of(record);
@@ -159,7 +160,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             weight / (fit.strength() + other.record.otherwise).max(f64::MIN_POSITIVE)
         };
         fit.brightness = total / weights.iter().zip(neighbours).map(darkness).sum::<f64>();
-        let misfit = fit.misfit(record, neighbours, &weights, limits);
+        let misfit = fit.misfit(record, neighbours, &weights, limits.explained);
         (fit, misfit)
     }
 
@@ -189,7 +190,7 @@ impl<const BANDS: usize> Fit<BANDS> {
         record: &Record<BANDS>,
         neighbours: &[Neighbour<'_, BANDS>],
         weights: &[f64],
-        limits: &Limits,
+        explained: f64,
     ) -> Misfit {
         let (mut found, mut noise, mut total) = (0.0, 0.0, 0.0);
         for (weight, neighbour) in weights.iter().zip(neighbours) {
@@ -201,7 +202,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             };
             let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
             found += weight * residual * residual;
-            noise += weight * limits.explained * other.variance;
+            noise += weight * explained * other.variance;
             total += weight;
         }
         let expected = noise + total * (TOLERANCE * self.strength()).powi(2);
