@@ -96,8 +96,12 @@ pub(crate) fn cost(
     match measure(Command::new(program).args(arguments), input, output, "") {
         Ok(cost) => print(&format!("{} {} {}\n", cost.processor, cost.wall, peak_of_children())),
         Err(reason) => match limit {
-            // The system's two clocks of a process differ by its ticks.
-            Some(seconds) if processor_time_of_children() > seconds as f64 - TICKS => print(&format!("{seconds}\n")),
+            // One of several processes may have been ended, and the system's two clocks of a process differ by its ticks.
+            Some(seconds)
+                if was_ended_for_its_time(&reason) || processor_time_of_children() > seconds as f64 - TICKS =>
+            {
+                print(&format!("{seconds}\n"));
+            }
             _ => return Err(reason),
         },
     }
@@ -118,6 +122,19 @@ fn limit_processor_time(seconds: u64) {
 #[cfg(not(unix))]
 fn limit_processor_time(_: u64) {}
 
+/// Whether the system ended a program for the processor time that it took: of several threads its limit counts more than its clock tells.
+#[cfg(unix)]
+fn was_ended_for_its_time(reason: &BenchError) -> bool {
+    use std::os::unix::process::ExitStatusExt;
+    let BenchError::Failed { status, .. } = reason else { return false };
+    status.signal() == Some(nix::sys::signal::Signal::SIGXCPU as i32)
+}
+
+#[cfg(not(unix))]
+fn was_ended_for_its_time(_: &BenchError) -> bool {
+    false
+}
+
 /// The most memory that any child had resident, MiB.
 #[cfg(unix)]
 fn peak_of_children() -> f64 {
@@ -129,4 +146,19 @@ fn peak_of_children() -> f64 {
 #[cfg(not(unix))]
 fn peak_of_children() -> f64 {
     f64::NAN
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::{measure, was_ended_for_its_time};
+    use std::process::Command;
+
+    #[test]
+    fn a_program_that_was_ended_for_its_time_is_told_from_others_that_failed() {
+        let failure =
+            |script: &str| measure(Command::new("sh").args(["-c", script]), None, None, "").expect_err("it fails");
+        assert!(was_ended_for_its_time(&failure("kill -XCPU $$")));
+        assert!(!was_ended_for_its_time(&failure("kill -TERM $$")));
+        assert!(!was_ended_for_its_time(&failure("exit 24")));
+    }
 }
