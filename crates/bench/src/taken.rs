@@ -95,20 +95,21 @@ pub(crate) fn cost(
     }
     match measure(Command::new(program).args(arguments), input, output, "") {
         Ok(cost) => print(&format!("{} {} {}\n", cost.processor, cost.wall, peak_of_children())),
-        Err(reason) => match limit {
-            // One of several processes may have been ended, and the system's two clocks of a process differ by its ticks.
-            Some(seconds)
-                if was_ended_for_its_time(&reason) || processor_time_of_children() > seconds as f64 - TICKS =>
-            {
-                print(&format!("{seconds}\n"));
-            }
-            _ => return Err(reason),
+        Err(reason) => match limit.filter(|seconds| was_ended_at(*seconds, &reason)) {
+            Some(seconds) => print(&format!("{seconds}\n")),
+            None => return Err(reason),
         },
     }
     Ok(())
 }
 
-/// Seconds by which a process may have been ended too early, as far as can be told.
+/// Whether a program failed for a limit of so many seconds: by its signal, or by the time that was taken, since a program that fails because one of its own
+/// processes was ended gets no signal.
+fn was_ended_at(seconds: u64, reason: &BenchError) -> bool {
+    was_ended_for_its_time(reason) || processor_time_of_children() > seconds as f64 - TICKS
+}
+
+/// Seconds by which a process may have been ended too early, as far as can be told: the system's two clocks differ by its ticks.
 const TICKS: f64 = 0.1;
 
 /// Has the system end every process that is started from here when it has taken so many seconds.
@@ -122,7 +123,7 @@ fn limit_processor_time(seconds: u64) {
 #[cfg(not(unix))]
 fn limit_processor_time(_: u64) {}
 
-/// Whether the system ended a program for the processor time that it took: of several threads its limit counts more than its clock tells.
+/// Whether the system itself ended the program for the processor time that it took.
 #[cfg(unix)]
 fn was_ended_for_its_time(reason: &BenchError) -> bool {
     use std::os::unix::process::ExitStatusExt;
