@@ -40,6 +40,9 @@ const VIEW: [(&str, usize); 12] = [
 ];
 const PICTURE: [(&str, usize); 6] = [("-ps", 1), ("-pt", 1), ("-pj", 1), ("-pd", 1), ("-pm", 1), ("-dp", 1)];
 
+/// Of real `rpict -defaults`.
+const DEFAULT_JITTER: f64 = 0.67;
+
 impl Reference {
     /// Those of the folder; `RADSIGHT_ONLY=mist,trans` for only these scenes.
     pub(crate) fn all(shared: &Path) -> Vec<Reference> {
@@ -68,6 +71,12 @@ impl Reference {
 
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.picture.width(), self.picture.height())
+    }
+
+    /// The share of a pixel's width within which its ray goes (`-pj`): all of a lamp that ends near pixels' borders is seen by the pixels in whose middle it is.
+    pub(crate) fn jitter(&self) -> f64 {
+        let place = self.options.iter().rposition(|word| word == "-pj");
+        place.map_or(DEFAULT_JITTER, |place| self.options[place + 1].parse().expect("a share"))
     }
 
     /// The words of its view, and those that `rtrace` takes too.
@@ -157,11 +166,12 @@ impl Scenes<'_> {
         }
     }
 
-    /// Rays through these places of the picture (in pixels from its top left corner), as 32-bit numbers.
+    /// Rays through these places of the picture (in pixels from its top left corner), as 32-bit numbers. `vwrays` counts from the middle of the lowest left
+    /// pixel.
     fn rays_through(&self, reference: &Reference, places: &[(f64, f64)]) -> Vec<u8> {
         let [view, _] = reference.view_and_tracing();
         let height = reference.size().1 as f64;
-        let text: String = places.iter().map(|(x, y)| format!("{x:.6} {:.6}\n", height - y)).collect();
+        let text: String = places.iter().map(|(x, y)| format!("{:.6} {:.6}\n", x - 0.5, height - y - 0.5)).collect();
         self.real("vwrays", &[&["-i", "-ff"][..], &view].concat(), Some(text.as_bytes())).done()
     }
 

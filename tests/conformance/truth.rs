@@ -1,8 +1,8 @@
 //! Who is nearer to the truth in random blocks of the render tests, and where our pictures and real Radiance's differ.
 //!
 //! Real `rpict` shares irradiance between places and interpolates between pixels, and ours shares it too. Real `rtrace -aa 0` does neither: with many rays
-//! through a block of pixels it gives the block's radiance, and how well it is known. That is no truth where Radiance approximates in another way
-//! (`docs/differences.md`).
+//! through a block of pixels, each where `rpict` looks through it (`-pj`), it gives the block's radiance, and how well it is known. That is no truth where
+//! Radiance approximates in another way (`docs/differences.md`).
 
 use crate::blocks::{Agreement, Block, Noise, is_near, outside};
 use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
@@ -125,11 +125,12 @@ fn truths_of(
 fn find_truths(scenes: &Scenes<'_>, reference: &Reference, corners: &[(usize, usize)], rays: usize) -> String {
     let mut random = Random(0x5eed ^ corners.len() as u64);
     let mut places = Vec::new();
+    let jitter = reference.jitter();
     for (left, top) in corners {
         for _ in 0..rays {
             for pixel in 0..SIDE * SIDE {
                 let (x, y) = (left + pixel % SIDE, top + pixel / SIDE);
-                places.push((x as f64 + random.unit(), y as f64 + random.unit()));
+                places.push((random.within(x, jitter), random.within(y, jitter)));
             }
         }
     }
@@ -153,6 +154,11 @@ impl Random {
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Somewhere in this share of the middle of a pixel.
+    fn within(&mut self, pixel: usize, share: f64) -> f64 {
+        pixel as f64 + 0.5 + share * (self.unit() - 0.5)
     }
 
     fn below(&mut self, end: usize) -> usize {
