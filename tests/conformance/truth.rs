@@ -198,6 +198,40 @@ fn row(reference: &Reference, ours: &Image<f32>, again: &[Image<f32>], truths: &
     )
 }
 
+/// With these nothing is random.
+const CERTAIN: &str = "-u- -ab 0 -dj 0 -ds 0 -st 1 -ss 0";
+
+/// The share of the pixels that real `rtrace` finds again, with rays that go so far from the pixels' left and upper edges.
+fn pixels_found(scenes: &Scenes<'_>, reference: &Reference, picture: &Image<f32>, from_edges: f64) -> f64 {
+    let (width, height) = reference.size();
+    let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let places: Vec<_> = pixels().map(|(x, y)| (x as f64 + from_edges, y as f64 + from_edges)).collect();
+    let values = scenes.radiance_at(reference, &places, CERTAIN);
+    // The picture's values are rounded to eight bits.
+    let found = pixels().zip(values).filter(|((x, y), value)| {
+        let pixel = Block::new((*x, *y), (width, height), 1).mean(picture);
+        (pixel - value).abs() <= 0.01 * value
+    });
+    found.count() as f64 / places.len() as f64
+}
+
+/// Half a pixel beside them nothing is told of edges and lamps.
+#[test]
+#[ignore = "needs the scenes of the render tests, and real Radiance"]
+fn rays_of_blocks_go_where_rpict_looks() {
+    let (Some(shared), Some(radiance)) = (shared(), Radiance::find()) else { return };
+    let mut scenes = Scenes::new(&shared, &radiance);
+    for reference in Reference::all(&shared).iter().filter(|reference| reference.name.starts_with("patterns")) {
+        scenes.build(reference);
+        let options = format!("{CERTAIN} -ps 1 -pj 0");
+        let picture = radiance_values(&scenes.real("rpict", &reference.words(&options)[1..], None).done());
+        let found = |from_edges| pixels_found(&scenes, reference, &picture, from_edges);
+        let [in_the_middle, in_a_corner] = [0.5, 1.0].map(found);
+        assert!(in_the_middle > 0.99, "{}: {in_the_middle} of the pixels are found again", reference.name);
+        assert!(in_a_corner < 0.9, "{}: {in_a_corner} of the pixels do not care where rays go", reference.name);
+    }
+}
+
 /// Prints the table of `docs/render-tests.md`: how our pictures (of the last run of `radiance_render_tests`) agree with the references, and how far both are
 /// from the truth. `RADSIGHT_ORACLE` names the folder where what real Radiance finds is kept.
 #[test]
