@@ -7,33 +7,19 @@ use crate::{exceptions, pictures_folder, shared, side_by_side};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a picture is asked for beyond its command: those in which the reference is off, so that blocks are known better than by the program's default. The mean of
-/// a block rests on 64 pixels: their own error may be larger, which leaves time for shared irradiance, whose noise they have in common.
-const ASKED: [(&str, &str); 7] = [
-    ("mist_def", "--error .05"),
-    ("mixtex_def", "--error .05 -ad 12288"),
-    ("mixtex_fish", "--error .05 -ad 32768"),
-    ("mixtex_rplan", "--error .05 -ad 12288"),
-    ("prism2_fish", "--error .05 -ad 4096"),
-    ("trans_def", "--error .05 -ad 8192"),
-    ("trans_fish", "--error .05 -ad 16384"),
-];
-
-/// `RADSIGHT_RPICT="--samples 16"` adds these words to each command in the place of [`ASKED`], none if it is empty. Our pictures stay for [`crate::truth`].
+/// `RADSIGHT_RPICT="--samples 16"` adds these words to each command. Our pictures stay for [`crate::truth`].
 #[test]
 #[ignore = "renders for minutes; run with --ignored --nocapture, in release"]
 fn radiance_render_tests() {
     let (Some(shared), Some(radiance)) = (shared(), Radiance::find()) else { return };
     let mut scenes = Scenes::new(&shared, &radiance);
-    let instead = std::env::var("RADSIGHT_RPICT").ok();
+    let asked = std::env::var("RADSIGHT_RPICT").unwrap_or_default();
     let mut failed = Vec::new();
     for reference in Reference::all(&shared) {
         scenes.build(&reference);
         let name = &reference.name;
-        let asked = ASKED.iter().find(|(picture, _)| picture == name).map_or("", |(_, words)| words);
-        let asked = instead.as_deref().unwrap_or(asked);
         let before = processor_time();
-        let run = scenes.ours(&reference.words(asked));
+        let run = scenes.ours(&reference.words(&asked));
         let seconds = processor_time() - before;
         if run.code != 0 {
             println!("{name:16} failed: {}", run.messages.lines().next().unwrap_or_default());
@@ -52,9 +38,7 @@ fn radiance_render_tests() {
             (false, None) => "BAD",
         };
         let seconds_of_real = seconds_of_real(&reference);
-        println!(
-            "{name:16} {agreement}, {seconds:6.1} s of processor time (real: {seconds_of_real:6.1} s)  {good} {asked}"
-        );
+        println!("{name:16} {agreement}, {seconds:6.1} s of processor time (real: {seconds_of_real:6.1} s)  {good}");
         if good == "BAD" {
             failed.push(name.clone());
         }

@@ -133,8 +133,10 @@ impl<const BANDS: usize> Fit<BANDS> {
         // Noise makes slopes: against a prior of a slope that changes the irradiance by itself within the scale, as many rays as noise needs weigh.
         let of_a_ray =
             weights.iter().zip(neighbours).map(|(weight, other)| weight * other.record.variance * other.record.rays);
-        let likely_change = mean(&record.irradiance).max(f64::MIN_POSITIVE) * radius / record.scale;
-        let flatness = of_a_ray.sum::<f64>() / (total * likely_change * likely_change);
+        let typical = weights.iter().zip(neighbours).map(|(weight, other)| weight * mean(&other.record.irradiance));
+        let likely_change = typical.sum::<f64>() / total * radius / record.scale;
+        let flatness =
+            if likely_change > 0.0 { of_a_ray.sum::<f64>() / (total * likely_change * likely_change) } else { 0.0 };
         let ridge = PRIOR * total + flatness;
         let mut normal_matrix = DMat3::from_diagonal(DVec3::new(0.0, ridge, ridge));
         for (weight, neighbour) in weights.iter().zip(neighbours) {
@@ -174,7 +176,8 @@ impl<const BANDS: usize> Fit<BANDS> {
         };
         let rays: f64 = neighbours.iter().map(|other| other.record.rays).sum();
         let of_a_ray = neighbours.iter().map(|other| share(other) * other.record.rays.powi(2)).sum::<f64>();
-        let variance = record.variance.max(own * own * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
+        let typical = self.strength();
+        let variance = record.variance.max(typical * typical * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
         let apart = (own - self.strength()).abs();
         let explained = HELD * variance.sqrt();
         if apart > explained {

@@ -243,3 +243,25 @@ fn shares_say_which_records_give_the_irradiance() {
     cache.shares(DVec3::Z * 1e3, DVec3::Z, &mut shares);
     assert_eq!(shares.len(), before, "nothing reaches there");
 }
+
+/// Most places meet none of the few bright rays by themselves: what neighbours met is theirs as well.
+#[test]
+fn rare_bright_rays_leave_the_mean_as_it_is() {
+    let (mut sum, mut own, mut count) = (0.0, 0.0, 0.0);
+    for turn in 0..20 {
+        let sparks = |at: DVec3, direction: DVec3| {
+            let key = direction.dot(DVec3::new(127.1, 311.7, 74.7)) + at.dot(DVec3::new(269.5, 183.3, 1.0));
+            let by_chance = ((key + f64::from(turn)).sin() * 43_758.545_3).rem_euclid(1.0);
+            (if by_chance < 0.01 { 100.0 } else { 0.0 }, 1.0)
+        };
+        let cache = field(48, sparks);
+        for index in 0..cache.len() {
+            let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+            own += cache.fitted(index).0.irradiance_on(DVec3::Z)[0] / PI;
+            let shared = cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, f64::INFINITY);
+            sum += shared.expect("a record is here")[0] / PI;
+            count += 1.0;
+        }
+    }
+    assert!((sum / own - 1.0).abs() < 0.05, "the mean is {} where places found {}", sum / count, own / count);
+}
