@@ -153,7 +153,7 @@ impl Block {
         Block { left, top, right: (left + side).min(size.0), bottom: (top + side).min(size.1) }
     }
 
-    fn all(size: (usize, usize), side: usize) -> impl Iterator<Item = Block> {
+    pub(crate) fn all(size: (usize, usize), side: usize) -> impl Iterator<Item = Block> {
         let row = move |top| (0..size.0).step_by(side).map(move |left| Block::new((left, top), size, side));
         (0..size.1).step_by(side).flat_map(row)
     }

@@ -10,6 +10,7 @@ use radsight_picture::{Image, Picture};
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// One line of `commands.tsv`.
 pub(crate) struct Reference {
@@ -120,6 +121,13 @@ pub(crate) fn repeats(folder: &Path, reference: &Reference) -> Vec<Image<f32>> {
     (1..).map_while(|count| fs::read(path(count)).ok()).map(|bytes| radiance_values(&bytes)).collect()
 }
 
+/// Whose `rtrace`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tracer {
+    Real,
+    Ours,
+}
+
 /// A copy of the scenes, in which octrees are built.
 pub(crate) struct Scenes<'a> {
     radiance: &'a Radiance,
@@ -142,27 +150,40 @@ impl Scenes<'_> {
     /// Builds the octree of a command, without photon maps, which no command uses.
     pub(crate) fn build(&mut self, reference: &Reference) {
         if self.built.insert(reference.scene.clone()) {
-            let rif = format!("{}.rif", reference.scene);
-            let text = fs::read_to_string(self.folder.path(&rif)).expect("variables of rad");
-            let lines = text.lines().filter(|line| !line.starts_with("PGMAP") && !line.starts_with("PCMAP"));
-            self.folder.file(&rif, lines.map(|line| format!("{line}\n")).collect::<String>());
-            self.real("rad", &["-v", "0", &rif], None).done();
+            self.build_anew(reference);
         }
     }
 
+    /// The same even if it is there: what light comes through windows depends on random numbers (`mkillum`).
+    pub(crate) fn build_anew(&self, reference: &Reference) {
+        for octree in ["", "1"].map(|with_windows| format!("{}{with_windows}.oct", reference.scene)) {
+            let octree = self.folder.path(&octree);
+            if octree.exists() {
+                fs::remove_file(octree).expect("the octree is removed");
+            }
+        }
+        let rif = format!("{}.rif", reference.scene);
+        let text = fs::read_to_string(self.folder.path(&rif)).expect("variables of rad");
+        let lines = text.lines().filter(|line| !line.starts_with("PGMAP") && !line.starts_with("PCMAP"));
+        self.folder.file(&rif, lines.map(|line| format!("{line}\n")).collect::<String>());
+        self.real("rad", &["-v", "0", &rif], None).done();
+    }
+
     /// Runs a program of radsight.
-    pub(crate) fn ours(&self, words: &[&str]) -> Run {
-        let mut command = crate::program::command(words);
-        finish_command(command.env("RAYPATH", &self.raypath).current_dir(self.folder.path("")))
+    pub(crate) fn ours(&self, words: &[&str], input: Option<&[u8]>) -> Run {
+        self.run(&mut crate::program::command(words), input)
     }
 
     /// Runs a program of real Radiance.
     pub(crate) fn real(&self, program: &str, words: &[&str], input: Option<&[u8]>) -> Run {
-        let mut command = self.radiance.command(program, words);
+        self.run(&mut self.radiance.command(program, words), input)
+    }
+
+    fn run(&self, command: &mut Command, input: Option<&[u8]>) -> Run {
         command.env("RAYPATH", &self.raypath).current_dir(self.folder.path(""));
         match input {
-            Some(input) => run_with(&mut command, input),
-            None => finish_command(&mut command),
+            Some(input) => run_with(command, input),
+            None => finish_command(command),
         }
     }
 
@@ -175,12 +196,23 @@ impl Scenes<'_> {
         self.real("vwrays", &[&["-i", "-ff"][..], &view].concat(), Some(text.as_bytes())).done()
     }
 
-    /// Radiance along rays through these places by real `rtrace`, with more options.
-    pub(crate) fn radiance_at(&self, reference: &Reference, places: &[(f64, f64)], more: &str) -> Vec<f64> {
+    /// Radiance along rays through these places by `rtrace`, with more options.
+    pub(crate) fn radiance_at(
+        &self,
+        tracer: Tracer,
+        reference: &Reference,
+        places: &[(f64, f64)],
+        more: &str,
+    ) -> Vec<f64> {
         let [_, tracing] = reference.view_and_tracing();
         let more: Vec<&str> = more.split_whitespace().collect();
         let words = [&["-h", "-fff", "-ov"][..], &tracing, &more, &[&reference.octree]].concat();
-        let values = self.real("rtrace", &words, Some(&self.rays_through(reference, places))).done();
+        let rays = self.rays_through(reference, places);
+        let run = match tracer {
+            Tracer::Real => self.real("rtrace", &words, Some(&rays)),
+            Tracer::Ours => self.ours(&[&["rtrace"], &words[..]].concat(), Some(&rays)),
+        };
+        let values = run.done();
         let values: Vec<f64> =
             values.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().expect("four")).into()).collect();
         assert_eq!(values.len(), 3 * places.len(), "{}: a value for each ray", reference.name);

@@ -14,8 +14,8 @@ use std::fs;
 pub(crate) enum Shown {
     /// Many rays in some of the blocks that do not agree ([`crate::truth`]).
     ManyRays,
-    /// More rays in all of them, where some do not tell.
-    ManyRaysInAll,
+    /// The same in all blocks, where some do not tell.
+    ManyRaysEverywhere,
     /// Real Radiance, told what the solid angle of the sun's image is.
     SunsImage,
     /// Single rays, with lights in the place of the sky (`tests/scattering.rs`).
@@ -25,9 +25,9 @@ pub(crate) enum Shown {
 /// Each with what shows it.
 pub(crate) const EXCEPTIONS: [(&str, Shown); 11] = [
     ("mist_def", Shown::ManyRays),
-    ("mixtex_def", Shown::ManyRaysInAll),
-    ("mixtex_fish", Shown::ManyRaysInAll),
-    ("mixtex_rplan", Shown::ManyRaysInAll),
+    ("mixtex_def", Shown::ManyRaysEverywhere),
+    ("mixtex_fish", Shown::ManyRaysEverywhere),
+    ("mixtex_rplan", Shown::ManyRaysEverywhere),
     ("prism1_fish", Shown::SunsImage),
     ("prism2_fish", Shown::SunsImage),
     ("trans_def", Shown::ManyRays),

@@ -19,7 +19,7 @@ fn radiance_render_tests() {
         scenes.build(&reference);
         let name = &reference.name;
         let before = processor_time();
-        let run = scenes.ours(&reference.words(&asked));
+        let run = scenes.ours(&reference.words(&asked), None);
         let seconds = processor_time() - before;
         if run.code != 0 {
             println!("{name:16} failed: {}", run.messages.lines().next().unwrap_or_default());
@@ -37,14 +37,28 @@ fn radiance_render_tests() {
             (false, Some(_)) => "the reference is off",
             (false, None) => "BAD",
         };
-        let seconds_of_real = seconds_of_real(&reference);
-        println!("{name:16} {agreement}, {seconds:6.1} s of processor time (real: {seconds_of_real:6.1} s)  {good}");
+        let itself = repeats.first().map(|again| Agreement::new(again, &reference.picture, noise, 8));
+        println!("| `{name}` | {} | {good}", row(&agreement, itself.as_ref(), [seconds, seconds_of_real(&reference)]));
         if good == "BAD" {
             failed.push(name.clone());
         }
     }
     println!("pictures are in {}", pictures_folder().display());
     assert!(failed.is_empty(), "these do not agree: {failed:?}");
+}
+
+/// A line of the table of `docs/render-tests.md`: how our picture agrees with the reference, how another one of real Radiance's does, and both programs' seconds.
+fn row(ours: &Agreement, again: Option<&Agreement>, [seconds, of_real]: [f64; 2]) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let mean = |agreement: &Agreement| format!("{:+.1} %", 100.0 * agreement.mean);
+    let again = again.map_or(" | ".to_owned(), |again| format!("{} | {}", mean(again), percent(again.within)));
+    format!(
+        "{} | {} | {} | {again} | {seconds:.1} | {of_real:.1} | {:.2}",
+        mean(ours),
+        percent(ours.within),
+        percent(ours.blocks),
+        seconds / of_real
+    )
 }
 
 /// Where the processor time of real `rpict` is kept.
@@ -74,12 +88,12 @@ fn processor_time() -> f64 {
 fn repeat_references() {
     let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
     let times: usize = std::env::var("RADSIGHT_TIMES").map_or(1, |times| times.parse().expect("a number of times"));
-    let mut scenes = Scenes::new(&shared, &radiance);
+    let scenes = Scenes::new(&shared, &radiance);
     for reference in Reference::all(&shared) {
-        scenes.build(&reference);
         for count in repeats(&folder, &reference).len() + 1..=times {
             let name = format!("{}-{count}.hdr", reference.name);
             println!("{name}");
+            scenes.build_anew(&reference);
             let before = processor_time();
             let picture = scenes.real("rpict", &reference.words("")[1..], None).done();
             fs::write(seconds_path(&folder, &reference), format!("{:.1}\n", processor_time() - before))

@@ -1,11 +1,11 @@
-//! Who is nearer to the truth in random blocks of the render tests, and where our pictures and real Radiance's differ.
+//! Who is nearer to the truth in the render tests: our pictures, or real Radiance's.
 //!
 //! Real `rpict` shares irradiance between places and interpolates between pixels, and ours shares it too. Real `rtrace -aa 0` does neither: with many rays
 //! through a block of pixels, each where `rpict` looks through it (`-pj`), it gives the block's radiance, and how well it is known. That is no truth where
-//! Radiance approximates in another way (`docs/differences.md`).
+//! Radiance approximates in another way (`docs/differences.md`). What it finds is kept in the folder that `RADSIGHT_ORACLE` names.
 
-use crate::blocks::{Agreement, Block, Noise, is_near, outside};
-use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
+use crate::blocks::{Block, Noise, is_near, outside};
+use crate::commands::{Reference, Scenes, Tracer, oracle, radiance_values, repeats};
 use crate::exceptions::{self, Shown};
 use crate::real_radiance::Radiance;
 use crate::{pictures_folder, shared};
@@ -18,23 +18,25 @@ use std::path::{Path, PathBuf};
 /// Of a block, pixels.
 const SIDE: usize = 8;
 
-/// How many blocks of a picture are looked at, and how well.
+/// Rays through each pixel.
+const RAYS: usize = 100;
+
+/// In which blocks of a picture the truth is looked for.
 struct Look {
+    /// How many there are at most.
     blocks: usize,
-    /// Through each pixel.
-    rays: usize,
     /// What was found is kept in `PICTURE-KIND.tsv`.
     kind: &'static str,
 }
 
-/// At any blocks.
-const ANYWHERE: Look = Look { blocks: 24, rays: 100, kind: "truth" };
+/// In any blocks.
+const ANYWHERE: Look = Look { blocks: 24, kind: "anywhere" };
 
-/// At blocks in which ours and the reference do not agree.
-const OUTSIDE: Look = Look { blocks: 24, rays: 100, kind: "outside" };
+/// In blocks in which ours and the reference do not agree.
+const OUTSIDE: Look = Look { blocks: 24, kind: "outside" };
 
-/// At all of these, where some do not tell.
-const ALL_OUTSIDE: Look = Look { blocks: usize::MAX, rays: 400, kind: "all-outside" };
+/// In all blocks.
+const EVERYWHERE: Look = Look { blocks: usize::MAX, kind: "everywhere" };
 
 impl Look {
     fn path(&self, folder: &Path, reference: &Reference) -> PathBuf {
@@ -49,8 +51,8 @@ const UNBIASED: &str = "-u+ -aa 0 -ad 1 -as 0 -lw 1e-7 -dt 0 -ds .01 -dj .9 -ss 
 /// Sums that differ by so many of their standard errors differ.
 const SURE: f64 = 3.0;
 
-/// A block's truth is known when its standard error is a smaller share than this.
-const KNOWN: f64 = 0.02;
+/// What differs by less than this share is the same.
+const SAME: f64 = 0.01;
 
 /// A block and its radiance, the mean of the bands.
 #[derive(Clone, Copy, Debug)]
@@ -69,23 +71,6 @@ impl Truth {
     fn is_near(&self, picture: &Image<f32>) -> bool {
         is_near(self.block.mean(picture), self.radiance, self.error)
     }
-}
-
-/// Reads a block's truth, or has real Radiance find it: one line for each, left, top, radiance, standard error.
-fn truths(folder: &Path, scenes: &mut Scenes<'_>, reference: &Reference) -> Vec<Truth> {
-    let path = ANYWHERE.path(folder, reference);
-    let text = fs::read_to_string(&path).unwrap_or_else(|_| {
-        let (width, height) = reference.size();
-        let mut random = Random(0x5eed);
-        let corners: Vec<(usize, usize)> = (0..ANYWHERE.blocks)
-            .map(|_| (random.below(width / SIDE) * SIDE, random.below(height / SIDE) * SIDE))
-            .collect();
-        scenes.build(reference);
-        let text = find_truths(scenes, reference, &corners, ANYWHERE.rays);
-        fs::write(&path, &text).expect("the truth is written");
-        text
-    });
-    read_truths(&text, reference)
 }
 
 fn read_truths(text: &str, reference: &Reference) -> Vec<Truth> {
@@ -115,33 +100,34 @@ fn truths_of(
     let drawn: Vec<_> = (0..missing).map(|_| unknown.swap_remove(random.below(unknown.len()))).collect();
     if !drawn.is_empty() {
         scenes.build(reference);
-        text.push_str(&find_truths(scenes, reference, &drawn, look.rays));
+        text.push_str(&find_truths(scenes, Tracer::Real, reference, &drawn));
         fs::write(&path, &text).expect("the truth is written");
     }
     let wanted: HashSet<_> = blocks.iter().map(corner).collect();
     read_truths(&text, reference).into_iter().filter(|truth| wanted.contains(&corner(&truth.block))).collect()
 }
 
-fn find_truths(scenes: &Scenes<'_>, reference: &Reference, corners: &[(usize, usize)], rays: usize) -> String {
+/// What a program finds in the blocks with these corners: one line for each, left, top, radiance, standard error.
+fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, corners: &[(usize, usize)]) -> String {
     let mut random = Random(0x5eed ^ corners.len() as u64);
     let mut places = Vec::new();
     let jitter = reference.jitter();
     for (left, top) in corners {
-        for _ in 0..rays {
+        for _ in 0..RAYS {
             for pixel in 0..SIDE * SIDE {
                 let (x, y) = (left + pixel % SIDE, top + pixel / SIDE);
                 places.push((random.within(x, jitter), random.within(y, jitter)));
             }
         }
     }
-    let values = scenes.radiance_at(reference, &places, UNBIASED);
+    let values = scenes.radiance_at(tracer, reference, &places, UNBIASED);
     let mut text = String::new();
-    for ((left, top), values) in corners.iter().zip(values.chunks_exact(rays * SIDE * SIDE)) {
+    for ((left, top), values) in corners.iter().zip(values.chunks_exact(RAYS * SIDE * SIDE)) {
         let means: Vec<f64> =
             values.chunks_exact(SIDE * SIDE).map(|pass| pass.iter().sum::<f64>() / pass.len() as f64).collect();
-        let mean = means.iter().sum::<f64>() / rays as f64;
+        let mean = means.iter().sum::<f64>() / RAYS as f64;
         let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
-        let error = (squares / (rays * (rays - 1)) as f64).sqrt();
+        let error = (squares / (RAYS * (RAYS - 1)) as f64).sqrt();
         text.push_str(&format!("{left}\t{top}\t{mean:e}\t{error:e}\n"));
     }
     text
@@ -173,31 +159,6 @@ fn median_difference(picture: &Image<f32>, truths: &[Truth]) -> f64 {
     differences.get(differences.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// A line of the table.
-fn row(reference: &Reference, ours: &Image<f32>, again: &[Image<f32>], truths: &[Truth]) -> String {
-    let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(again) };
-    let agreement = Agreement::new(ours, &reference.picture, noise, SIDE);
-    let itself = again.first().map_or_else(
-        || "| |".to_owned(),
-        |again| {
-            let itself = Agreement::new(again, &reference.picture, noise, SIDE);
-            format!("| {:+.1} % | {:.1} %", 100.0 * itself.mean, 100.0 * itself.within)
-        },
-    );
-    let known: Vec<Truth> = truths.iter().filter(|truth| truth.error < KNOWN * truth.radiance).copied().collect();
-    let nearer = known.iter().filter(|truth| truth.difference(ours) < truth.difference(&reference.picture)).count();
-    format!(
-        "| `{}` | {:+.1} % | {:.1} % | {:.1} % {itself} | {:.1} % | {:.1} % | {nearer} of {} |",
-        reference.name,
-        100.0 * agreement.mean,
-        100.0 * agreement.within,
-        100.0 * agreement.blocks,
-        100.0 * median_difference(ours, &known),
-        100.0 * median_difference(&reference.picture, &known),
-        known.len()
-    )
-}
-
 /// With these nothing is random.
 const CERTAIN: &str = "-u- -ab 0 -dj 0 -ds 0 -st 1 -ss 0";
 
@@ -206,7 +167,7 @@ fn pixels_found(scenes: &Scenes<'_>, reference: &Reference, picture: &Image<f32>
     let (width, height) = reference.size();
     let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let places: Vec<_> = pixels().map(|(x, y)| (x as f64 + from_edges, y as f64 + from_edges)).collect();
-    let values = scenes.radiance_at(reference, &places, CERTAIN);
+    let values = scenes.radiance_at(Tracer::Real, reference, &places, CERTAIN);
     // The picture's values are rounded to eight bits.
     let found = pixels().zip(values).filter(|((x, y), value)| {
         let pixel = Block::new((*x, *y), (width, height), 1).mean(picture);
@@ -232,53 +193,97 @@ fn rays_of_blocks_go_where_rpict_looks() {
     }
 }
 
-/// Prints the table of `docs/render-tests.md`: how our pictures (of the last run of `radiance_render_tests`) agree with the references, and how far both are
-/// from the truth. `RADSIGHT_ORACLE` names the folder where what real Radiance finds is kept.
-#[test]
-#[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
-fn blocks_against_their_truth() {
-    let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
-    let mut scenes = Scenes::new(&shared, &radiance);
-    let mut references = Reference::all(&shared);
-    references.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    for reference in references {
-        let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
-        let Ok(picture) = fs::read(path) else { continue };
-        let again = repeats(&folder, &reference);
-        let truths = truths(&folder, &mut scenes, &reference);
-        println!("{}", row(&reference, &radiance_values(&picture), &again, &truths));
-    }
+/// What was made of a picture by the last run of `radiance_render_tests`.
+fn our_picture(reference: &Reference) -> Option<Image<f32>> {
+    let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
+    fs::read(path).ok().map(|bytes| radiance_values(&bytes))
 }
 
-/// Prints the other table: who is nearer to the truth in the blocks in which our pictures do not agree with the references. Where the reference is said to be
-/// off, ours must be near in more of them, or nearer in all together.
+fn all_blocks(reference: &Reference) -> Vec<Block> {
+    Block::all(reference.size(), SIDE).collect()
+}
+
+/// Who is nearer to the truth in the blocks in which our pictures do not agree with the references. Where the reference is said to be off, ours must be near in
+/// more of them, or nearer in all together.
 #[test]
 #[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
 fn blocks_outside_against_their_truth() {
+    against_truth(None, |scenes, folder, reference, ours| {
+        let again = repeats(folder, reference);
+        let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(&again) };
+        let blocks = outside(ours, &reference.picture, noise, SIDE);
+        truths_of(&blocks, &OUTSIDE, folder, scenes, reference)
+    });
+}
+
+/// The same in whole pictures.
+#[test]
+#[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
+fn whole_pictures_against_their_truth() {
+    against_truth(Some(Shown::ManyRaysEverywhere), |scenes, folder, reference, _| {
+        truths_of(&all_blocks(reference), &EVERYWHERE, folder, scenes, reference)
+    });
+}
+
+/// Prints a line of a table of `docs/render-tests.md` for each picture, or for those that are shown so.
+fn against_truth(
+    only: Option<Shown>,
+    mut truths: impl FnMut(&mut Scenes<'_>, &Path, &Reference, &Image<f32>) -> Vec<Truth>,
+) {
     let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
     let mut scenes = Scenes::new(&shared, &radiance);
     let mut wrong = Vec::new();
     for reference in Reference::all(&shared) {
-        let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
-        let Ok(picture) = fs::read(path) else { continue };
-        let ours = radiance_values(&picture);
-        let again = repeats(&folder, &reference);
-        let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(&again) };
-        let blocks = outside(&ours, &reference.picture, noise, SIDE);
         let shown = exceptions::shown(&reference.name);
-        let look = if shown == Some(Shown::ManyRaysInAll) { ALL_OUTSIDE } else { OUTSIDE };
-        let truths = truths_of(&blocks, &look, &folder, &mut scenes, &reference);
-        let row = Outside::new(&ours, &reference.picture, &truths);
-        println!("| `{}` | {} | {row}", reference.name, blocks.len());
-        if matches!(shown, Some(Shown::ManyRays | Shown::ManyRaysInAll)) && !row.ours_is_right() {
+        let Some(ours) = our_picture(&reference).filter(|_| only.is_none() || shown == only) else { continue };
+        let truths = truths(&mut scenes, &folder, &reference, &ours);
+        let row = BesideTruth::new(&ours, &reference.picture, &truths);
+        println!("| `{}` | {row}", reference.name);
+        if shown == only.or(Some(Shown::ManyRays)) && !row.ours_is_right() {
             wrong.push(reference.name.clone());
         }
     }
     assert!(wrong.is_empty(), "many rays do not show that ours is right in {wrong:?}");
 }
 
-/// A line of the table of blocks that do not agree: ours, and the reference.
-struct Outside {
+/// What both programs find in random blocks where neither shares anything: what differs then is formulas.
+#[test]
+#[ignore = "traces many rays with real Radiance, once"]
+fn without_sharing_both_find_the_same() {
+    let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
+    let mut scenes = Scenes::new(&shared, &radiance);
+    let mut wrong = Vec::new();
+    for reference in Reference::all(&shared) {
+        let real = truths_of(&all_blocks(&reference), &ANYWHERE, &folder, &mut scenes, &reference);
+        let corners: Vec<_> = real.iter().map(|truth| (truth.block.left, truth.block.top)).collect();
+        scenes.build(&reference);
+        let ours = read_truths(&find_truths(&scenes, Tracer::Ours, &reference, &corners), &reference);
+        let (difference, error) = difference_of(&ours, &real);
+        println!("| `{}` | {:+.2} ± {:.2} |", reference.name, 100.0 * difference, 100.0 * error);
+        let differs = difference.abs() > f64::max(SAME, SURE * error);
+        if differs && !matches!(exceptions::shown(&reference.name), Some(Shown::SunsImage | Shown::SingleRays)) {
+            wrong.push(reference.name.clone());
+        }
+    }
+    assert!(wrong.is_empty(), "the programs differ in {wrong:?}");
+}
+
+/// By what share what was found in blocks differs from what was found there otherwise, and its standard error: the mean, weighted by how well each is known, but
+/// not better than [`SAME`].
+fn difference_of(found: &[Truth], otherwise: &[Truth]) -> (f64, f64) {
+    let (mut sum, mut weights, mut squares) = (0.0, 0.0, 0.0);
+    for (one, other) in found.iter().zip(otherwise).filter(|(_, other)| other.radiance > 0.0) {
+        let variance = (one.error.powi(2) + other.error.powi(2)) / other.radiance.powi(2);
+        let weight = 1.0 / (variance + SAME * SAME);
+        sum += weight * (one.radiance / other.radiance - 1.0);
+        weights += weight;
+        squares += weight * weight * variance;
+    }
+    (sum / weights, squares.sqrt() / weights)
+}
+
+/// A line of a table: ours, and the reference.
+struct BesideTruth {
     count: usize,
     near: [usize; 2],
     difference: [f64; 2],
@@ -288,12 +293,12 @@ struct Outside {
     sum_error: f64,
 }
 
-impl Outside {
-    fn new(ours: &Image<f32>, reference: &Image<f32>, truths: &[Truth]) -> Outside {
+impl BesideTruth {
+    fn new(ours: &Image<f32>, reference: &Image<f32>, truths: &[Truth]) -> BesideTruth {
         let near = |picture| truths.iter().filter(|truth| truth.is_near(picture)).count();
         let all: f64 = truths.iter().map(|truth| truth.radiance).sum();
         let sum = |picture| truths.iter().map(|truth| truth.block.mean(picture)).sum::<f64>() / all - 1.0;
-        Outside {
+        BesideTruth {
             count: truths.len(),
             near: [ours, reference].map(near),
             difference: [ours, reference].map(|picture| median_difference(picture, truths)),
@@ -309,7 +314,7 @@ impl Outside {
     }
 }
 
-impl fmt::Display for Outside {
+impl fmt::Display for BesideTruth {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [ours, reference] = self.difference.map(|share| 100.0 * share);
         let [sum, reference_sum] = self.sum.map(|share| 100.0 * share);
