@@ -39,6 +39,10 @@ const PIXEL_SHARE: f64 = 0.8;
 /// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
 const EVENNESS: f64 = 0.1;
 
+/// For errors below the coarse one places look around along more rays, in proportion to what noise needs: many places with few rays each come to no less noise,
+/// for more time.
+const MOST_THOROUGH: f64 = 16.0;
+
 /// Caustics are shared where records disagree by less than so many times the noise; elsewhere pixels have as many rays as the asked error needs.
 const CAUSTIC_BEND: f64 = 2.0;
 
@@ -171,6 +175,8 @@ impl Options {
             if self.effort.is_some() {
                 gathering.noise = NOISE_SHARE * error;
                 gathering.evenness = EVENNESS;
+                let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
+                gathering.divisions = (f64::from(gathering.divisions) * thoroughness).min(f64::from(u32::MAX)) as u32;
                 gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(Gathering::MOST_BEND);
             } else {
                 gathering.noise = USUAL_NOISE_SHARE * error;
