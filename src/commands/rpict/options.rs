@@ -175,8 +175,10 @@ impl Options {
             if self.effort.is_some() {
                 gathering.noise = NOISE_SHARE * error;
                 gathering.evenness = EVENNESS;
-                let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
-                gathering.divisions = (f64::from(gathering.divisions) * thoroughness).min(f64::from(u32::MAX)) as u32;
+                if gathering.accuracy > 0.0 && gathering.divisions > 1 {
+                    let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
+                    gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;
+                }
                 gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(Gathering::MOST_BEND);
             } else {
                 gathering.noise = USUAL_NOISE_SHARE * error;
@@ -332,6 +334,22 @@ mod tests {
             ("rpict -ps 16 --error .1 a.oct", 0.1),
         ] {
             assert!((asked_error(words) - expected).abs() < 1e-12, "{words}: {}", asked_error(words));
+        }
+    }
+
+    #[test]
+    fn small_errors_look_around_along_more_rays_where_these_are_shared() {
+        for (words, expected) in [
+            ("rpict -ad 100 a.oct", 100),
+            ("rpict -ad 100 --error .05 a.oct", 100),
+            ("rpict -ad 100 --error .01 a.oct", 400),
+            ("rpict -ad 100 --error .0001 a.oct", 1600),
+            ("rpict -ad 1 -aa 0 --error .01 a.oct", 1),
+            ("rpict -ad 100 -aa 0 --error .01 a.oct", 100),
+        ] {
+            let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+            let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
+            assert_eq!(options.render.gathering.divisions, expected, "{words:?}");
         }
     }
 }
