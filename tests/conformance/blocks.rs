@@ -23,7 +23,12 @@ pub(crate) enum Noise<'a> {
     Repeats(&'a [Image<f32>]),
 }
 
-impl Noise<'_> {
+impl<'a> Noise<'a> {
+    /// By these other pictures, if there are any.
+    pub(crate) fn of(repeats: &'a [Image<f32>]) -> Self {
+        if repeats.is_empty() { Noise::Unknown } else { Noise::Repeats(repeats) }
+    }
+
     /// Standard deviation of the means of pictures by the same command, as a share: that of its blocks says nothing of what they have in common.
     fn of_means(self, expected: &Image<f32>) -> f64 {
         let Noise::Repeats(repeats) = self else { return 0.0 };

@@ -4,6 +4,7 @@
 //! so that only the rendering is compared. `RADSIGHT_ORACLE` names a folder for what takes real Radiance long: the same pictures again, and the truth of
 //! some blocks.
 
+use crate::pictures_folder;
 use crate::program::{Folder, Run, finish_command, run_with};
 use crate::real_radiance::Radiance;
 use radsight_picture::{Image, Picture};
@@ -68,6 +69,16 @@ impl Reference {
     pub(crate) fn words<'a>(&'a self, more: &'a str) -> Vec<&'a str> {
         let options = self.options.iter().map(String::as_str);
         options.chain(more.split_whitespace()).chain([self.octree.as_str()]).collect()
+    }
+
+    /// Where our picture of it goes.
+    pub(crate) fn our_path(&self) -> PathBuf {
+        pictures_folder().join(format!("renders-{}.hdr", self.name))
+    }
+
+    /// What the last run of `radiance_render_tests` made of it.
+    pub(crate) fn our_picture(&self) -> Option<Image<f32>> {
+        fs::read(self.our_path()).ok().map(|bytes| radiance_values(&bytes))
     }
 
     pub(crate) fn size(&self) -> (usize, usize) {

@@ -6,7 +6,7 @@
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, radiance_values};
 use crate::real_radiance::Radiance;
-use crate::{pictures_folder, shared};
+use crate::shared;
 use std::fs;
 
 /// What shows that ours is right.
@@ -63,10 +63,10 @@ fn prisms_agree_where_radiance_knows_the_suns_image() {
         if shown(&reference.name) != Some(Shown::SunsImage) {
             continue;
         }
-        let Ok(ours) = fs::read(pictures_folder().join(format!("renders-{}.hdr", reference.name))) else { continue };
+        let Some(ours) = reference.our_picture() else { continue };
         scenes.build(&reference);
         let real = radiance_values(&scenes.real("rpict", &reference.words("")[1..], None).done());
-        let agreement = Agreement::new(&radiance_values(&ours), &real, Noise::Unknown, 8);
+        let agreement = Agreement::new(&ours, &real, Noise::Unknown, 8);
         println!("{:16} {agreement}, within 5 %: {:.1} %", reference.name, 100.0 * agreement.within);
         assert!(agreement.is_good(), "{} does not agree: {agreement}", reference.name);
     }

@@ -4,7 +4,8 @@
 //!   Radiance made once (`cargo test --release --test conformance make_references -- --ignored` makes the missing ones).
 //! - `renders`, `scripts`: Radiance's own render tests, and scenes of others with their scripts, in the folder that `RADSIGHT_SHARED`
 //!   names; they take minutes, so they run only when asked for (`-- --ignored --nocapture`).
-//! - `truth`: who is nearer to what many rays find, in random blocks of the render tests and in those that do not agree (`docs/render-tests.md`).
+//! - `truth`: who is nearer to what many rays find, in the blocks of the render tests that do not agree and in whole pictures, and what both programs find where
+//!   neither shares irradiance (`docs/render-tests.md`).
 //!
 //! Each writes expected | difference | actual beside the build's other results. References are never our own pictures.
 

@@ -28,9 +28,9 @@ fn radiance_render_tests() {
         }
         let actual = radiance_values(&run.output);
         side_by_side::write(&pictures_folder(), &format!("renders-{name}"), &actual, &reference.picture);
-        fs::write(pictures_folder().join(format!("renders-{name}.hdr")), &run.output).expect("the picture is written");
+        fs::write(reference.our_path(), &run.output).expect("the picture is written");
         let repeats = oracle().map_or_else(Vec::new, |folder| repeats(&folder, &reference));
-        let noise = if repeats.is_empty() { Noise::Unknown } else { Noise::Repeats(&repeats) };
+        let noise = Noise::of(&repeats);
         let agreement = Agreement::new(&actual, &reference.picture, noise, 8);
         let good = match (agreement.is_good(), exceptions::shown(name)) {
             (true, _) => "good",

@@ -149,7 +149,7 @@ fn scripts_written_for_radiance() {
 /// `docs/scenes.md`.
 fn agrees(scene: &str, name: &str, actual: &Image<f32>, expected: &Image<f32>) -> bool {
     let again: Vec<_> = (1..).map_while(|count| kept(scene, &format!("{name}-{count}"))).collect();
-    let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(&again) };
+    let noise = Noise::of(&again);
     let [ours, itself] = [Some(actual), again.first()]
         .map(|picture| picture.map(|picture| Agreement::new(picture, expected, noise, SIDE)));
     let ours = ours.expect("a picture is there");

@@ -8,7 +8,7 @@ use crate::blocks::{Block, Noise, is_near, outside};
 use crate::commands::{Reference, Scenes, Tracer, oracle, radiance_values, repeats};
 use crate::exceptions::{self, Shown};
 use crate::real_radiance::Radiance;
-use crate::{pictures_folder, shared};
+use crate::shared;
 use radsight_picture::Image;
 use std::collections::HashSet;
 use std::fmt;
@@ -73,13 +73,20 @@ impl Truth {
     }
 }
 
-fn read_truths(text: &str, reference: &Reference) -> Vec<Truth> {
+/// Reads what was written before: one line for each, left, top, radiance, standard error.
+fn read_truths(path: &Path, reference: &Reference) -> Vec<Truth> {
     let read = |line: &str| {
         let numbers: Vec<f64> = line.split('\t').map(|word| word.parse().expect("a number")).collect();
         let corner = (numbers[0] as usize, numbers[1] as usize);
         Truth { block: Block::new(corner, reference.size(), SIDE), radiance: numbers[2], error: numbers[3] }
     };
-    text.lines().map(read).collect()
+    fs::read_to_string(path).unwrap_or_default().lines().map(read).collect()
+}
+
+fn write_truths(path: &Path, truths: &[Truth]) {
+    let write =
+        |Truth { block, radiance, error }: &Truth| format!("{}\t{}\t{radiance:e}\t{error:e}\n", block.left, block.top);
+    fs::write(path, truths.iter().map(write).collect::<String>()).expect("the truth is written");
 }
 
 /// The truth of those of these blocks of which it was found before, and of so many more that there are enough.
@@ -91,46 +98,45 @@ fn truths_of(
     reference: &Reference,
 ) -> Vec<Truth> {
     let path = look.path(folder, reference);
-    let mut text = fs::read_to_string(&path).unwrap_or_default();
+    let mut truths = read_truths(&path, reference);
     let corner = |block: &Block| (block.left, block.top);
-    let known: HashSet<_> = read_truths(&text, reference).iter().map(|truth| corner(&truth.block)).collect();
-    let mut unknown: Vec<_> = blocks.iter().map(corner).filter(|corner| !known.contains(corner)).collect();
+    let known: HashSet<_> = truths.iter().map(|truth| corner(&truth.block)).collect();
+    let mut unknown: Vec<Block> = blocks.iter().filter(|block| !known.contains(&corner(block))).copied().collect();
     let missing = look.blocks.saturating_sub(blocks.len() - unknown.len()).min(unknown.len());
     let mut random = Random(0x5eed);
     let drawn: Vec<_> = (0..missing).map(|_| unknown.swap_remove(random.below(unknown.len()))).collect();
     if !drawn.is_empty() {
         scenes.build(reference);
-        text.push_str(&find_truths(scenes, Tracer::Real, reference, &drawn));
-        fs::write(&path, &text).expect("the truth is written");
+        truths.extend(find_truths(scenes, Tracer::Real, reference, &drawn));
+        write_truths(&path, &truths);
     }
     let wanted: HashSet<_> = blocks.iter().map(corner).collect();
-    read_truths(&text, reference).into_iter().filter(|truth| wanted.contains(&corner(&truth.block))).collect()
+    truths.retain(|truth| wanted.contains(&corner(&truth.block)));
+    truths
 }
 
-/// What a program finds in the blocks with these corners: one line for each, left, top, radiance, standard error.
-fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, corners: &[(usize, usize)]) -> String {
-    let mut random = Random(0x5eed ^ corners.len() as u64);
+/// What a program finds in these blocks.
+fn find_truths(scenes: &Scenes<'_>, tracer: Tracer, reference: &Reference, blocks: &[Block]) -> Vec<Truth> {
+    let mut random = Random(0x5eed ^ blocks.len() as u64);
     let mut places = Vec::new();
     let jitter = reference.jitter();
-    for (left, top) in corners {
+    for block in blocks {
         for _ in 0..RAYS {
             for pixel in 0..SIDE * SIDE {
-                let (x, y) = (left + pixel % SIDE, top + pixel / SIDE);
+                let (x, y) = (block.left + pixel % SIDE, block.top + pixel / SIDE);
                 places.push((random.within(x, jitter), random.within(y, jitter)));
             }
         }
     }
     let values = scenes.radiance_at(tracer, reference, &places, UNBIASED);
-    let mut text = String::new();
-    for ((left, top), values) in corners.iter().zip(values.chunks_exact(RAYS * SIDE * SIDE)) {
+    let truth = |(block, values): (&Block, &[f64])| {
         let means: Vec<f64> =
             values.chunks_exact(SIDE * SIDE).map(|pass| pass.iter().sum::<f64>() / pass.len() as f64).collect();
-        let mean = means.iter().sum::<f64>() / RAYS as f64;
-        let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
-        let error = (squares / (RAYS * (RAYS - 1)) as f64).sqrt();
-        text.push_str(&format!("{left}\t{top}\t{mean:e}\t{error:e}\n"));
-    }
-    text
+        let radiance = means.iter().sum::<f64>() / RAYS as f64;
+        let squares: f64 = means.iter().map(|value| (value - radiance).powi(2)).sum();
+        Truth { block: *block, radiance, error: (squares / (RAYS * (RAYS - 1)) as f64).sqrt() }
+    };
+    blocks.iter().zip(values.chunks_exact(RAYS * SIDE * SIDE)).map(truth).collect()
 }
 
 /// Places of blocks and rays: the constants of Knuth's MMIX.
@@ -193,12 +199,6 @@ fn rays_of_blocks_go_where_rpict_looks() {
     }
 }
 
-/// What was made of a picture by the last run of `radiance_render_tests`.
-fn our_picture(reference: &Reference) -> Option<Image<f32>> {
-    let path = pictures_folder().join(format!("renders-{}.hdr", reference.name));
-    fs::read(path).ok().map(|bytes| radiance_values(&bytes))
-}
-
 fn all_blocks(reference: &Reference) -> Vec<Block> {
     Block::all(reference.size(), SIDE).collect()
 }
@@ -208,11 +208,8 @@ fn all_blocks(reference: &Reference) -> Vec<Block> {
 #[test]
 #[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
 fn blocks_outside_against_their_truth() {
-    against_truth(None, |scenes, folder, reference, ours| {
-        let again = repeats(folder, reference);
-        let noise = if again.is_empty() { Noise::Unknown } else { Noise::Repeats(&again) };
-        let blocks = outside(ours, &reference.picture, noise, SIDE);
-        truths_of(&blocks, &OUTSIDE, folder, scenes, reference)
+    against_truth(&OUTSIDE, None, |folder, reference, ours| {
+        outside(ours, &reference.picture, Noise::of(&repeats(folder, reference)), SIDE)
     });
 }
 
@@ -220,25 +217,21 @@ fn blocks_outside_against_their_truth() {
 #[test]
 #[ignore = "traces many rays with real Radiance, once; needs the pictures of radiance_render_tests"]
 fn whole_pictures_against_their_truth() {
-    against_truth(Some(Shown::ManyRaysEverywhere), |scenes, folder, reference, _| {
-        truths_of(&all_blocks(reference), &EVERYWHERE, folder, scenes, reference)
-    });
+    against_truth(&EVERYWHERE, Some(Shown::ManyRaysEverywhere), |_, reference, _| all_blocks(reference));
 }
 
 /// Prints a line of a table of `docs/render-tests.md` for each picture, or for those that are shown so.
-fn against_truth(
-    only: Option<Shown>,
-    mut truths: impl FnMut(&mut Scenes<'_>, &Path, &Reference, &Image<f32>) -> Vec<Truth>,
-) {
+fn against_truth(look: &Look, only: Option<Shown>, blocks: impl Fn(&Path, &Reference, &Image<f32>) -> Vec<Block>) {
     let (Some(shared), Some(radiance), Some(folder)) = (shared(), Radiance::find(), oracle()) else { return };
     let mut scenes = Scenes::new(&shared, &radiance);
     let mut wrong = Vec::new();
     for reference in Reference::all(&shared) {
         let shown = exceptions::shown(&reference.name);
-        let Some(ours) = our_picture(&reference).filter(|_| only.is_none() || shown == only) else { continue };
-        let truths = truths(&mut scenes, &folder, &reference, &ours);
+        let Some(ours) = reference.our_picture().filter(|_| only.is_none() || shown == only) else { continue };
+        let blocks = blocks(&folder, &reference, &ours);
+        let truths = truths_of(&blocks, look, &folder, &mut scenes, &reference);
         let row = BesideTruth::new(&ours, &reference.picture, &truths);
-        println!("| `{}` | {row}", reference.name);
+        println!("| `{}` | {} | {row}", reference.name, blocks.len());
         if shown == only.or(Some(Shown::ManyRays)) && !row.ours_is_right() {
             wrong.push(reference.name.clone());
         }
@@ -255,9 +248,9 @@ fn without_sharing_both_find_the_same() {
     let mut wrong = Vec::new();
     for reference in Reference::all(&shared) {
         let real = truths_of(&all_blocks(&reference), &ANYWHERE, &folder, &mut scenes, &reference);
-        let corners: Vec<_> = real.iter().map(|truth| (truth.block.left, truth.block.top)).collect();
+        let blocks: Vec<Block> = real.iter().map(|truth| truth.block).collect();
         scenes.build(&reference);
-        let ours = read_truths(&find_truths(&scenes, Tracer::Ours, &reference, &corners), &reference);
+        let ours = find_truths(&scenes, Tracer::Ours, &reference, &blocks);
         let (difference, error) = difference_of(&ours, &real);
         println!("| `{}` | {:+.2} ± {:.2} |", reference.name, 100.0 * difference, 100.0 * error);
         let differs = difference.abs() > f64::max(SAME, SURE * error);

@@ -169,16 +169,15 @@ impl<const BANDS: usize> Fit<BANDS> {
     /// Keeps it within what noise explains of what the record's own rays tell: where irradiance changes faster than records are
     /// dense, a plane through the neighbours misses it by far more.
     fn hold_to(&mut self, record: &Record<BANDS>, neighbours: &[Neighbour<'_, BANDS>]) {
-        // Rare bright rays may have met the neighbours only: then theirs say how much noise there is, as a share.
-        let own = mean(&record.irradiance);
+        // Rare bright rays may have met the neighbours only: then theirs say how much noise there is, as a share of the fit.
+        let (own, fitted) = (mean(&record.irradiance), self.strength());
         let share = |other: &Neighbour<'_, BANDS>| {
             other.record.variance / mean(&other.record.irradiance).powi(2).max(f64::MIN_POSITIVE)
         };
         let rays: f64 = neighbours.iter().map(|other| other.record.rays).sum();
         let of_a_ray = neighbours.iter().map(|other| share(other) * other.record.rays.powi(2)).sum::<f64>();
-        let typical = self.strength();
-        let variance = record.variance.max(typical * typical * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
-        let apart = (own - self.strength()).abs();
+        let variance = record.variance.max(fitted * fitted * of_a_ray / (rays * record.rays).max(f64::MIN_POSITIVE));
+        let apart = (own - fitted).abs();
         let explained = HELD * variance.sqrt();
         if apart > explained {
             let share = 1.0 - explained / apart;

@@ -315,10 +315,14 @@ fn positive(words: &[String], expected: &str) -> Result<f64, Failure> {
 mod tests {
     use super::*;
 
-    fn asked_error(words: &str) -> f64 {
+    fn parsed(words: &str) -> Options {
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
         let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
-        match options.effort() {
+        options
+    }
+
+    fn asked_error(words: &str) -> f64 {
+        match parsed(words).effort() {
             Effort::Error { error, .. } => error,
             Effort::Samples(samples) => panic!("{samples} rays for each pixel"),
         }
@@ -347,9 +351,7 @@ mod tests {
             ("rpict -ad 1 -aa 0 --error .01 a.oct", 1),
             ("rpict -ad 100 -aa 0 --error .01 a.oct", 100),
         ] {
-            let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-            let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
-            assert_eq!(options.render.gathering.divisions, expected, "{words:?}");
+            assert_eq!(parsed(words).render.gathering.divisions, expected, "{words}");
         }
     }
 }
