@@ -110,6 +110,9 @@ const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
 /// view that it must be known better.
 const REACH_SEEN: f64 = 2.0;
 
+/// Steps of the golden section are spread evenly.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
 /// Rays that look around are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
@@ -195,7 +198,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
         let around = self.glance_around(place, look);
         let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
-        (record.resting_on(around.rays), around)
+        let offset = (look.number as f64 * GOLDEN).fract();
+        (record.resting_on(around.rays).with_hits(&around.hits, offset), around)
     }
 
     /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.

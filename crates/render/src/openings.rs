@@ -200,6 +200,16 @@ impl Outlook<'_> {
         (place - self.point).try_normalize()
     }
 
+    /// The nearest opening in a unit direction: how far away it is, and its unit normal on the side of the point.
+    pub(crate) fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
+        let met = |(index, _): &(u32, f64)| {
+            let opening = &self.openings[*index as usize];
+            opening.form.met(self.point, direction).map(|(distance, _)| (distance, opening.normal))
+        };
+        let nearer = |one: &(f64, DVec3), two: &(f64, DVec3)| one.0.total_cmp(&two.0);
+        self.promises[..self.len].iter().filter_map(met).min_by(nearer)
+    }
+
     /// The density with which [`Outlook::draw`] finds a unit direction, 1/sr.
     pub(crate) fn density(&self, direction: DVec3) -> f64 {
         let of_one = |(index, promise): &(u32, f64)| {

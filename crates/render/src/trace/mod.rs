@@ -31,6 +31,7 @@ use crate::ray::{Hit, Ray};
 use crate::shader::Kind;
 use crate::surface_light::LitPoint;
 use crate::tree::{Course, NodeId, Tree};
+use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
@@ -225,6 +226,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     /// How far away the first surface was; infinite for none.
     pub(crate) fn first_distance(&self) -> f64 {
         self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
+    }
+
+    /// Unit geometric normal of the first surface, turned against the direction of the ray; `None` for none.
+    pub(crate) fn first_normal(&self, direction: DVec3) -> Option<DVec3> {
+        let hit = self.first_hit.filter(|hit| hit.distance.is_finite())?;
+        Some(if hit.normal.dot(direction) > 0.0 { -hit.normal } else { hit.normal })
     }
 
     /// How far away what is seen appears, through plane mirrors and panes; infinite for none.
