@@ -11,7 +11,7 @@
 //! nothing of occlusion. It serves as a control variate: only its changes are used, and the records are fitted to what
 //! remains.
 
-use crate::record::mean;
+use crate::record::{Record, mean};
 use glam::DVec3;
 
 /// What one ray from the place of a record found.
@@ -50,15 +50,18 @@ struct Emitter<const BANDS: usize> {
 /// So many points stand for the hits of a record.
 const COUNT: usize = 8;
 
-/// A model of a neighbourhood has about so many points.
-const POINTS_OF_A_MODEL: usize = 96;
+/// A model of a neighbourhood has at most so many points.
+const CAPACITY: usize = 64;
 
 /// Cosines below this count as this: a hit at a grazing angle would change without bounds.
-const LEAST_COSINE: f64 = 0.05;
+const LEAST_COSINE: f32 = 0.05;
 
-/// Distances are lengthened, in squares, by this share of the radius of the neighbourhood: nearer emitters change more than
-/// neighbouring records can tell.
-const SOFTENING: f64 = 0.3;
+/// Squared distances are lengthened by this share of the squared radius of the neighbourhood: nearer emitters change more
+/// than neighbouring records can tell.
+const SOFTENING: f32 = 0.09;
+
+/// Sums are made in so many parts, which vector instructions add at once.
+const LANES: usize = 8;
 
 impl<const BANDS: usize> Emitters<BANDS> {
     /// None.
@@ -124,27 +127,26 @@ impl<const BANDS: usize> Emitter<BANDS> {
             irradiance: hit.irradiance.map(|band| (band * share) as f32),
         }
     }
-
-    /// What it contributes at a point of a surface with this unit normal is in proportion to this; lengths below `softening`
-    /// (squared) make no difference.
-    fn form_factor(&self, position: DVec3, normal: DVec3, softening: f64) -> f64 {
-        if self.is_distant {
-            return normal.dot(self.place).max(LEAST_COSINE);
-        }
-        let way = self.place - position;
-        let squared = way.length_squared() + softening;
-        let least = LEAST_COSINE * squared.sqrt();
-        let received = normal.dot(way).max(least);
-        let emitted = if self.normal == DVec3::ZERO { squared.sqrt() } else { (-self.normal.dot(way)).max(least) };
-        received * emitted / (squared * squared)
-    }
 }
 
 /// How the irradiance changes around a record, by the emitters of all its neighbours.
+///
+/// Single precision in arrays, in radii of the neighbourhood from the record: the loops over the points are made of vector
+/// instructions.
 #[derive(Debug)]
 pub(crate) struct EmitterModel<const BANDS: usize> {
-    points: Vec<Emitter<BANDS>>,
-    softening: f64,
+    origin: DVec3,
+    radius: f64,
+    count: usize,
+    /// Place and normal, coordinate by coordinate.
+    place: [[f32; CAPACITY]; 3],
+    normal: [[f32; CAPACITY]; 3],
+    /// One for an emitter at a place, zero for one at infinity.
+    is_near: [f32; CAPACITY],
+    /// One for an emitter that faces every point alike, zero for others.
+    faces_all: [f32; CAPACITY],
+    /// Contribution to the irradiance over the form factor, band by band.
+    strength: [[f32; CAPACITY]; BANDS],
 }
 
 /// The change of the irradiance around a point, to second order, in two tangents x and y.
@@ -156,41 +158,91 @@ pub(crate) struct Change {
 }
 
 impl<const BANDS: usize> EmitterModel<BANDS> {
-    /// From records at positions with unit normals, and the weight of each, which sum to 1; `radius` is that of the
-    /// neighbourhood.
+    /// Around a position, from records with the weight of each, which sum to 1; `radius` is that of the neighbourhood.
     pub(crate) fn new<'r>(
-        records: impl ExactSizeIterator<Item = (&'r Emitters<BANDS>, DVec3, DVec3, f64)>,
+        origin: DVec3,
+        records: impl ExactSizeIterator<Item = (&'r Record<BANDS>, f64)>,
         radius: f64,
     ) -> Self {
-        let softening = (SOFTENING * radius).powi(2);
-        let stride = (records.len() * COUNT).div_ceil(POINTS_OF_A_MODEL).min(COUNT);
-        let mut points = Vec::with_capacity(POINTS_OF_A_MODEL + COUNT);
-        for (index, (emitters, position, normal, weight)) in records.enumerate() {
-            if !emitters.is_known {
+        let none = [0.0; CAPACITY];
+        let mut model = EmitterModel {
+            origin,
+            radius,
+            count: 0,
+            place: [none; 3],
+            normal: [none; 3],
+            is_near: none,
+            faces_all: none,
+            strength: [none; BANDS],
+        };
+        // Of each record as many points, so that all have room.
+        let kept = (CAPACITY / records.len().max(1)).clamp(1, COUNT);
+        for (index, (record, weight)) in records.enumerate() {
+            if !record.emitters.is_known || model.count + kept > CAPACITY {
                 continue;
             }
-            let first = index % stride;
-            let count = (COUNT - first).div_ceil(stride);
-            let share = weight * COUNT as f64 / count as f64;
-            for point in emitters.points[first..].iter().step_by(stride) {
-                let scale = share / point.form_factor(position, normal, softening);
-                let irradiance = point.irradiance.map(|band| (f64::from(band) * scale) as f32);
-                points.push(Emitter { irradiance, ..*point });
+            let first = model.count;
+            for slot in 0..kept {
+                let point = &record.emitters.points[(index * kept + slot * COUNT / kept) % COUNT];
+                model.push(point, weight * COUNT as f64 / kept as f64);
+            }
+            let factors = model.form_factors(record.position, record.normal);
+            for band in &mut model.strength {
+                let kept = first..model.count;
+                band[kept.clone()].iter_mut().zip(&factors[kept]).for_each(|(band, factor)| *band /= factor);
             }
         }
-        EmitterModel { points, softening }
+        model
+    }
+
+    fn push(&mut self, point: &Emitter<BANDS>, weight: f64) {
+        let place = if point.is_distant { point.place } else { (point.place - self.origin) / self.radius };
+        for axis in 0..3 {
+            self.place[axis][self.count] = place[axis] as f32;
+            self.normal[axis][self.count] = point.normal[axis] as f32;
+        }
+        self.is_near[self.count] = if point.is_distant { 0.0 } else { 1.0 };
+        self.faces_all[self.count] = if point.normal == DVec3::ZERO { 1.0 } else { 0.0 };
+        for (strengths, band) in self.strength.iter_mut().zip(point.irradiance) {
+            strengths[self.count] = band * weight as f32;
+        }
+        self.count += 1;
+    }
+
+    /// What each emitter contributes at a point of a surface with this unit normal is in proportion to this.
+    fn form_factors(&self, position: DVec3, normal: DVec3) -> [f32; CAPACITY] {
+        let position = ((position - self.origin) / self.radius).as_vec3().to_array();
+        let normal = normal.as_vec3().to_array();
+        let mut factors = [0.0; CAPACITY];
+        for (point, factor) in factors.iter_mut().enumerate() {
+            let (mut squared, mut received, mut emitted) = (SOFTENING * self.is_near[point], 0.0, 0.0);
+            for axis in 0..3 {
+                let way = self.place[axis][point] - position[axis] * self.is_near[point];
+                squared += way * way;
+                received += way * normal[axis];
+                emitted -= way * self.normal[axis][point];
+            }
+            let length = squared.sqrt();
+            let least = LEAST_COSINE * length;
+            let emitted = emitted.max(least.max(self.faces_all[point] * length));
+            *factor = received.max(least) * emitted / (squared * squared).max(f32::MIN_POSITIVE);
+        }
+        factors
     }
 
     /// The irradiance at a point of a surface with this unit normal.
     pub(crate) fn irradiance(&self, position: DVec3, normal: DVec3) -> [f64; BANDS] {
-        let mut sum = [0.0; BANDS];
-        for point in &self.points {
-            let factor = point.form_factor(position, normal, self.softening);
-            for (sum, band) in sum.iter_mut().zip(point.irradiance) {
-                *sum += factor * f64::from(band);
-            }
+        if self.count == 0 {
+            return [0.0; BANDS];
         }
-        sum
+        let factors = self.form_factors(position, normal);
+        std::array::from_fn(|band| {
+            let mut sums = [0.0; LANES];
+            for (strengths, factors) in self.strength[band].chunks_exact(LANES).zip(factors.chunks_exact(LANES)) {
+                sums.iter_mut().zip(strengths.iter().zip(factors)).for_each(|(sum, (one, two))| *sum += one * two);
+            }
+            f64::from(sums.iter().sum::<f32>())
+        })
     }
 
     /// How it changes around a point, by differences over a length `step` along two tangents.

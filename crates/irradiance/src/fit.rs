@@ -279,9 +279,8 @@ impl<const BANDS: usize> Trend<BANDS> {
         let frame = Record::<BANDS>::frame(record.normal);
         let [x, y, normal] = frame;
         let model = EmitterModel::new(
-            neighbours.iter().map(|other| (other.record, weight(other))).map(|(other, weight)| {
-                (&other.emitters, other.position, other.normal, weight / total)
-            }),
+            record.position,
+            neighbours.iter().map(|other| (other.record, weight(other) / total)),
             radius,
         );
         let changes = model.change(record.position, frame, DIFFERENCE * radius);
