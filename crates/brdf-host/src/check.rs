@@ -10,6 +10,7 @@ mod job;
 mod probe;
 mod report;
 
+pub use crate::ChildCommand;
 pub use child::child_main;
 pub use example::Example;
 pub use job::Stage;
@@ -35,15 +36,6 @@ pub struct CheckOptions {
     pub time_limit: Duration,
     /// The program that calls [`child_main`].
     pub child: ChildCommand,
-}
-
-/// How to start a child.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChildCommand {
-    /// The program: this one, as a rule.
-    pub program: PathBuf,
-    /// Its arguments: the hidden command that leads to [`child_main`].
-    pub arguments: Vec<String>,
 }
 
 impl CheckOptions {

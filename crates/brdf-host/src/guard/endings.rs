@@ -1,0 +1,94 @@
+//! Ways in which a plugin can end or double the process without a crash: `exit`, `quick_exit`, `_exit`, `fork`.
+
+use super::call::own_slot;
+use super::message::{end_now, is_first_to_speak, report_call, wait_for_the_end};
+
+/// Installs the handlers. To be called once, before any plugin is loaded.
+pub(super) fn install() {
+    #[cfg(unix)]
+    unix::install();
+}
+
+/// Ends the program if this thread is in a plugin's call.
+pub(super) fn end_if_in_call(what: &str) {
+    let Some((slot, text)) = own_slot().and_then(|slot| Some((slot, slot.text()?))) else { return };
+    if is_first_to_speak() {
+        report_call("fault", slot, text, &[what]);
+        end_now(super::FAULT);
+    }
+    wait_for_the_end()
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::super::call::{Breadcrumb, enter_for_good};
+    use super::super::message::{end_now, is_first_to_speak, loaded, report, wait_for_the_end};
+    use super::end_if_in_call;
+    use std::ffi::c_int;
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    use std::ffi::c_void;
+
+    pub(super) fn install() {
+        // SAFETY: none has conditions on when it may be called, and the handlers stay.
+        unsafe {
+            #[cfg(all(target_os = "linux", target_env = "gnu"))]
+            {
+                on_exit(at_exit_with_status, std::ptr::null_mut());
+                at_quick_exit(at_quick_exit_in_call);
+            }
+            #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+            libc::atexit(at_exit);
+            libc::pthread_atfork(Some(before_fork), None, None);
+        }
+    }
+
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    unsafe extern "C" {
+        fn on_exit(handler: extern "C" fn(c_int, *mut c_void), argument: *mut c_void) -> c_int;
+        fn at_quick_exit(handler: extern "C" fn()) -> c_int;
+    }
+
+    /// Runs when someone called `exit`, be it the program itself: then all its work is done, and no more of a plugin's code
+    /// can change what the exit code says.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    extern "C" fn at_exit_with_status(status: c_int, _: *mut c_void) {
+        at_exit();
+        // SAFETY: writes what plugins printed; no conditions.
+        unsafe { libc::fflush(std::ptr::null_mut()) };
+        end_now(status)
+    }
+
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    extern "C" fn at_quick_exit_in_call() {
+        end_if_in_call("it called quick_exit");
+    }
+
+    extern "C" fn at_exit() {
+        end_if_in_call("it called exit");
+        if !is_main_thread() {
+            if is_first_to_speak() {
+                report(&["a thread of a plugin called exit; loaded are ", loaded().unwrap_or("none")]);
+                end_now(super::super::FAULT);
+            }
+            wait_for_the_end();
+        }
+        // What runs of plugins from now on is guarded too.
+        if let Some(names) = loaded() {
+            enter_for_good(Breadcrumb::keep(format!("one of the plugins {names}, at the end of the program")));
+        }
+    }
+
+    unsafe extern "C" fn before_fork() {
+        end_if_in_call("it called fork");
+    }
+
+    #[cfg(target_os = "linux")]
+    fn is_main_thread() -> bool {
+        rustix::thread::gettid() == rustix::process::getpid()
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn is_main_thread() -> bool {
+        true
+    }
+}

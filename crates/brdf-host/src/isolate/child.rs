@@ -1,0 +1,162 @@
+//! The worker: the process in which a library runs.
+
+use super::channel::{Call, SharedMemory};
+use super::wire::{Answer, Ask, Description, WireBand};
+use crate::guard;
+use crate::library::User;
+use crate::table::Arguments;
+use crate::{Error, Label, Library, PluginBrdf, supervise};
+use radsight_brdf_abi::{Band, status};
+use rustix::process::{Resource, Rlimit};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::net::UnixStream;
+use std::process::Stdio;
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// What the hidden command does: supervises itself, or is the worker.
+///
+/// # Errors
+/// When the other end does not keep to the protocol.
+pub fn child_main() -> io::Result<()> {
+    if supervise::is_worker() { work() } else { supervise_worker() }
+}
+
+/// Says how the worker ended, on standard output.
+fn supervise_worker() -> io::Result<()> {
+    supervise::adopt_orphans()?;
+    let stderr = io::stderr().as_fd().try_clone_to_owned()?;
+    let worker = supervise::worker_command()?.stdin(Stdio::inherit()).stdout(Stdio::from(stderr)).spawn()?;
+    let ended = supervise::watch(worker)?;
+    writeln!(io::stdout(), "{}", serde_json::to_string(&ended)?)
+}
+
+fn work() -> io::Result<()> {
+    supervise::begin_work();
+    let socket = take_socket()?;
+    let memory = super::parent::receive_descriptor(&socket)?;
+    let mut lines = BufReader::new(socket.try_clone()?).lines();
+    let mut next = || -> io::Result<Option<Ask>> {
+        let Some(line) = lines.next() else { return Ok(None) };
+        Ok(Some(serde_json::from_str(&line?)?))
+    };
+    let Some(Ask::Load { path, channels, memory: limit, user }) = next()? else { return Ok(()) };
+    let shared = SharedMemory::map(&memory, channels)?;
+    drop(memory);
+    guard::announce_reports_in(shared.spoken());
+    guard::install_in_child()?;
+    let instances: Instances = Arc::default();
+    for channel in 0..channels {
+        let (channel, instances) = (shared.channel(channel), Arc::clone(&instances));
+        std::thread::Builder::new().spawn(move || serve(&channel, &instances))?;
+    }
+    limit_memory(limit, channels)?;
+    let user = user.as_ref().map(|(model, label)| User { model, label });
+    let loaded = Library::load_for(&path, user, None).map(Arc::new);
+    let describe =
+        |library: &Arc<Library>| Description { abi_version: library.abi_version(), models: library.models().to_vec() };
+    say(&socket, &Answer::Loaded(loaded.as_ref().map(describe).map_err(Clone::clone)))?;
+    let Ok(library) = loaded else {
+        // The program has its answer, and ends this process when it likes.
+        while next()?.is_some() {}
+        return Ok(());
+    };
+    while let Some(ask) = next()? {
+        say(&socket, &answer(&library, &instances, ask))?;
+    }
+    Ok(())
+}
+
+/// The instances by their numbers.
+type Instances = Arc<RwLock<Vec<Option<Arc<PluginBrdf>>>>>;
+
+fn answer(library: &Arc<Library>, instances: &Instances, ask: Ask) -> Answer {
+    match ask {
+        Ask::Create { index, arguments, bands, label } => {
+            Answer::Created(create(library, instances, index, &arguments, &bands, label))
+        }
+        Ask::Destroy(id) => {
+            let mut instances = instances.write().unwrap_or_else(PoisonError::into_inner);
+            let gone = instances.get_mut(id as usize).and_then(Option::take);
+            drop(instances);
+            drop(gone);
+            Answer::Destroyed
+        }
+        Ask::Manual => Answer::Manual(library.manual()),
+        // A library is loaded once.
+        Ask::Messages | Ask::Load { .. } => Answer::Messages(library.take_messages()),
+    }
+}
+
+fn create(
+    library: &Arc<Library>,
+    instances: &Instances,
+    index: u32,
+    arguments: &Arguments,
+    bands: &[WireBand],
+    label: Label,
+) -> Result<(u32, u32), Error> {
+    let bands: Vec<Band> = bands
+        .iter()
+        .filter_map(|band| <[f64; 3]>::try_from(&band.0[..]).ok())
+        .map(|[centre_m, low_m, high_m]| Band { centre_m, low_m, high_m })
+        .collect();
+    let brdf = PluginBrdf::create_unchecked(Arc::clone(library), index, arguments, &bands, label)?;
+    let flags = brdf.lobe_flags();
+    let mut instances = instances.write().unwrap_or_else(PoisonError::into_inner);
+    instances.push(Some(Arc::new(brdf)));
+    Ok((instances.len() as u32 - 1, flags))
+}
+
+/// Answers the questions of one channel.
+fn serve(channel: &super::channel::Channel, instances: &Instances) {
+    loop {
+        let (instance, call) = channel.next_question();
+        let brdf = {
+            let instances = instances.read().unwrap_or_else(PoisonError::into_inner);
+            instances.get(instance as usize).cloned().flatten()
+        };
+        match (brdf, call) {
+            (None, _) => channel.answer(status::BAD_ARGUMENT, None),
+            (Some(brdf), Call::Eval { outgoing, incident, values, pdfs }) => {
+                let found = brdf.call_eval(outgoing, incident, values, pdfs);
+                channel.answer(found, None);
+            }
+            (Some(brdf), Call::Sample { outgoing, u, weights }) => {
+                let (found, drawn) = brdf.call_sample(outgoing, u, weights);
+                channel.answer(found, Some(drawn));
+            }
+        }
+    }
+}
+
+/// Takes the socket from the place of standard input, which plugins find empty.
+fn take_socket() -> io::Result<UnixStream> {
+    let socket: OwnedFd = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdin(), LEAST_PRIVATE_DESCRIPTOR)?;
+    rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
+    Ok(UnixStream::from(socket))
+}
+
+/// Above those that programs are used to.
+const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
+
+fn say(mut socket: &UnixStream, answer: &Answer) -> io::Result<()> {
+    socket.write_all((serde_json::to_string(answer)? + "\n").as_bytes())
+}
+
+/// Lets the plugin have so many bytes beyond what the process has.
+fn limit_memory(limit: Option<u64>, threads: usize) -> io::Result<()> {
+    /// Address space that allocators set aside for a thread without using it, and for files that are mapped.
+    const AIR_BYTES: u64 = 1 << 30;
+    const THREAD_AIR_BYTES: u64 = 128 << 20;
+    let Some(limit) = limit else { return Ok(()) };
+    let statistics = std::fs::read_to_string("/proc/self/statm")?;
+    let pages: Vec<u64> = statistics.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let bytes = |field: usize| pages.get(field).copied().unwrap_or(0) * rustix::param::page_size() as u64;
+    let set =
+        |resource, most: u64| rustix::process::setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) });
+    set(Resource::Data, bytes(5).saturating_add(limit))?;
+    let air = AIR_BYTES + THREAD_AIR_BYTES * threads as u64;
+    Ok(set(Resource::As, bytes(0).saturating_add(limit).saturating_add(air))?)
+}
