@@ -58,6 +58,22 @@ mod unix {
         end_now(status)
     }
 
+    /// Takes the place of the C library's function in the whole program, so that a plugin that calls it is noticed. The dynamic
+    /// linker gives it to plugins before that of the C library.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    #[unsafe(no_mangle)]
+    extern "C" fn _exit(status: c_int) -> ! {
+        end_if_in_call("it called _exit");
+        end_now(status)
+    }
+
+    /// The same function under the name that C has for it.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    #[unsafe(no_mangle)]
+    extern "C" fn _Exit(status: c_int) -> ! {
+        _exit(status)
+    }
+
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     extern "C" fn at_quick_exit_in_call() {
         end_if_in_call("it called quick_exit");

@@ -89,7 +89,13 @@ pub(crate) fn end_silently() -> ! {
 
 /// Ends the process without any more of its code, or of its plugins'.
 pub(super) fn end_now(code: i32) -> ! {
-    #[cfg(unix)]
+    // Not by `_exit`, for which this program has a function of its own.
+    #[cfg(target_os = "linux")]
+    loop {
+        // SAFETY: async-signal-safe, and does not return.
+        unsafe { libc::syscall(libc::SYS_exit_group, code) };
+    }
+    #[cfg(all(unix, not(target_os = "linux")))]
     // SAFETY: async-signal-safe, and does not return.
     unsafe {
         libc::_exit(code)
@@ -157,18 +163,16 @@ impl Line {
 
     fn write(mut self) {
         self.bytes[self.length] = b'\n';
-        // SAFETY: the pointer is null or leads to a number that stays.
-        if let Some(spoken) = unsafe { SPOKEN.load(Ordering::Acquire).as_ref() } {
-            spoken.fetch_add(1, Ordering::AcqRel);
-        }
         let text = &self.bytes[..=self.length];
         #[cfg(unix)]
         // SAFETY: `write` is async-signal-safe; the slice is valid.
-        unsafe {
-            libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len());
-        }
+        let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
         #[cfg(not(unix))]
-        let _ = std::io::Write::write_all(&mut std::io::stderr(), text);
+        let written = std::io::Write::write(&mut std::io::stderr(), text).unwrap_or(0);
+        // SAFETY: the pointer is null or leads to a number that stays.
+        if let (true, Some(spoken)) = (written > 0, unsafe { SPOKEN.load(Ordering::Acquire).as_ref() }) {
+            spoken.fetch_add(1, Ordering::AcqRel);
+        }
     }
 }
 

@@ -13,12 +13,20 @@ pub(super) fn start(limits: &Limits) -> std::io::Result<()> {
     let limits = *limits;
     let tick = limits.time.map_or(TICK, |time| (time / 4).clamp(Duration::from_millis(5), TICK));
     let thread = std::thread::Builder::new().name("plugin watch".to_owned()).stack_size(256 << 10);
-    thread.spawn(move || watch(&limits, tick)).map(drop)
+    let (ready, is_ready) = std::sync::mpsc::channel();
+    thread.spawn(move || watch(&limits, tick, &ready))?;
+    is_ready.recv().map_err(std::io::Error::other)
 }
 
-fn watch(limits: &Limits, tick: Duration) {
-    let mut calls: Vec<Watched> = Vec::new();
+fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
+    // A library whose initialiser does not return keeps the dynamic linker locked, so all that is looked up by name at its first
+    // use is used before one can be loaded.
+    std::thread::sleep(Duration::from_micros(1));
+    memory_in_use();
+    let mut calls = look(&[], Duration::ZERO);
+    super::take_back_handlers(None);
     let mut last = Instant::now();
+    let _ = ready.send(());
     loop {
         std::thread::sleep(tick);
         // A process that was stopped for an hour has not computed for an hour.

@@ -19,8 +19,6 @@ const MOST_NUMBERS: usize = 3 + MOST_DIRECTIONS * (3 + MOST_BANDS + 1);
 const HEAD_BYTES: usize = size_of::<Head>();
 const PAGE_BYTES: usize = 4096;
 const CHANNEL_BYTES: usize = (HEAD_BYTES + MOST_NUMBERS * size_of::<f64>()).next_multiple_of(PAGE_BYTES);
-/// Looks at the other side's word before going to sleep: about as long as a short call.
-const LOOKS_BEFORE_SLEEP: u32 = 64;
 
 /// The begin of a channel.
 #[repr(C, align(128))]
@@ -36,6 +34,8 @@ struct Head {
     bands: AtomicU32,
     status: AtomicU32,
     sample_kind: AtomicU32,
+    /// Where the thread that asks runs.
+    processor: AtomicU32,
 }
 
 mod state {
@@ -149,14 +149,21 @@ impl Channel {
         head.instance.store(instance, Ordering::Relaxed);
         head.count.store(count as u32, Ordering::Relaxed);
         head.bands.store(bands as u32, Ordering::Relaxed);
+        head.processor.store(rustix::thread::sched_getcpu() as u32, Ordering::Relaxed);
         hand_over(&head.state, state::ASKED, &head.worker_sleeps);
         wait_for(&head.state, state::ANSWERED, &head.program_sleeps);
     }
 
-    /// Waits for the next question: the instance and the call.
-    pub(super) fn next_question(&self) -> (u32, Call) {
+    /// Waits for the next question: the instance and the call. `processor` is where this thread runs, which follows the
+    /// thread that asks: one of the two sleeps always, and to wake a thread on another processor takes longer.
+    pub(super) fn next_question(&self, processor: &mut Option<u32>) -> (u32, Call) {
         let head = self.head;
         wait_for(&head.state, state::ASKED, &head.worker_sleeps);
+        let of_program = head.processor.load(Ordering::Relaxed);
+        if *processor != Some(of_program) {
+            *processor = Some(of_program);
+            follow(of_program);
+        }
         let (count, bands) = (head.count.load(Ordering::Relaxed) as usize, head.bands.load(Ordering::Relaxed) as usize);
         let outgoing = DVec3::from_slice(self.part(0, 3));
         let call = if head.function.load(Ordering::Relaxed) == function::SAMPLE {
@@ -212,6 +219,15 @@ impl Channel {
     }
 }
 
+/// Moves this thread to a processor, where the system lets it.
+fn follow(processor: u32) {
+    let mut set = rustix::thread::CpuSet::new();
+    if (processor as usize) < rustix::thread::CpuSet::MAX_CPU {
+        set.set(processor as usize);
+        let _ = rustix::thread::sched_setaffinity(None, &set);
+    }
+}
+
 /// Changes the state and wakes the other side if it sleeps.
 fn hand_over(state: &AtomicU32, value: u32, other_sleeps: &AtomicU32) {
     state.store(value, Ordering::SeqCst);
@@ -220,13 +236,8 @@ fn hand_over(state: &AtomicU32, value: u32, other_sleeps: &AtomicU32) {
     }
 }
 
+/// Sleeps until the other side has changed the state. It runs on the same processor, so that nothing is won by looking longer.
 fn wait_for(state: &AtomicU32, wanted: u32, sleeps: &AtomicU32) {
-    for _ in 0..LOOKS_BEFORE_SLEEP {
-        if state.load(Ordering::Acquire) == wanted {
-            return;
-        }
-        std::hint::spin_loop();
-    }
     sleeps.store(1, Ordering::SeqCst);
     loop {
         let found = state.load(Ordering::SeqCst);
@@ -250,8 +261,9 @@ mod tests {
         let other = SharedMemory::map(&file, 2).unwrap();
         let worker = std::thread::spawn(move || {
             let channel = other.channel(1);
+            let mut processor = None;
             for _ in 0..100 {
-                let (instance, call) = channel.next_question();
+                let (instance, call) = channel.next_question(&mut processor);
                 match call {
                     Call::Eval { outgoing, incident: [x, y, z], values, pdfs } => {
                         for (index, value) in values.iter_mut().enumerate() {

@@ -111,8 +111,9 @@ fn create(
 
 /// Answers the questions of one channel.
 fn serve(channel: &super::channel::Channel, instances: &Instances) {
+    let mut processor = None;
     loop {
-        let (instance, call) = channel.next_question();
+        let (instance, call) = channel.next_question(&mut processor);
         let brdf = {
             let instances = instances.read().unwrap_or_else(PoisonError::into_inner);
             instances.get(instance as usize).cloned().flatten()
