@@ -14,6 +14,8 @@ mod signals;
 pub mod standard_output;
 mod watch;
 
+#[cfg(target_os = "linux")]
+pub(crate) use call::count_calls;
 pub(crate) use call::{Breadcrumb, Text, enter, enter_at};
 pub(crate) use message::{announce_reports_in, end_program, end_silently, note_library, one_line};
 

@@ -5,6 +5,7 @@ use crate::functions::{Drawn, Functions};
 use crate::guard::{self, Breadcrumb};
 use crate::isolate::Question;
 use crate::library::Home;
+use crate::self_check::{SelfCheck, self_check};
 use crate::table::Arguments;
 use crate::{Error, Library, ModelInfo};
 use glam::DVec3;
@@ -150,6 +151,22 @@ impl PluginBrdf {
             | of(self.lobes.glossy, flags::GLOSSY)
             | of(self.lobes.delta, flags::DELTA)
             | of(self.lobes.transmission, flags::TRANSMISSION)
+    }
+
+    /// Findings of the self-check in words.
+    pub(crate) fn quick_check(&self, mode: SelfCheck) -> Vec<String> {
+        match (&self.home, self.library.home()) {
+            // Its many calls take less time where the plugin is.
+            (Made::There(id), Home::There(worker)) if mode != SelfCheck::Off => {
+                worker.self_check(*id, self.in_self_check())
+            }
+            _ => self_check(self, mode),
+        }
+    }
+
+    fn in_self_check(&self) -> Breadcrumb {
+        let Label { material, place } = &self.label;
+        Breadcrumb::for_model(self.library.name(), &self.model.name, material, place, "eval_pdf or sample")
     }
 
     /// What it returned that a model must not, so far.

@@ -40,6 +40,10 @@ pub struct Isolation {
     pub memory: Option<u64>,
 }
 
+/// How often the program looks whether a worker that has not answered gets on.
+#[cfg(target_os = "linux")]
+const BETWEEN_LOOKS: std::time::Duration = std::time::Duration::from_millis(100);
+
 /// What `eval_pdf` is asked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question<'a> {

@@ -2,7 +2,7 @@
 
 use crate::isolate::Isolation;
 use crate::library::User;
-use crate::self_check::{SelfCheck, self_check};
+use crate::self_check::SelfCheck;
 use crate::{Error, FaultReport, Label, Library, PluginBrdf, SearchPath};
 use radsight_brdf_abi::Band;
 use std::collections::HashMap;
@@ -108,7 +108,7 @@ impl Registry {
         let (index, model) = library.model(request.model)?;
         let arguments = model.arguments(request.words, request.numbers, request.bands, request.folder)?;
         let brdf = PluginBrdf::create(Arc::clone(&library), index, &arguments, request.bands, request.label.clone())?;
-        let findings = self_check(&brdf, self.self_check);
+        let findings = brdf.quick_check(self.self_check);
         if self.self_check == SelfCheck::Strict && !findings.is_empty() {
             return Err(Error::SelfCheck { library: library.name().to_owned(), findings });
         }

@@ -145,6 +145,13 @@ pub(crate) fn enter_at(breadcrumb: Breadcrumb, outgoing: [f64; 3]) -> Trail {
     Trail { slot, before }
 }
 
+/// Gives a function that says how many calls this thread has begun.
+#[cfg(target_os = "linux")]
+pub(crate) fn count_calls() -> impl Fn() -> u64 + Send {
+    let slot = SLOT.get().unwrap_or_else(take_slot);
+    move || slot.calls.load(Ordering::Relaxed)
+}
+
 /// Marks the thread for the rest of its life.
 pub(super) fn enter_for_good(breadcrumb: Breadcrumb) {
     std::mem::forget(enter(breadcrumb));

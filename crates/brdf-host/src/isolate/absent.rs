@@ -41,6 +41,10 @@ impl Worker {
         match *self {}
     }
 
+    pub(crate) fn self_check(&self, _: u32, _: Breadcrumb) -> Vec<String> {
+        match *self {}
+    }
+
     pub(crate) fn manual(&self) -> Option<String> {
         match *self {}
     }

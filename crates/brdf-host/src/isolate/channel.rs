@@ -88,6 +88,12 @@ impl SharedMemory {
         unsafe { &*self.base.cast::<AtomicU32>() }
     }
 
+    /// Changes as long as the worker makes calls to answer what the socket asked.
+    pub(super) fn progress(&self) -> &'static AtomicU32 {
+        // SAFETY: as for `spoken`, behind which it is.
+        unsafe { &*self.base.cast::<AtomicU32>().add(1) }
+    }
+
     pub(super) fn channel(&self, index: usize) -> Channel {
         assert!(index < self.channels, "the channel exists");
         // SAFETY: inside of the mapping, whose layout this is; zero is a valid head, and all of it is atomic.

@@ -4,6 +4,7 @@ use super::channel::{Call, SharedMemory};
 use super::wire::{Answer, Ask, Description, WireBand};
 use crate::guard;
 use crate::library::User;
+use crate::self_check::{SelfCheck, self_check};
 use crate::table::Arguments;
 use crate::{Error, Label, Library, PluginBrdf, supervise};
 use radsight_brdf_abi::{Band, status};
@@ -13,6 +14,7 @@ use std::io::{self, BufRead, BufReader, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::process::Stdio;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 
 /// What the hidden command does: supervises itself, or is the worker.
@@ -51,6 +53,7 @@ fn work() -> io::Result<()> {
         let (channel, instances) = (shared.channel(channel), Arc::clone(&instances));
         std::thread::Builder::new().spawn(move || serve(&channel, &instances))?;
     }
+    show_progress(shared)?;
     limit_memory(limit, channels)?;
     let user = user.as_ref().map(|(model, label)| User { model, label });
     let loaded = Library::load_for(&path, user, None).map(Arc::new);
@@ -82,6 +85,10 @@ fn answer(library: &Arc<Library>, instances: &Instances, ask: Ask) -> Answer {
             drop(instances);
             drop(gone);
             Answer::Destroyed
+        }
+        Ask::SelfCheck(id) => {
+            let brdf = instances.read().unwrap_or_else(PoisonError::into_inner).get(id as usize).cloned().flatten();
+            Answer::SelfChecked(brdf.map_or_else(Vec::new, |brdf| self_check(&brdf, SelfCheck::Warn)))
         }
         Ask::Manual => Answer::Manual(library.manual()),
         // A library is loaded once.
@@ -118,18 +125,30 @@ fn serve(channel: &super::channel::Channel, instances: &Instances) {
             let instances = instances.read().unwrap_or_else(PoisonError::into_inner);
             instances.get(instance as usize).cloned().flatten()
         };
-        match (brdf, call) {
-            (None, _) => channel.answer(status::BAD_ARGUMENT, None),
+        let (found, drawn) = match (&brdf, call) {
+            (None, _) => (status::BAD_ARGUMENT, None),
             (Some(brdf), Call::Eval { outgoing, incident, values, pdfs }) => {
-                let found = brdf.call_eval(outgoing, incident, values, pdfs);
-                channel.answer(found, None);
+                (brdf.call_eval(outgoing, incident, values, pdfs), None)
             }
             (Some(brdf), Call::Sample { outgoing, u, weights }) => {
                 let (found, drawn) = brdf.call_sample(outgoing, u, weights);
-                channel.answer(found, Some(drawn));
+                (found, Some(drawn))
             }
-        }
+        };
+        // After the answer the program may want the instance gone.
+        drop(brdf);
+        channel.answer(found, drawn);
     }
+}
+
+/// Shows the program that this thread makes one call after the other, though it has not answered for long.
+fn show_progress(shared: SharedMemory) -> io::Result<()> {
+    let calls = guard::count_calls();
+    let show = move || loop {
+        std::thread::sleep(super::BETWEEN_LOOKS / 2);
+        shared.progress().store(calls() as u32, Ordering::Relaxed);
+    };
+    std::thread::Builder::new().stack_size(64 << 10).spawn(show).map(drop)
 }
 
 /// Takes the socket from the place of standard input, which plugins find empty.

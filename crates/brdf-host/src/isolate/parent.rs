@@ -2,7 +2,7 @@
 
 use super::channel::{MOST_BANDS, SharedMemory};
 use super::wire::{Answer, Ask, Description, WireBand};
-use super::{Isolation, Question};
+use super::{BETWEEN_LOOKS, Isolation, Question};
 use crate::functions::Drawn;
 use crate::guard::{self, Breadcrumb, Text};
 use crate::library::{Message, User};
@@ -76,6 +76,7 @@ impl Worker {
         let process = command.stdin(Stdio::from(OwnedFd::from(theirs))).stdout(Stdio::piped()).spawn()?;
         drop(command);
         send_descriptor(&ours, &file)?;
+        ours.set_read_timeout(Some(BETWEEN_LOOKS))?;
         let shared = Arc::new(Shared {
             library: library.to_owned(),
             memory,
@@ -118,6 +119,14 @@ impl Worker {
 
     pub(crate) fn destroy(&self, instance: u32, breadcrumb: Breadcrumb) {
         self.ask(&Ask::Destroy(instance), breadcrumb);
+    }
+
+    /// Findings of the self-check, which the worker makes.
+    pub(crate) fn self_check(&self, instance: u32, breadcrumb: Breadcrumb) -> Vec<String> {
+        match self.ask(&Ask::SelfCheck(instance), breadcrumb) {
+            Answer::SelfChecked(findings) => findings,
+            _ => Vec::new(),
+        }
     }
 
     pub(crate) fn manual(&self) -> Option<String> {
@@ -174,10 +183,20 @@ impl Worker {
     /// Asks through the socket. The caller has no other question under way in this thread.
     fn ask(&self, ask: &Ask, breadcrumb: Breadcrumb) -> Answer {
         let mut socket = lock(&self.socket);
-        let _trail = guard::enter(breadcrumb);
+        let mut trail = Some(guard::enter(breadcrumb));
         let last = self.shared.under_way.len() - 1;
         self.shared.begin(last, breadcrumb);
-        let answer = exchange(&mut socket, ask);
+        let progress = self.shared.memory.progress();
+        let mut before = progress.load(Ordering::Relaxed);
+        let answer = exchange(&mut socket, ask, || {
+            let now = progress.load(Ordering::Relaxed);
+            if std::mem::replace(&mut before, now) != now {
+                // For the guard's watch this is another call.
+                trail = None;
+                trail = Some(guard::enter(breadcrumb));
+            }
+        });
+        drop(trail);
         match answer {
             Ok(answer) => {
                 self.shared.end(last);
@@ -281,15 +300,21 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn exchange(socket: &mut BufReader<UnixStream>, ask: &Ask) -> io::Result<Answer> {
+/// Asks and waits for the answer; `waiting` is called now and then meanwhile.
+fn exchange(socket: &mut BufReader<UnixStream>, ask: &Ask, mut waiting: impl FnMut()) -> io::Result<Answer> {
     // A path that is no text cannot be said.
     let line = serde_json::to_string(ask).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     socket.get_mut().write_all((line + "\n").as_bytes())?;
-    let mut answer = String::new();
-    if socket.read_line(&mut answer)? == 0 {
-        return Err(io::ErrorKind::UnexpectedEof.into());
+    let mut answer = Vec::new();
+    loop {
+        match socket.read_until(b'\n', &mut answer) {
+            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(_) => break,
+            Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => waiting(),
+            Err(error) => return Err(error),
+        }
     }
-    serde_json::from_str(&answer).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    serde_json::from_slice(&answer).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
 
 fn send_descriptor(socket: &UnixStream, file: &OwnedFd) -> io::Result<()> {

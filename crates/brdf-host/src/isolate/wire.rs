@@ -24,6 +24,7 @@ pub(super) enum Ask {
         label: Label,
     },
     Destroy(u32),
+    SelfCheck(u32),
     Manual,
     Messages,
 }
@@ -34,6 +35,7 @@ pub(super) enum Answer {
     /// The number of the instance, and its flags.
     Created(Result<(u32, u32), Error>),
     Destroyed,
+    SelfChecked(Vec<String>),
     Manual(Option<String>),
     Messages(Vec<Message>),
 }
