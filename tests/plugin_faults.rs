@@ -136,7 +136,7 @@ fn assert_fault(ended: &Ended, case: &str, function: &str, what: &str) {
 }
 
 /// Deeds that are seen at once, and what is said of them.
-const DEEDS: [(&str, &str); 10] = [
+const DEEDS: [(&str, &str); 11] = [
     ("segfault", "SIGSEGV, invalid memory access"),
     ("divide", "SIGFPE, arithmetic fault"),
     ("illegal", "SIG"),
@@ -147,6 +147,7 @@ const DEEDS: [(&str, &str); 10] = [
     ("_exit", "it called _exit"),
     ("quick_exit", "it called quick_exit"),
     ("fork", "it called fork"),
+    ("thread_exit", "SIGABRT, abort"),
 ];
 
 /// What is known of the function when an isolated plugin dies silently in the quick check that each model goes through.
@@ -162,6 +163,10 @@ fn crashes_and_exits_in_each_function_end_with_code_3_and_the_place() {
     for (deed, what) in DEEDS {
         for (function, name) in FUNCTIONS {
             let case = format!("{function}-{deed}");
+            if case == "load-thread_exit" {
+                // The frames of the dynamic linker unwind, and the call is over.
+                continue;
+            }
             let ended = bench.trace(&case, &[]);
             assert_fault(&ended, &case, name, what);
             assert_eq!(ended.output, b"", "{case}");
@@ -208,6 +213,17 @@ fn what_no_handler_sees_is_caught_in_an_isolated_plugin() {
     let ended = bench.trace("eval-orphan_and_exit", &["--isolate-plugins"]);
     assert_fault(&ended, "orphan", "eval_pdf", "it called _exit");
     bench.assert_nothing_is_left("an orphan");
+}
+
+#[test]
+fn a_plugin_that_closes_the_programs_files_is_no_success() {
+    let Some(bench) = Bench::new() else { return };
+    for options in [&[][..], &["--isolate-plugins"]] {
+        for case in ["load-close", "create-close", "eval-close"] {
+            // In the same process nobody hears what is said after that.
+            assert_eq!(bench.trace(case, options).code, Some(3), "{case} {options:?}");
+        }
+    }
 }
 
 #[test]
@@ -426,6 +442,30 @@ fn what_a_plugin_prints_is_not_in_the_report_of_its_check() {
         assert_eq!((ended.code, report["passed"].as_bool()), (Some(0), Some(true)), "{deed}: {ended:?}");
     }
     bench.assert_nothing_is_left("checks");
+}
+
+#[test]
+fn a_panic_is_told_and_not_the_end_wherever_the_plugin_runs() {
+    let Some(bench) = Bench::new() else { return };
+    let library = support::sdk_example("panics");
+    let folder = library.parent().expect("the library is in a folder").to_str().expect("its name is text");
+    let trace = |material: &str, options: &[&str]| {
+        bench.write("panics.rad", &scene(material));
+        let words = [&["rtrace", "-h", "-ab", "1", "--plugin-path", folder], options, &["panics.rad"]].concat();
+        bench.run("", &words)
+    };
+    for (place, code, said) in [
+        ("evaluating", 0, "panicked: there is no reflection at "),
+        ("creating", 1, "panicked: cannot go on creating at "),
+        ("dropping", 0, ""),
+    ] {
+        let material = format!("3 panics panics {place} 0 0");
+        let here = trace(&material, &[]);
+        assert!(here.code == Some(code) && here.complaints.contains(said), "{place}: {here:?}");
+        let there = trace(&material, &["--isolate-plugins"]);
+        assert_eq!((there.code, &there.output), (here.code, &here.output), "{place}: {there:?}");
+        assert!(there.complaints.contains(said), "{place}: {there:?}");
+    }
 }
 
 #[test]

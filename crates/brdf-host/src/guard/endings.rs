@@ -1,7 +1,7 @@
 //! Ways in which a plugin can end or double the process without a crash: `exit`, `quick_exit`, `_exit`, `fork`.
 
 use super::call::own_slot;
-use super::message::{end_now, is_first_to_speak, report_call, wait_for_the_end};
+use super::message::{end_now, is_first_to_speak, loaded, report, report_call, wait_for_the_end};
 
 /// Installs the handlers. To be called once, before any plugin is loaded.
 pub(super) fn install() {
@@ -19,11 +19,22 @@ pub(super) fn end_if_in_call(what: &str) {
     wait_for_the_end()
 }
 
+/// Ends the program because its standard input or output is not what it was.
+pub(super) fn end_for_closed_files() -> ! {
+    if is_first_to_speak() {
+        let names = loaded().unwrap_or("none");
+        report(&["fault of a plugin: it closed standard input or output; loaded are ", names]);
+        end_now(super::FAULT);
+    }
+    wait_for_the_end()
+}
+
 #[cfg(unix)]
 mod unix {
     use super::super::call::{Breadcrumb, enter_for_good};
     use super::super::message::{end_now, is_first_to_speak, loaded, report, wait_for_the_end};
-    use super::end_if_in_call;
+    use super::super::standard_output;
+    use super::{end_for_closed_files, end_if_in_call};
     use std::ffi::c_int;
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     use std::ffi::c_void;
@@ -55,6 +66,9 @@ mod unix {
         at_exit();
         // SAFETY: writes what plugins printed; no conditions.
         unsafe { libc::fflush(std::ptr::null_mut()) };
+        if status == 0 && !standard_output::is_intact() {
+            end_for_closed_files();
+        }
         end_now(status)
     }
 

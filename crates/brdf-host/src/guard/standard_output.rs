@@ -5,6 +5,8 @@
 
 use std::fs::File;
 use std::io::{self, Write};
+#[cfg(unix)]
+use std::os::fd::{AsFd, BorrowedFd};
 use std::sync::OnceLock;
 
 static ASIDE: OnceLock<File> = OnceLock::new();
@@ -24,9 +26,31 @@ pub(super) fn set_aside() -> io::Result<()> {
             // Nobody listens to standard error.
             Err(_) => rustix::stdio::dup2_stdout(File::options().write(true).open("/dev/null")?)?,
         }
-        let _ = ASIDE.set(File::from(private));
+        let private = ASIDE.get_or_init(|| File::from(private));
+        let _ = FILES.set([identity(rustix::stdio::stdin()), identity(private.as_fd())]);
     }
     Ok(())
+}
+
+/// What standard input and the data's standard output are, when they are set aside: device and number of the file.
+#[cfg(unix)]
+static FILES: OnceLock<[Option<(u64, u64)>; 2]> = OnceLock::new();
+
+#[cfg(unix)]
+fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
+    // The types differ between systems.
+    #[allow(clippy::unnecessary_cast)]
+    rustix::fs::fstat(file).ok().map(|found| (found.st_dev as u64, found.st_ino as u64))
+}
+
+/// Whether standard input and output are what they were: a plugin that closes them makes the program read nothing, or write to
+/// something else.
+pub(super) fn is_intact() -> bool {
+    #[cfg(unix)]
+    if let (Some(before), Some(private)) = (FILES.get(), ASIDE.get()) {
+        return *before == [identity(rustix::stdio::stdin()), identity(private.as_fd())];
+    }
+    true
 }
 
 /// Above those that programs are used to.

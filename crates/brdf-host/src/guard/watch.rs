@@ -2,7 +2,7 @@
 
 use super::call::{Seen, Slot, all_slots};
 use super::message::{end_now, is_first_to_speak, report_call, wait_for_the_end};
-use super::{FAULT, Limits};
+use super::{FAULT, Limits, endings, standard_output};
 use std::time::{Duration, Instant};
 
 /// Between two looks.
@@ -42,6 +42,9 @@ fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
             }
         }
         super::take_back_handlers(None);
+        if !standard_output::is_intact() {
+            endings::end_for_closed_files();
+        }
     }
 }
 

@@ -95,6 +95,7 @@ static void do_deed(const char *deed) {
     else if (!strcmp(deed, "_exit")) _exit(0);
     else if (!strcmp(deed, "raw_exit")) syscall(SYS_exit_group, 0);
     else if (!strcmp(deed, "quick_exit")) quick_exit(0);
+    else if (!strcmp(deed, "thread_exit")) pthread_exit(NULL);
     else if (!strcmp(deed, "overflow")) sink = overflow(0);
     else if (!strcmp(deed, "spin")) spin();
     else if (!strcmp(deed, "sleep")) sleep_for_ever();
