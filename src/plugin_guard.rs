@@ -1,4 +1,5 @@
-//! What plugins may take, and whether they run in processes of their own: options and variables of the environment.
+//! What plugins may take, and whether they run in processes of their own: options and variables of
+//! the environment.
 
 use crate::failure::Failure;
 use crate::render_args::number;
@@ -25,13 +26,15 @@ pub(crate) struct PluginGuard {
     /// Seconds that one call of a plugin may take; 0 for no limit [default: 120]
     #[arg(long, value_name = "S")]
     plugin_time_limit: Option<Seconds>,
-    /// MB that one call of a plugin may take, or the process of an isolated one; 0 for no limit [default: half of the memory]
+    /// MB that one call of a plugin may take, or the process of an isolated one; 0 for no limit
+    /// [default: half of the memory]
     #[arg(long, value_name = "MB")]
     plugin_memory_limit: Option<Megabytes>,
 }
 
 impl PluginGuard {
-    /// Takes one of these options from the front of a command line; gives how many words it used, 0 for another option.
+    /// Takes one of these options from the front of a command line; gives how many words it used, 0
+    /// for another option.
     pub(crate) fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         match word {
@@ -46,7 +49,8 @@ impl PluginGuard {
         Ok(2)
     }
 
-    /// Guards the program against plugins, if that is not done yet. To be called before one is loaded.
+    /// Guards the program against plugins, if that is not done yet. To be called before one is
+    /// loaded.
     pub(crate) fn guard_program(&self) -> Result<(), String> {
         guard::install(&self.limits()?).map_err(|error| format!("cannot guard the program against plugins: {error}"))
     }

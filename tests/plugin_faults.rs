@@ -1,5 +1,5 @@
-//! Whatever a plugin does, the program ends with code 3 and says which plugin it was, or goes on; standard output holds data
-//! alone; nothing of the plugin is left.
+//! Whatever a plugin does, the program ends with code 3 and says which plugin it was, or goes on;
+//! standard output holds data alone; nothing of the plugin is left.
 #![cfg(target_os = "linux")]
 
 #[path = "../crates/brdf-host/tests/support/mod.rs"]
@@ -150,7 +150,8 @@ const DEEDS: [(&str, &str); 11] = [
     ("thread_exit", "SIGABRT, abort"),
 ];
 
-/// What is known of the function when an isolated plugin dies silently in the quick check that each model goes through.
+/// What is known of the function when an isolated plugin dies silently in the quick check that each
+/// model goes through.
 const IN_SELF_CHECK: &str = "eval_pdf or sample";
 
 /// As the deeds call them, and as the messages do.

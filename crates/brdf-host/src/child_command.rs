@@ -8,7 +8,8 @@ use std::process::Command;
 pub struct ChildCommand {
     /// The program: this one, as a rule.
     pub program: PathBuf,
-    /// Its arguments: the hidden command that leads to [`crate::check::child_main`] or [`crate::isolate::child_main`].
+    /// Its arguments: the hidden command that leads to [`crate::check::child_main`] or
+    /// [`crate::isolate::child_main`].
     pub arguments: Vec<String>,
 }
 
@@ -29,7 +30,8 @@ impl ChildCommand {
     }
 }
 
-/// The name that decides what the program is must not be that of a link; signals of the terminal go to the parent alone.
+/// The name that decides what the program is must not be that of a link; signals of the terminal go
+/// to the parent alone.
 pub(crate) fn set_apart(command: &mut Command) {
     #[cfg(unix)]
     {

@@ -20,7 +20,8 @@ pub(crate) struct Functions {
     scratch_bytes_per_direction: u64,
 }
 
-// SAFETY: the header lets any thread call `eval_pdf` and `sample`; `destroy` is called once, under the library's mutex.
+// SAFETY: the header lets any thread call `eval_pdf` and `sample`; `destroy` is called once, under
+// the library's mutex.
 unsafe impl Send for Functions {}
 // SAFETY: as above.
 unsafe impl Sync for Functions {}
@@ -89,8 +90,8 @@ impl Functions {
                 pdfs: pdfs.as_mut_ptr(),
                 scratch,
             };
-            // SAFETY: `data` is alive; the arrays have the lengths of the header and live until the call returns; scratch is as
-            // large and as aligned as asked.
+            // SAFETY: `data` is alive; the arrays have the lengths of the header and live until the
+            // call returns; scratch is as large and as aligned as asked.
             unsafe { (self.eval_pdf)(self.data, &raw const call) }
         })
     }
@@ -125,7 +126,8 @@ impl Functions {
     /// Calls `destroy`, under the library's mutex; nothing else may be called afterwards.
     pub(crate) fn destroy(&self) {
         if let Some(destroy) = self.destroy {
-            // SAFETY: made by `create`, destroyed once by the owner, and no call is under way since that is the last one.
+            // SAFETY: made by `create`, destroyed once by the owner, and no call is under way since
+            // that is the last one.
             unsafe { destroy(self.data) };
         }
     }
@@ -172,7 +174,8 @@ fn call_create(
     let status = {
         let _one_thread = loaded.one_thread();
         let _trail = guard::enter(breadcrumb);
-        // SAFETY: all pointers lead to structures and arrays of the lengths stated, and live until the call returns.
+        // SAFETY: all pointers lead to structures and arrays of the lengths stated, and live until
+        // the call returns.
         unsafe { create(index, &raw const call, &raw mut made) }
     };
     guard::take_back_handlers(Some(breadcrumb));

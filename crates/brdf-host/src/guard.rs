@@ -1,11 +1,13 @@
 //! Keeps a plugin from taking the program along without a word.
 //!
-//! Every call into a plugin is marked in a slot of its thread ([`enter`]): two stores before it and one after it. Handlers
-//! of signals, of `exit`, of `fork`, and a watching thread read the slots. What they find ends the program with exit code 3
-//! and a message that names plugin, model, material, place and function.
+//! Every call into a plugin is marked in a slot of its thread ([`enter`]): two stores before it and
+//! one after it. Handlers of signals, of `exit`, of `fork`, and a watching thread read the slots.
+//! What they find ends the program with exit code 3 and a message that names plugin, model,
+//! material, place and function.
 //!
-//! A guard in the same process has limits, which `docs/plugins.md` states: it cannot see memory that is damaged quietly, and
-//! a plugin that means harm can get round it. [`crate::isolate`] has neither limit.
+//! A guard in the same process has limits, which `docs/plugins.md` states: it cannot see memory
+//! that is damaged quietly, and a plugin that means harm can get round it. [`crate::isolate`] has
+//! neither limit.
 
 mod call;
 mod endings;
@@ -30,8 +32,8 @@ pub const FAULT: i32 = 3;
 pub struct Limits {
     /// For one call. Default 120 s; `None` is no limit.
     pub time: Option<Duration>,
-    /// Bytes by which the program may grow during one call, or which the process of an isolated plugin may have.
-    /// Default half of the machine's memory; `None` is no limit.
+    /// Bytes by which the program may grow during one call, or which the process of an isolated
+    /// plugin may have. Default half of the machine's memory; `None` is no limit.
     pub memory: Option<u64>,
 }
 
@@ -41,13 +43,15 @@ impl Default for Limits {
     }
 }
 
-/// Makes a crash inside a plugin say where it was; the process then ends as it would have. Once in a process.
+/// Makes a crash inside a plugin say where it was; the process then ends as it would have. Once in
+/// a process.
 pub fn install_crash_messages() {
     signals::install();
 }
 
-/// Guards the whole program: what a plugin does to it ends it with [`FAULT`] and a message, and what a plugin prints goes to
-/// standard error. To be called before the first plugin is loaded; the first call counts.
+/// Guards the whole program: what a plugin does to it ends it with [`FAULT`] and a message, and
+/// what a plugin prints goes to standard error. To be called before the first plugin is loaded; the
+/// first call counts.
 ///
 /// From then on the program writes its data through [`standard_output`].
 ///
@@ -68,7 +72,8 @@ pub fn install(limits: &Limits) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Puts back the handlers of signals that a plugin replaced, and tells so once: during this call, or at some time.
+/// Puts back the handlers of signals that a plugin replaced, and tells so once: during this call,
+/// or at some time.
 pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let replaced = signals::reinstall();
@@ -79,8 +84,8 @@ pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
     }
 }
 
-/// The guard of a process that runs nothing but a plugin, and whose parent keeps the limits: a crash ends it with its signal
-/// after the message, other faults with [`FAULT`].
+/// The guard of a process that runs nothing but a plugin, and whose parent keeps the limits: a
+/// crash ends it with its signal after the message, other faults with [`FAULT`].
 pub(crate) fn install_in_child() -> std::io::Result<()> {
     standard_output::set_aside()?;
     install_crash_messages();

@@ -1,12 +1,13 @@
 //! Plugins in processes of their own: what they do cannot reach the program.
 //!
-//! Each library has one worker process, with limits of memory and a supervisor that leaves nothing of it behind. Calls of
-//! `create` and the like go through a socket as lines of JSON. Calls of `eval_pdf` and `sample` go through shared memory: a
-//! thread of the program writes a batch of directions into a channel and sleeps until the thread at the other end has written
-//! the answer. The worker calls the plugin as the program would, so that results have the same bits.
+//! Each library has one worker process, with limits of memory and a supervisor that leaves nothing
+//! of it behind. Calls of `create` and the like go through a socket as lines of JSON. Calls of
+//! `eval_pdf` and `sample` go through shared memory: a thread of the program writes a batch of
+//! directions into a channel and sleeps until the thread at the other end has written the answer.
+//! The worker calls the plugin as the program would, so that results have the same bits.
 //!
-//! When a worker ends before its time, the program ends with [`crate::guard::FAULT`] and a message; a call that takes too long
-//! is seen by the guard's watch ([`crate::guard::install`]). Linux only.
+//! When a worker ends before its time, the program ends with [`crate::guard::FAULT`] and a message;
+//! a call that takes too long is seen by the guard's watch ([`crate::guard::install`]). Linux only.
 
 use crate::ChildCommand;
 use glam::DVec3;

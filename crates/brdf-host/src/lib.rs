@@ -3,10 +3,11 @@
 //! A [`Registry`] finds libraries by a [`SearchPath`], loads each once, checks a scene's words and numbers against the
 //! model's own table, and makes instances. Errors say which token of the scene is to blame ([`Error::token`]).
 //!
-//! Guarantees: what a plugin returns is never NaN, negative or infinite on its way to the picture, and each such result is
-//! counted; a crash inside a plugin is preceded by a message with plugin, model, material and place. [`guard`] ends the program
-//! for whatever else a plugin does to it, [`isolate`] runs plugins in processes of their own. Loading a plugin runs its code.
-//! Knows neither the renderer nor scenes.
+//! Guarantees: what a plugin returns is never NaN, negative or infinite on its way to the picture,
+//! and each such result is counted; a crash inside a plugin is preceded by a message with plugin,
+//! model, material and place. [`guard`] ends the program for whatever else a plugin does to it,
+//! [`isolate`] runs plugins in processes of their own. Loading a plugin runs its code. Knows
+//! neither the renderer nor scenes.
 //!
 //! ```
 //! use radsight_brdf_host::{Registry, SearchPath, SelfCheck};

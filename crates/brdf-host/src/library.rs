@@ -9,8 +9,8 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A plugin library, in the memory of this process or of one of its own. It stays there until that process ends, because
-/// its code may have threads, hooks and destructors of its own.
+/// A plugin library, in the memory of this process or of one of its own. It stays there until that
+/// process ends, because its code may have threads, hooks and destructors of its own.
 pub struct Library {
     name: String,
     path: PathBuf,
@@ -172,8 +172,8 @@ impl Library {
         }
     }
 
-    /// What it has under this name and revision; null when it has nothing, or is in another process. The memory is the
-    /// plugin's and lives as long as the process.
+    /// What it has under this name and revision; null when it has nothing, or is in another
+    /// process. The memory is the plugin's and lives as long as the process.
     #[must_use]
     pub fn extension(&self, name: &CStr, revision: u32) -> *const c_void {
         let Some(extension) = self.loaded().and_then(|loaded| loaded.entry.extension) else { return std::ptr::null() };

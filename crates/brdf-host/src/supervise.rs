@@ -1,5 +1,6 @@
-//! The process between the program and one that runs a plugin. It runs no code of the plugin, and when it ends nothing is left of
-//! those that did: they are its children, or become so when their own parent ends.
+//! The process between the program and one that runs a plugin. It runs no code of the plugin, and
+//! when it ends nothing is left of those that did: they are its children, or become so when their
+//! own parent ends.
 
 use crate::child_command::{own_file, set_apart};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -8,10 +9,12 @@ use serde::{Deserialize, Serialize};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// Set in the environment of a process that is to do the work; without it the process supervises another one.
+/// Set in the environment of a process that is to do the work; without it the process supervises
+/// another one.
 const WORKER_VARIABLE: &str = "RADSIGHT_PLUGIN_WORKER";
 
-/// How long killing may take. A plugin that starts processes faster than they can be killed is left to the system.
+/// How long killing may take. A plugin that starts processes faster than they can be killed is left
+/// to the system.
 const LONGEST_CLEARING: Duration = Duration::from_secs(2);
 
 /// How a worker ended.
@@ -55,12 +58,14 @@ pub(crate) fn worker_command() -> std::io::Result<Command> {
     Ok(command)
 }
 
-/// Makes this process the one to which orphans of a worker come. To be called before the worker is started.
+/// Makes this process the one to which orphans of a worker come. To be called before the worker is
+/// started.
 pub(crate) fn adopt_orphans() -> std::io::Result<()> {
     Ok(rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?)
 }
 
-/// Waits until the worker ends, or until the other end of standard input is closed; then ends the worker and all that it started.
+/// Waits until the worker ends, or until the other end of standard input is closed; then ends the
+/// worker and all that it started.
 pub(crate) fn watch(mut worker: Child) -> std::io::Result<Ended> {
     let group = Pid::from_child(&worker);
     let handle = rustix::process::pidfd_open(group, rustix::process::PidfdFlags::empty())?;

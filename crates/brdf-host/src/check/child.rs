@@ -1,4 +1,5 @@
-//! The program's end of a check, and the two processes of the other end: one that supervises, and one that runs the plugin.
+//! The program's end of a check, and the two processes of the other end: one that supervises, and
+//! one that runs the plugin.
 
 use super::CheckOptions;
 use super::job::{Request, Response, perform};
@@ -26,8 +27,9 @@ struct Supervised {
     ended: Option<String>,
 }
 
-/// What the hidden command does: reads one request from standard input, performs it in a process of its own, and writes the
-/// answer to standard output. When it ends, nothing is left of what the plugin started.
+/// What the hidden command does: reads one request from standard input, performs it in a process of
+/// its own, and writes the answer to standard output. When it ends, nothing is left of what the
+/// plugin started.
 ///
 /// # Errors
 /// When the request cannot be read or the answer not be written.
@@ -86,7 +88,8 @@ fn start(options: &CheckOptions, request: &Request) -> std::io::Result<Child> {
     let mut command = options.child.command();
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let line = serde_json::to_string(request)? + "\n";
-    // A child that dies before it reads is seen by its exit status. The pipe stays open: when it closes, the child is to end.
+    // A child that dies before it reads is seen by its exit status. The pipe stays open: when it
+    // closes, the child is to end.
     let _ = child.stdin.as_mut().map(|input| input.write_all(line.as_bytes()));
     Ok(child)
 }
@@ -140,7 +143,8 @@ fn fatal(finding: String) -> Response {
     Response { unusable: true, ..Response::failure(finding) }
 }
 
-/// Reads a stream to its end in a thread, which nobody has to wait for: a process that got away may hold the pipe open.
+/// Reads a stream to its end in a thread, which nobody has to wait for: a process that got away may
+/// hold the pipe open.
 fn read_in_thread(stream: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {

@@ -10,7 +10,8 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug)]
 pub(crate) struct Text(pub(crate) Box<str>);
 
-/// The words for a function of a plugin. Equal words are kept once and for ever, so that any thread may read them at any time.
+/// The words for a function of a plugin. Equal words are kept once and for ever, so that any thread
+/// may read them at any time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Breadcrumb(&'static Text);
 
@@ -59,7 +60,8 @@ pub(super) struct Slot {
 static SLOTS: Mutex<Vec<&'static Slot>> = Mutex::new(Vec::new());
 
 thread_local! {
-    // Constant and without a destructor: reading it in a handler of a signal is a plain memory access.
+    // Constant and without a destructor: reading it in a handler of a signal is a plain memory
+    // access.
     static SLOT: Cell<Option<&'static Slot>> = const { Cell::new(None) };
     static AT_THREAD_END: GiveBack = const { GiveBack };
 }
@@ -69,7 +71,8 @@ struct GiveBack;
 
 impl Drop for GiveBack {
     fn drop(&mut self) {
-        // Nobody but a plugin ends a thread inside of its call: by `exit`, which begins with this, or alone.
+        // Nobody but a plugin ends a thread inside of its call: by `exit`, which begins with this,
+        // or alone.
         super::endings::end_if_in_call("it called exit, or ended its thread");
         if let Some(slot) = SLOT.take() {
             super::signals::give_back_stack();
@@ -126,7 +129,8 @@ impl Drop for Trail {
     }
 }
 
-/// Marks the thread as being inside a plugin. The result is dropped in the same thread, as all local values are.
+/// Marks the thread as being inside a plugin. The result is dropped in the same thread, as all
+/// local values are.
 #[inline]
 pub(crate) fn enter(breadcrumb: Breadcrumb) -> Trail {
     enter_at(breadcrumb, [f64::NAN; 3])

@@ -1,4 +1,5 @@
-//! Ways in which a plugin can end or double the process without a crash: `exit`, `quick_exit`, `_exit`, `fork`.
+//! Ways in which a plugin can end or double the process without a crash: `exit`, `quick_exit`,
+//! `_exit`, `fork`.
 
 use super::call::own_slot;
 use super::message::{end_now, is_first_to_speak, loaded, report, report_call, wait_for_the_end};
@@ -38,8 +39,13 @@ mod unix {
     use std::ffi::c_int;
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     use std::ffi::c_void;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    /// The process that the handlers were installed in.
+    static GUARDED: AtomicU32 = AtomicU32::new(0);
 
     pub(super) fn install() {
+        GUARDED.store(std::process::id(), Ordering::Release);
         // SAFETY: none has conditions on when it may be called, and the handlers stay.
         unsafe {
             #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -59,8 +65,8 @@ mod unix {
         fn at_quick_exit(handler: extern "C" fn()) -> c_int;
     }
 
-    /// Runs when someone called `exit`, be it the program itself: then all its work is done, and no more of a plugin's code
-    /// can change what the exit code says.
+    /// Runs when someone called `exit`, be it the program itself: then all its work is done, and no
+    /// more of a plugin's code can change what the exit code says.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     extern "C" fn at_exit_with_status(status: c_int, _: *mut c_void) {
         at_exit();
@@ -72,12 +78,15 @@ mod unix {
         end_now(status)
     }
 
-    /// Takes the place of the C library's function in the whole program, so that a plugin that calls it is noticed. The dynamic
-    /// linker gives it to plugins before that of the C library.
+    /// Takes the place of the C library's function in the whole program, so that a plugin that
+    /// calls it is noticed. The dynamic linker gives it to plugins before that of the C library.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[unsafe(no_mangle)]
     extern "C" fn _exit(status: c_int) -> ! {
-        end_if_in_call("it called _exit");
+        // A process that was just made to become another program may end by it.
+        if GUARDED.load(Ordering::Acquire) == std::process::id() {
+            end_if_in_call("it called _exit");
+        }
         end_now(status)
     }
 

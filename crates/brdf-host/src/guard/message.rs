@@ -122,7 +122,8 @@ pub(crate) fn one_line(text: &str) -> String {
     text.replace(|c: char| c.is_control(), "\u{fffd}")
 }
 
-/// A line that is put together without the heap and written at once, so that no other output comes between.
+/// A line that is put together without the heap and written at once, so that no other output comes
+/// between.
 struct Line {
     bytes: [u8; LONGEST_LINE],
     length: usize,

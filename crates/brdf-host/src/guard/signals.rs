@@ -14,7 +14,8 @@ pub(super) fn die_after_messages() {
     unix::DIE.store(true, std::sync::atomic::Ordering::Release);
 }
 
-/// Takes the handlers back from a plugin that replaced them; gives the names of the signals that it had replaced.
+/// Takes the handlers back from a plugin that replaced them; gives the names of the signals that it
+/// had replaced.
 pub(super) fn reinstall() -> Vec<&'static str> {
     #[cfg(unix)]
     return unix::reinstall();
@@ -58,7 +59,8 @@ mod unix {
         (SIGSYS, "SIGSYS, forbidden system call"),
     ];
     const STACK_OVERFLOW: &str = "SIGSEGV, stack overflow";
-    /// A fault so near the end of the stack is an overflow: guard pages, and frames that jump over them.
+    /// A fault so near the end of the stack is an overflow: guard pages, and frames that jump over
+    /// them.
     const NEAR_STACK_END: usize = 1 << 18;
     const HANDLER_STACK_BYTES: usize = 64 << 10;
 
@@ -73,7 +75,8 @@ mod unix {
     static INSTALLED: AtomicBool = AtomicBool::new(false);
 
     fn own_action() -> sigaction {
-        // SAFETY: all-zero is a valid `sigaction`; the handler has the signature that SA_SIGINFO asks for.
+        // SAFETY: all-zero is a valid `sigaction`; the handler has the signature that SA_SIGINFO
+        // asks for.
         unsafe {
             let mut action: sigaction = std::mem::zeroed();
             action.sa_sigaction = handler as *const () as usize;
@@ -88,7 +91,8 @@ mod unix {
         ONCE.call_once(|| {
             let action = own_action();
             for (index, (signal, _)) in SIGNALS.iter().enumerate() {
-                // SAFETY: the previous action is fetched into its place before the handler, which reads it, is installed.
+                // SAFETY: the previous action is fetched into its place before the handler, which
+                // reads it, is installed.
                 unsafe {
                     libc::sigaction(*signal, std::ptr::null(), (*PREVIOUS.0.get())[index].as_mut_ptr());
                     libc::sigaction(*signal, &raw const action, std::ptr::null_mut());

@@ -1,7 +1,7 @@
 //! Standard output for data alone: plugins print elsewhere.
 //!
-//! Once it is set aside, the descriptor 1, which plugins print to, is standard error; data goes through a descriptor that
-//! they do not know.
+//! Once it is set aside, the descriptor 1, which plugins print to, is standard error; data goes
+//! through a descriptor that they do not know.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -11,7 +11,8 @@ use std::sync::OnceLock;
 
 static ASIDE: OnceLock<File> = OnceLock::new();
 
-/// Sets standard output aside for [`StandardOutput`]. Does nothing where descriptors are not numbers, and the second time.
+/// Sets standard output aside for [`StandardOutput`]. Does nothing where descriptors are not
+/// numbers, and the second time.
 pub(super) fn set_aside() -> io::Result<()> {
     if ASIDE.get().is_some() {
         return Ok(());
@@ -32,7 +33,8 @@ pub(super) fn set_aside() -> io::Result<()> {
     Ok(())
 }
 
-/// What standard input and the data's standard output are, when they are set aside: device and number of the file.
+/// What standard input and the data's standard output are, when they are set aside: device and
+/// number of the file.
 #[cfg(unix)]
 static FILES: OnceLock<[Option<(u64, u64)>; 2]> = OnceLock::new();
 
@@ -43,8 +45,8 @@ fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
     rustix::fs::fstat(file).ok().map(|found| (found.st_dev as u64, found.st_ino as u64))
 }
 
-/// Whether standard input and output are what they were: a plugin that closes them makes the program read nothing, or write to
-/// something else.
+/// Whether standard input and output are what they were: a plugin that closes them makes the
+/// program read nothing, or write to something else.
 pub(super) fn is_intact() -> bool {
     #[cfg(unix)]
     if let (Some(before), Some(private)) = (FILES.get(), ASIDE.get()) {

@@ -19,8 +19,8 @@ pub(super) fn start(limits: &Limits) -> std::io::Result<()> {
 }
 
 fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
-    // A library whose initialiser does not return keeps the dynamic linker locked, so all that is looked up by name at its first
-    // use is used before one can be loaded.
+    // A library whose initialiser does not return keeps the dynamic linker locked, so all that is
+    // looked up by name at its first use is used before one can be loaded.
     std::thread::sleep(Duration::from_micros(1));
     memory_in_use();
     let mut calls = look(&[], Duration::ZERO);

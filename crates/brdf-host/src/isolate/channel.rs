@@ -1,4 +1,5 @@
-//! Shared memory between the program and a worker: channels with room for one question and its answer.
+//! Shared memory between the program and a worker: channels with room for one question and its
+//! answer.
 
 use super::Question;
 use crate::functions::Drawn;
@@ -96,7 +97,8 @@ impl SharedMemory {
 
     pub(super) fn channel(&self, index: usize) -> Channel {
         assert!(index < self.channels, "the channel exists");
-        // SAFETY: inside of the mapping, whose layout this is; zero is a valid head, and all of it is atomic.
+        // SAFETY: inside of the mapping, whose layout this is; zero is a valid head, and all of it
+        // is atomic.
         unsafe {
             let start = self.base.add(PAGE_BYTES + index * CHANNEL_BYTES);
             Channel { head: &*start.cast::<Head>(), numbers: start.add(HEAD_BYTES).cast() }
@@ -104,8 +106,8 @@ impl SharedMemory {
     }
 }
 
-/// A place for one question at a time. Its numbers belong to the program until it has asked, then to the worker until it has
-/// answered.
+/// A place for one question at a time. Its numbers belong to the program until it has asked, then
+/// to the worker until it has answered.
 #[derive(Clone, Copy)]
 pub(super) struct Channel {
     head: &'static Head,
@@ -160,8 +162,9 @@ impl Channel {
         wait_for(&head.state, state::ANSWERED, &head.program_sleeps);
     }
 
-    /// Waits for the next question: the instance and the call. `processor` is where this thread runs, which follows the
-    /// thread that asks: one of the two sleeps always, and to wake a thread on another processor takes longer.
+    /// Waits for the next question: the instance and the call. `processor` is where this thread
+    /// runs, which follows the thread that asks: one of the two sleeps always, and to wake a thread
+    /// on another processor takes longer.
     pub(super) fn next_question(&self, processor: &mut Option<u32>) -> (u32, Call) {
         let head = self.head;
         wait_for(&head.state, state::ASKED, &head.worker_sleeps);
@@ -187,7 +190,8 @@ impl Channel {
         (head.instance.load(Ordering::Relaxed), call)
     }
 
-    /// Answers a question; the parts of its call are not touched afterwards. `drawn` is what `sample` found.
+    /// Answers a question; the parts of its call are not touched afterwards. `drawn` is what
+    /// `sample` found.
     pub(super) fn answer(&self, status: Status, drawn: Option<Drawn>) {
         let head = self.head;
         head.status.store(status, Ordering::Relaxed);
@@ -217,7 +221,8 @@ impl Channel {
         end
     }
 
-    /// A part of the numbers, for the worker until it answers. Parts that are in use together do not overlap.
+    /// A part of the numbers, for the worker until it answers. Parts that are in use together do
+    /// not overlap.
     fn part(&self, at: usize, length: usize) -> &'static mut [f64] {
         assert!(at + length <= MOST_NUMBERS, "a question fits into its channel");
         // SAFETY: inside of the channel, whose numbers are the worker's now; the mapping stays.
@@ -242,7 +247,8 @@ fn hand_over(state: &AtomicU32, value: u32, other_sleeps: &AtomicU32) {
     }
 }
 
-/// Sleeps until the other side has changed the state. It runs on the same processor, so that nothing is won by looking longer.
+/// Sleeps until the other side has changed the state. It runs on the same processor, so that
+/// nothing is won by looking longer.
 fn wait_for(state: &AtomicU32, wanted: u32, sleeps: &AtomicU32) {
     sleeps.store(1, Ordering::SeqCst);
     loop {

@@ -141,7 +141,8 @@ fn serve(channel: &super::channel::Channel, instances: &Instances) {
     }
 }
 
-/// Shows the program that this thread makes one call after the other, though it has not answered for long.
+/// Shows the program that this thread makes one call after the other, though it has not answered
+/// for long.
 fn show_progress(shared: SharedMemory) -> io::Result<()> {
     let calls = guard::count_calls();
     let show = move || loop {
@@ -167,7 +168,8 @@ fn say(mut socket: &UnixStream, answer: &Answer) -> io::Result<()> {
 
 /// Lets the plugin have so many bytes beyond what the process has.
 fn limit_memory(limit: Option<u64>, threads: usize) -> io::Result<()> {
-    /// Address space that allocators set aside for a thread without using it, and for files that are mapped.
+    /// Address space that allocators set aside for a thread without using it, and for files that
+    /// are mapped.
     const AIR_BYTES: u64 = 1 << 30;
     const THREAD_AIR_BYTES: u64 = 128 << 20;
     let Some(limit) = limit else { return Ok(()) };

@@ -300,15 +300,19 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// No library says more of itself.
+const MOST_ANSWER_BYTES: u64 = 64 << 20;
+
 /// Asks and waits for the answer; `waiting` is called now and then meanwhile.
 fn exchange(socket: &mut BufReader<UnixStream>, ask: &Ask, mut waiting: impl FnMut()) -> io::Result<Answer> {
     // A path that is no text cannot be said.
     let line = serde_json::to_string(ask).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     socket.get_mut().write_all((line + "\n").as_bytes())?;
     let mut answer = Vec::new();
+    let mut limited = socket.by_ref().take(MOST_ANSWER_BYTES);
     loop {
-        match socket.read_until(b'\n', &mut answer) {
-            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+        match limited.read_until(b'\n', &mut answer) {
+            Ok(_) if answer.is_empty() => return Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(_) => break,
             Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => waiting(),
             Err(error) => return Err(error),

@@ -1,6 +1,6 @@
 /*
  * A Lambert that does evil where the variable EVIL says: "FUNCTION-DEED", such as "eval-segfault".
- * Functions: load, describe, create, eval, sample, destroy, end. EVIL_AFTER leaves the first so many calls in peace.
+ * Functions: load, describe, create, eval, sample, destroy, end. EVIL_AFTER lets so many calls pass.
  */
 #define _GNU_SOURCE
 #include "radsight_brdf.h"
