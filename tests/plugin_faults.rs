@@ -377,7 +377,7 @@ fn handlers_that_a_plugin_replaces_are_put_back() {
 fn the_end_of_the_program_is_its_own() {
     let Some(bench) = Bench::new() else { return };
     let honest = bench.trace("", &[]);
-    for case in ["end-segfault", "end-exit", "end-_exit", "end-spin"] {
+    for case in ["end-segfault", "end-exit", "end-_exit", "end-spin", "load-at_exit"] {
         for options in [&[][..], &["--isolate-plugins"]] {
             let ended = bench.trace(case, options);
             assert_eq!((ended.code, &ended.output), (Some(0), &honest.output), "{case}: {ended:?}");

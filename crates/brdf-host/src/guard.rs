@@ -1,6 +1,6 @@
 //! Keeps a plugin from taking the program along without a word.
 //!
-//! Every call into a plugin is marked in a slot of its thread ([`enter`]): two stores before it and
+//! Every call into a plugin is marked in a slot of its thread ([`enter`]): a few stores before it,
 //! one after it. Handlers of signals, of `exit`, of `fork`, and a watching thread read the slots.
 //! What they find ends the program with exit code 3 and a message that names plugin, model,
 //! material, place and function.
@@ -82,6 +82,12 @@ pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
         let names = replaced.join(", ");
         message::report(&["warning: ", who, ": it replaced the handlers of ", &names, ", which are put back"]);
     }
+}
+
+/// To be called when a library's initialisers have run: undoes what they may do to the guard.
+pub(crate) fn after_load(breadcrumb: Breadcrumb) {
+    take_back_handlers(Some(breadcrumb));
+    endings::come_first();
 }
 
 /// The guard of a process that runs nothing but a plugin, and whose parent keeps the limits: a

@@ -110,7 +110,7 @@ impl Library {
             let _trail = guard::enter(crumb("load"));
             load_entry(path)?
         };
-        guard::take_back_handlers(Some(crumb("load")));
+        guard::after_load(crumb("load"));
         let models = {
             let _trail = guard::enter(crumb("describe"));
             read_models(&name, &entry)?

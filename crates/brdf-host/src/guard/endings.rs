@@ -10,6 +10,12 @@ pub(super) fn install() {
     unix::install();
 }
 
+/// Makes the handler of `exit` run before those that a library has installed meanwhile.
+pub(super) fn come_first() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    unix::come_first();
+}
+
 /// Ends the program if this thread is in a plugin's call.
 pub(super) fn end_if_in_call(what: &str) {
     let Some((slot, text)) = own_slot().and_then(|slot| Some((slot, slot.text()?))) else { return };
@@ -46,16 +52,27 @@ mod unix {
 
     pub(super) fn install() {
         GUARDED.store(std::process::id(), Ordering::Release);
+        #[cfg(all(target_os = "linux", target_env = "gnu"))]
+        come_first();
         // SAFETY: none has conditions on when it may be called, and the handlers stay.
         unsafe {
-            #[cfg(all(target_os = "linux", target_env = "gnu"))]
-            {
-                on_exit(at_exit_with_status, std::ptr::null_mut());
-                at_quick_exit(at_quick_exit_in_call);
-            }
             #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
             libc::atexit(at_exit);
             libc::pthread_atfork(Some(before_fork), None, None);
+        }
+    }
+
+    /// Handlers run in the order of their installation, the last first.
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    pub(super) fn come_first() {
+        if GUARDED.load(Ordering::Acquire) == 0 {
+            return;
+        }
+        // SAFETY: as for `install`. The handlers may be there several times: the first ends the
+        // process.
+        unsafe {
+            on_exit(at_exit_with_status, std::ptr::null_mut());
+            at_quick_exit(at_quick_exit_in_call);
         }
     }
 

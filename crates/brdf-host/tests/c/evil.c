@@ -85,6 +85,8 @@ static void print(void) {
     puts("evil words that stay in the buffer");
 }
 
+static void end_well(void) { _exit(0); }
+
 static void do_deed(const char *deed) {
     if (!strcmp(deed, "segfault")) *nowhere = 1;
     else if (!strcmp(deed, "divide")) sink = 1 / zero, raise(SIGFPE); /* some machines give zero */
@@ -105,6 +107,7 @@ static void do_deed(const char *deed) {
     else if (!strcmp(deed, "orphan")) leave_an_orphan();
     else if (!strcmp(deed, "orphan_and_sleep")) leave_an_orphan(), sleep_for_ever();
     else if (!strcmp(deed, "orphan_and_exit")) leave_an_orphan(), _exit(0);
+    else if (!strcmp(deed, "at_exit")) atexit(end_well);
     else if (!strcmp(deed, "handlers")) replace_handlers();
     else if (!strcmp(deed, "handlers_and_segfault")) replace_handlers(), *nowhere = 1;
     else if (!strcmp(deed, "thread")) start_a_thread();
