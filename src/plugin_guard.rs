@@ -66,7 +66,8 @@ impl PluginGuard {
         registry.isolated(Isolation { child: ChildCommand::this_program(&CHILD_WORDS), memory })
     }
 
-    fn limits(&self) -> Result<Limits, String> {
+    /// What plugins may take.
+    pub(crate) fn limits(&self) -> Result<Limits, String> {
         let defaults = Limits::default();
         let time =
             self.plugin_time_limit.map_or_else(|| variable(TIME_VARIABLE, Seconds::EXPECTED), |t| Ok(Some(t)))?;

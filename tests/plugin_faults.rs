@@ -435,6 +435,16 @@ fn check_ends_in_time_and_leaves_nothing() {
 }
 
 #[test]
+fn check_limits_the_memory_of_a_plugin() {
+    let Some(bench) = Bench::new() else { return };
+    let mut command = bench.command("create-hog", &["plugin", "check", "evil"]);
+    command.env("RADSIGHT_PLUGIN_MEMORY_LIMIT", "100");
+    let ended = finish(command, "");
+    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert!(ended.complaints.contains("MB of memory, the limit is 100 MB; crash in"), "{ended:?}");
+}
+
+#[test]
 fn what_a_plugin_prints_is_not_in_the_report_of_its_check() {
     let Some(bench) = Bench::new() else { return };
     for deed in ["load-print", "create-orphan"] {

@@ -117,6 +117,7 @@ fn check(arguments: &PluginCheck) -> Outcome {
     let library = library_file(&arguments.library, &arguments.plugin_path)?;
     let mut options = CheckOptions::new(library, ChildCommand::this_program(&CHILD_WORDS));
     options.seed = arguments.seed;
+    options.memory = PluginGuard::default().limits().map_err(Failure::fault)?.memory;
     options.time_limit = Duration::from_secs(arguments.time_limit.max(1));
     if let Some(model) = &arguments.model {
         let example = parse_model(model)?;

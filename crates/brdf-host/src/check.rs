@@ -34,6 +34,8 @@ pub struct CheckOptions {
     pub seed: u64,
     /// For each check. Default 60 s.
     pub time_limit: Duration,
+    /// Bytes of memory that a plugin may have. Default half of the machine's.
+    pub memory: Option<u64>,
     /// The program that calls [`child_main`].
     pub child: ChildCommand,
 }
@@ -48,6 +50,7 @@ impl CheckOptions {
             model: None,
             seed: 1,
             time_limit: Duration::from_secs(60),
+            memory: crate::Limits::default().memory,
             child,
         }
     }
@@ -83,6 +86,7 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
         model: model.to_owned(),
         examples: options.examples.iter().filter(|example| example.model == model).cloned().collect(),
         seed: options.seed,
+        memory: options.memory,
     };
     let (loaded, duration) = perform(&request(Stage::Load, ""));
     let models: Vec<String> = loaded.models.clone();

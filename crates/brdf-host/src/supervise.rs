@@ -4,7 +4,7 @@
 
 use crate::child_command::{own_file, set_apart};
 use rustix::event::{PollFd, PollFlags, poll};
-use rustix::process::{Pid, Signal, WaitOptions};
+use rustix::process::{Pid, Resource, Rlimit, Signal, WaitOptions};
 use serde::{Deserialize, Serialize};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
@@ -28,6 +28,16 @@ pub(crate) struct Ended {
     pub(crate) largest_memory: u64,
 }
 
+impl Ended {
+    /// Words for a process that came near to its limit of memory.
+    pub(crate) fn memory(&self, limit: Option<u64>) -> Option<String> {
+        let limit = limit.filter(|limit| self.largest_memory >= limit / 2)?;
+        let megabytes = |bytes: u64| bytes >> 20;
+        let (most, limit) = (megabytes(self.largest_memory), megabytes(limit));
+        Some(format!("had {most} MB of memory, the limit is {limit} MB"))
+    }
+}
+
 impl std::fmt::Display for Ended {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.signal, self.code) {
@@ -46,8 +56,8 @@ pub(crate) fn is_worker() -> bool {
 /// To be called first in a worker: it ends with its supervisor.
 pub(crate) fn begin_work() {
     let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
-    let nothing = rustix::process::Rlimit { current: Some(0), maximum: Some(0) };
-    let _ = rustix::process::setrlimit(rustix::process::Resource::Core, nothing);
+    let nothing = Rlimit { current: Some(0), maximum: Some(0) };
+    let _ = rustix::process::setrlimit(Resource::Core, nothing);
 }
 
 /// This very command as a worker.
@@ -136,4 +146,24 @@ fn largest_memory_of_children() -> u64 {
         usage
     };
     u64::try_from(usage.ru_maxrss).unwrap_or(0) << 10
+}
+
+/// Lets the plugin have so many bytes beyond what the process has.
+pub(crate) fn limit_memory(limit: Option<u64>, threads: usize) -> std::io::Result<()> {
+    /// Address space that allocators set aside for a thread without using it, and for files that
+    /// are mapped.
+    const AIR_BYTES: u64 = 1 << 30;
+    const THREAD_AIR_BYTES: u64 = 128 << 20;
+    let Some(limit) = limit else { return Ok(()) };
+    let statistics = std::fs::read_to_string("/proc/self/statm")?;
+    let pages: Vec<u64> = statistics.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let bytes = |field: usize| pages.get(field).copied().unwrap_or(0) * rustix::param::page_size() as u64;
+    let set = |resource, wanted: u64| {
+        // Nobody but the superuser may ask for more than there is.
+        let most = rustix::process::getrlimit(resource).maximum.map_or(wanted, |most| most.min(wanted));
+        rustix::process::setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) })
+    };
+    set(Resource::Data, bytes(5).saturating_add(limit))?;
+    let air = AIR_BYTES + THREAD_AIR_BYTES * threads as u64;
+    Ok(set(Resource::As, bytes(0).saturating_add(limit).saturating_add(air))?)
 }

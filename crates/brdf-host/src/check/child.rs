@@ -19,6 +19,10 @@ const LONGEST_CLEARING: Duration = Duration::from_secs(5);
 /// How long what was written may take to come through a pipe whose writers have ended.
 const LONGEST_READING: Duration = Duration::from_secs(1);
 
+/// The most threads of a check, for what they take of address space.
+#[cfg(target_os = "linux")]
+const THREADS: usize = 8;
+
 /// What the supervisor says.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Supervised {
@@ -44,6 +48,8 @@ pub fn child_main() -> std::io::Result<()> {
     std::io::stdin().lock().take(MOST_OUTPUT_BYTES).read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line)?;
     crate::guard::install_in_child()?;
+    #[cfg(target_os = "linux")]
+    crate::supervise::limit_memory(request.memory, THREADS)?;
     say(&Supervised { answer: Some(perform(&request)), ended: None })
 }
 
@@ -67,7 +73,10 @@ fn supervise() -> std::io::Result<()> {
         return Ok(());
     }
     let answer = find_answer(&text_of(output)).and_then(|found| found.answer);
-    let ended = (ended.code != Some(0)).then(|| ended.to_string());
+    let request: Option<Request> = serde_json::from_str(&line).ok();
+    let memory = ended.memory(request.and_then(|request| request.memory));
+    let memory = memory.map(|memory| format!("; it {memory}")).unwrap_or_default();
+    let ended = (ended.code != Some(0)).then(|| format!("{ended}{memory}"));
     say(&Supervised { answer, ended })
 }
 

@@ -8,7 +8,6 @@ use crate::self_check::{SelfCheck, self_check};
 use crate::table::Arguments;
 use crate::{Error, Label, Library, PluginBrdf, supervise};
 use radsight_brdf_abi::{Band, status};
-use rustix::process::{Resource, Rlimit};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::os::fd::{AsFd, OwnedFd};
@@ -54,7 +53,7 @@ fn work() -> io::Result<()> {
         std::thread::Builder::new().spawn(move || serve(&channel, &instances))?;
     }
     show_progress(shared)?;
-    limit_memory(limit, channels)?;
+    supervise::limit_memory(limit, channels)?;
     let user = user.as_ref().map(|(model, label)| User { model, label });
     let loaded = Library::load_for(&path, user, None).map(Arc::new);
     let describe =
@@ -164,21 +163,4 @@ const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
 
 fn say(mut socket: &UnixStream, answer: &Answer) -> io::Result<()> {
     socket.write_all((serde_json::to_string(answer)? + "\n").as_bytes())
-}
-
-/// Lets the plugin have so many bytes beyond what the process has.
-fn limit_memory(limit: Option<u64>, threads: usize) -> io::Result<()> {
-    /// Address space that allocators set aside for a thread without using it, and for files that
-    /// are mapped.
-    const AIR_BYTES: u64 = 1 << 30;
-    const THREAD_AIR_BYTES: u64 = 128 << 20;
-    let Some(limit) = limit else { return Ok(()) };
-    let statistics = std::fs::read_to_string("/proc/self/statm")?;
-    let pages: Vec<u64> = statistics.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    let bytes = |field: usize| pages.get(field).copied().unwrap_or(0) * rustix::param::page_size() as u64;
-    let set =
-        |resource, most: u64| rustix::process::setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) });
-    set(Resource::Data, bytes(5).saturating_add(limit))?;
-    let air = AIR_BYTES + THREAD_AIR_BYTES * threads as u64;
-    Ok(set(Resource::As, bytes(0).saturating_add(limit).saturating_add(air))?)
 }

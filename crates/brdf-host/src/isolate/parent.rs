@@ -255,12 +255,15 @@ impl Shared {
             return;
         }
         let ended = said.lines().find_map(|line| serde_json::from_str::<Ended>(line).ok());
-        let memory = self.memory_at_end(ended);
+        let memory = ended.and_then(|ended| ended.memory(self.memory_limit));
         if self.memory.spoken().load(Ordering::Acquire) > 0 {
             // Its own message names the call.
-            match memory.as_str() {
-                "" => guard::end_silently(),
-                memory => guard::end_program(&format!("plugin \"{}\": its process {memory}", self.library)),
+            match memory {
+                None => guard::end_silently(),
+                Some(memory) => guard::end_program(&format!(
+                    "plugin \"{}\": its process {memory} (--plugin-memory-limit)",
+                    self.library
+                )),
             }
         }
         let how = match (&ended, status) {
@@ -268,8 +271,8 @@ impl Shared {
             (None, Ok(status)) => format!("the supervisor of its process ended, {status}"),
             (None, Err(error)) => format!("the supervisor of its process is lost: {error}"),
         };
-        let and = if memory.is_empty() { "" } else { "; it " };
-        guard::end_program(&format!("fault in {}: {how}{and}{memory}", self.calls_under_way()))
+        let memory = memory.map(|memory| format!("; it {memory} (--plugin-memory-limit)")).unwrap_or_default();
+        guard::end_program(&format!("fault in {}: {how}{memory}", self.calls_under_way()))
     }
 
     fn calls_under_way(&self) -> String {
@@ -282,17 +285,6 @@ impl Shared {
             [] => format!("plugin \"{}\", between its calls", self.library),
             texts => texts.join(" or "),
         }
-    }
-
-    /// Words for a process that came near to its limit of memory; empty for any other.
-    fn memory_at_end(&self, ended: Option<Ended>) -> String {
-        let (Some(limit), Some(ended)) = (self.memory_limit, ended) else { return String::new() };
-        if ended.largest_memory < limit / 2 {
-            return String::new();
-        }
-        let megabytes = |bytes: u64| bytes >> 20;
-        let (most, limit) = (megabytes(ended.largest_memory), megabytes(limit));
-        format!("had {most} MB of memory, the limit is {limit} MB (--plugin-memory-limit)")
     }
 }
 
