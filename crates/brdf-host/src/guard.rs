@@ -1,6 +1,6 @@
 //! Keeps a plugin from taking the program along without a word.
 //!
-//! Every call into a plugin is marked in a slot of its thread ([`enter`]): a few stores before it,
+//! Every call into a plugin is marked in a slot of its thread (`enter`): a few stores before it,
 //! one after it. Handlers of signals, of `exit`, of `fork`, and a watching thread read the slots.
 //! What they find ends the program with exit code 3 and a message that names plugin, model,
 //! material, place and function.
