@@ -1,5 +1,6 @@
 //! The command line, as typed.
 
+use crate::plugin_guard::PluginGuard;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -53,6 +54,8 @@ pub(crate) struct Reading {
     /// Look for plugins in this folder first
     #[arg(long, value_name = "DIR")]
     pub(crate) plugin_path: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) plugin_guard: PluginGuard,
     /// What is suspect is an error: warnings of a scene, findings of a plugin's self-check
     #[arg(long)]
     pub(crate) strict: bool,
@@ -210,6 +213,9 @@ pub(crate) enum Plugin {
     /// What each check runs
     #[command(hide = true)]
     CheckChild,
+    /// What `--isolate-plugins` runs for each library
+    #[command(hide = true)]
+    IsolationChild,
 }
 
 #[derive(Args, Debug)]

@@ -136,7 +136,7 @@ impl Reading {
     }
 
     fn plugin_options(&self) -> PluginOptions {
-        PluginOptions { folders: self.plugin_path.clone(), strict: self.strict }
+        PluginOptions { folders: self.plugin_path.clone(), strict: self.strict, guard: self.plugin_guard.clone() }
     }
 }
 

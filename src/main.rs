@@ -14,6 +14,7 @@ mod input;
 mod output;
 mod output_color;
 mod output_format;
+mod plugin_guard;
 mod plugins;
 mod progress;
 mod ray_input;

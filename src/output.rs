@@ -1,8 +1,9 @@
 //! Files that appear whole or not at all.
 
 use crate::failure::{Failure, Outcome, reason};
+use radsight_brdf_host::guard::standard_output::StandardOutput;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes a file aside and renames it; a device or pipe is written directly. `-` is standard output.
@@ -53,7 +54,7 @@ pub(crate) fn check_writable(path: &str) -> Outcome {
 
 /// Writes to standard output.
 pub(crate) fn write_standard_output(bytes: &[u8]) -> Outcome {
-    let mut out = io::stdout().lock();
+    let mut out = StandardOutput;
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| Failure::write("standard output", &error))
 }
 

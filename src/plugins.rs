@@ -1,6 +1,7 @@
 //! BRDF plugins for the renderer: where they are looked for, and their errors at the scene's tokens.
 
 use crate::failure::say;
+use crate::plugin_guard::PluginGuard;
 use radsight_brdf::Brdf;
 use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck, Token};
@@ -24,6 +25,8 @@ pub(crate) struct PluginOptions {
     pub(crate) folders: Vec<PathBuf>,
     /// `--strict`: findings of the self-check are errors.
     pub(crate) strict: bool,
+    /// What they may take, and where they run.
+    pub(crate) guard: PluginGuard,
 }
 
 /// Folders in the order of the search: the command line's, the environment's, the scenes', the program's own.
@@ -50,6 +53,7 @@ fn folder_of(file: &str) -> PathBuf {
 /// Makes the models of a scene.
 pub(crate) struct Models<'s> {
     registry: Registry,
+    guard: PluginGuard,
     sources: &'s SourceMap,
     folder: PathBuf,
     /// What was said already: a model may be made twice, for three bands and for one.
@@ -62,8 +66,15 @@ impl<'s> Models<'s> {
     pub(crate) fn new(options: &PluginOptions, scenes: &[String], sources: &'s SourceMap) -> Self {
         let check = if options.strict { SelfCheck::Strict } else { SelfCheck::Warn };
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
-        let registry = Registry::new(search_path(options, scenes), check);
-        Models { registry, sources, folder, said: RefCell::default(), made: RefCell::default() }
+        let registry = options.guard.place(Registry::new(search_path(options, scenes), check));
+        Models {
+            registry,
+            guard: options.guard.clone(),
+            sources,
+            folder,
+            said: RefCell::default(),
+            made: RefCell::default(),
+        }
     }
 
     /// The registry, which counts what plugins returned wrongly.
@@ -99,6 +110,7 @@ impl ModelSource for Models<'_> {
         }
         let label = Label { material: request.material.to_owned(), place };
         let bands: &[Band] = if request.bands == 1 { &[GREY_BAND] } else { &CHECK_BANDS };
+        self.guard.guard_program().map_err(Diagnostic::error)?;
         let made = self.registry.instantiate(&Request {
             library: request.library,
             model: request.model,

@@ -205,6 +205,10 @@ pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
 
 /// Takes one option of ours that Radiance's programs do not have: how scenes are read, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
+    let used = reading.plugin_guard.take(words)?;
+    if used > 0 {
+        return Ok(used);
+    }
     let word = words[0].as_str();
     match word {
         "--seed" => options.seed = number(words, word, "a whole number")?,

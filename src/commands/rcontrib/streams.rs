@@ -8,11 +8,12 @@ use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
 use crate::output::beside;
 use crate::output_format::OutputFormat;
+use radsight_brdf_host::guard::standard_output::{self, StandardOutput};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -139,7 +140,7 @@ impl Stream {
         }
         let (written, what) = match &mut self.target {
             Target::StandardOutput => {
-                let mut out = io::stdout().lock();
+                let mut out = StandardOutput;
                 (out.write_all(&held).and_then(|()| out.flush()), "standard output".to_owned())
             }
             Target::File { name, aside } => {
@@ -177,7 +178,11 @@ impl Stream {
 impl Target {
     fn open(name: &str, overwrites: bool) -> Result<Target, Failure> {
         if let Some(command) = name.strip_prefix('!') {
-            let child = Command::new("sh").args(["-c", command]).stdin(Stdio::piped()).spawn();
+            let child = Command::new("sh")
+                .args(["-c", command])
+                .stdin(Stdio::piped())
+                .stdout(standard_output::for_child())
+                .spawn();
             let child = child
                 .map_err(|error| Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error))))?;
             return Ok(Target::Command { name: command.to_owned(), child: Some(child) });

@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::output::write_file;
+use radsight_brdf_host::guard::standard_output::StandardOutput;
 use radsight_picture::{Header, Resolution, Unfinished};
 use std::fs::File;
 use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
@@ -119,7 +120,7 @@ impl PictureWriter {
     pub(super) fn write(&mut self, bytes: &[u8]) -> Outcome {
         let written = match &mut self.target {
             Target::StandardOutput => {
-                let mut out = io::stdout().lock();
+                let mut out = StandardOutput;
                 out.write_all(bytes).and_then(|()| out.flush())
             }
             Target::File(file) => file.write_all(bytes),

@@ -14,6 +14,7 @@ use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
 pub(crate) use answers::RayAnswers;
 use options::Options;
+use radsight_brdf_host::guard::standard_output::StandardOutput;
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
 use radsight_render::{Ray, Renderer, Spread};
@@ -45,7 +46,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
 
 fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
     let failed = |error: io::Error| Failure::write("standard output", &error);
-    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    let mut out = BufWriter::with_capacity(1 << 16, StandardOutput);
     out.write_all(&start(options)).map_err(failed)?;
     let pace = Pace::new(options);
     let mut left = pace.total;
