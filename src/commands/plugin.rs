@@ -3,7 +3,7 @@
 use crate::args::{Plugin, PluginCheck, PluginList, PluginNew, PluginPlot};
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::output::{write_file, write_standard_output};
-use crate::plugins::{PluginOptions, search_path};
+use crate::plugins::search_path;
 use radsight_brdf_host::check::{self, CHECK_BANDS, CheckOptions, ChildCommand, Example};
 use radsight_brdf_host::plot::{PlotOptions, svg};
 use radsight_brdf_host::template::{Language, new_project, own_sources};
@@ -139,7 +139,7 @@ fn parse_model(text: &str) -> Result<Example, Failure> {
 }
 
 fn search(folders: &[PathBuf]) -> SearchPath {
-    search_path(&PluginOptions { folders: folders.to_vec(), strict: false }, &[])
+    search_path(folders)
 }
 
 /// A file that exists, or a library that is found by its name.

@@ -142,7 +142,7 @@ impl Typed {
             }
             "-u" => self.options.display_top = above(words.number(option)?, LEAST, "-u")?,
             "-d" => self.options.display_range = above(words.number(option)?, 1.0, "-d")?,
-            "-x" => self.map = Some(words.value(option, "a file")?.to_owned()),
+            "-x" => self.map = Some(words.output_value(option, "a file")?),
             _ => return Err(words.unknown(option, EXPECTED)),
         }
         Ok(())

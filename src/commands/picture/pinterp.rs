@@ -67,7 +67,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let options = InterpolateOptions { averages, ..request.interpolate };
     let mut sums = vec![0.0f64; 3 * columns * rows];
     let mut last = None;
-    let mut rays = request.rays.as_ref().map(|words| RayAnswers::new(words)).transpose()?;
+    let mut rays = request.rays.as_ref().map(|rtrace| RayAnswers::new(rtrace, words.trust())).transpose()?;
     if rays.is_some() && sources[0].is_xyz() {
         return Err(Failure::usage("pinterp: rays (-fr) bring red, green and blue, expected pictures in RGBE"));
     }
@@ -148,7 +148,7 @@ impl Request {
                 "-y" => request.size[1] = words.integer(option)?.max(0) as usize,
                 "-pa" => request.pixel_aspect = words.number(option)?,
                 "-t" => options.tolerance = words.number(option)?.max(0.0),
-                "-z" => request.depths = Some(words.value(option, "a file for distances")?.to_owned()),
+                "-z" => request.depths = Some(words.output_value(option, "a file for distances")?),
                 "-e" => {
                     let word = words.value(option, "an exposure")?;
                     let number = words.number_in(word, option)?;

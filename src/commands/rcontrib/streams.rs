@@ -1,20 +1,21 @@
 //! Where records go: standard output, files whose names hold the modifier's name or the bin's number, commands.
 
 use super::bins::Bins;
-use super::options::Options;
+use super::options::{Options, OutputPattern, Tracked};
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
 use crate::output::beside;
 use crate::output_format::OutputFormat;
+use crate::trust::{CommandPermit, Origin, shell};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 
 /// Bytes that all files together hold back.
 const MOST_HELD: usize = 1 << 24;
@@ -51,6 +52,8 @@ enum Target {
 pub(super) struct Planned {
     /// A file's name, or a command after `!`; `None` for standard output.
     pub(super) name: Option<String>,
+    /// For a command.
+    permit: Option<CommandPermit>,
     /// The modifier and the bin that its name holds.
     modifier: Option<String>,
     bin: Option<usize>,
@@ -72,7 +75,7 @@ impl<'o> Streams<'o> {
         for planned in &planned {
             let target = match &planned.name {
                 None => Target::StandardOutput,
-                Some(name) => Target::open(name, options.overwrites || options.recovers)?,
+                Some(name) => Target::open(name, planned.permit, options.overwrites || options.recovers)?,
             };
             streams.push(Stream { target, held: head(options, planned) });
         }
@@ -175,9 +178,9 @@ impl Stream {
 }
 
 impl Target {
-    fn open(name: &str, overwrites: bool) -> Result<Target, Failure> {
-        if let Some(command) = name.strip_prefix('!') {
-            let child = Command::new("sh").args(["-c", command]).stdin(Stdio::piped()).spawn();
+    fn open(name: &str, permit: Option<CommandPermit>, overwrites: bool) -> Result<Target, Failure> {
+        if let (Some(permit), Some(command)) = (permit, name.strip_prefix('!')) {
+            let child = shell(permit, command).stdin(Stdio::piped()).spawn();
             let child = child
                 .map_err(|error| Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error))))?;
             return Ok(Target::Command { name: command.to_owned(), child: Some(child) });
@@ -187,6 +190,10 @@ impl Target {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
         let aside = aside(&path);
+        // Whoever made the folder may have put a link there.
+        if fs::symlink_metadata(&aside).is_ok_and(|found| !found.is_file()) {
+            return Err(Failure::fault(format!("cannot write \"{}\": it is no regular file", aside.display())));
+        }
         File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
         Ok(Target::File { name: name.to_owned(), aside })
     }
@@ -202,7 +209,9 @@ impl Layout {
             let bins = all_bins.of_modifier(index);
             // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
             let mut first = 0;
-            if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
+            if let (OutputFormat::Pixels, Some(OutputPattern { text: pattern, .. })) =
+                (options.output_format, &tracked.output)
+            {
                 while holds_number(pattern)
                     && by_name.contains_key(&Some(named("rcontrib", pattern, &tracked.name, first)?.0))
                 {
@@ -212,19 +221,24 @@ impl Layout {
             for bin in 0..bins {
                 let (name, modifier, number) = match &tracked.output {
                     None => (None, None, None),
-                    Some(pattern) => {
+                    Some(OutputPattern { text: pattern, .. }) => {
                         let (name, has_modifier, has_bin) = named("rcontrib", pattern, &tracked.name, first + bin)?;
                         (Some(name), has_modifier.then(|| tracked.name.clone()), has_bin.then_some(first + bin))
                     }
                 };
-                let stream = *by_name.entry(name.clone()).or_insert_with(|| {
-                    planned.push(Planned { name, modifier, bin: number, values: 0 });
-                    planned.len() - 1
-                });
+                let stream = match by_name.get(&name) {
+                    Some(stream) => *stream,
+                    None => {
+                        let permit = check(options, tracked, name.as_deref())?;
+                        by_name.insert(name.clone(), planned.len());
+                        planned.push(Planned { name, permit, modifier, bin: number, values: 0 });
+                        planned.len() - 1
+                    }
+                };
                 if planned[stream].values == 0 && planned[stream].modifier.is_none() {
                     planned[stream].modifier = Some(tracked.name.clone()).filter(|_| bins == 1 || number.is_some());
                 } else if planned[stream].values > 0
-                    && !matches!(&tracked.output, Some(pattern) if pattern.contains("%s"))
+                    && !matches!(&tracked.output, Some(pattern) if pattern.text.contains("%s"))
                 {
                     planned[stream].modifier = None;
                 }
@@ -234,6 +248,26 @@ impl Layout {
         }
         Ok(Layout { planned, of_bin })
     }
+}
+
+/// Checks where a modifier's values go, by who named it and who named the modifier. Gives the permission to run a command.
+fn check(options: &Options, tracked: &Tracked, name: Option<&str>) -> Result<Option<CommandPermit>, Failure> {
+    let (Some(pattern), Some(name)) = (&tracked.output, name) else { return Ok(None) };
+    let trust = &options.reading.trust;
+    let is_part = tracked.origin == Origin::File && name != pattern.text && pattern.text.contains('%');
+    if let Some(command) = pattern.text.strip_prefix('!') {
+        if is_part {
+            trust.check_command_part(&tracked.name)?;
+        }
+        let commands = if pattern.origin == Origin::File { trust.commands() } else { trust.own_commands() };
+        return commands.permit(command).map(Some);
+    }
+    match pattern.origin {
+        Origin::File => drop(trust.output_of_file(name, options.existing_of_files)?),
+        Origin::CommandLine if is_part => trust.check_name_part(&tracked.name)?,
+        Origin::CommandLine => {}
+    }
+    Ok(None)
 }
 
 /// Where a file is written until it is whole: a place that a later run finds.

@@ -11,6 +11,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
+use crate::trust::Trust;
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
@@ -24,8 +25,8 @@ use std::time::{Duration, Instant};
 const MOST_PIXELS: usize = 1 << 27;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     if options.print_defaults {
         return write_standard_output(defaults::text(&options).as_bytes());
     }

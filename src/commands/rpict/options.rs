@@ -3,12 +3,13 @@
 use crate::args::Reading;
 use crate::control_file;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
+use crate::trust::{Existing, Trust};
 use crate::view_args;
 use radsight_frame::{Effort, MAX_SAMPLES};
 use radsight_picture::ViewOptions;
@@ -136,14 +137,24 @@ impl Default for Options {
     }
 }
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.take_one(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::parse_once(words)?;
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
+        let mut options = Options::parse_once(words, trust.clone())?;
         if let Some(file) = options.control_file.as_deref().filter(|_| !options.print_defaults)
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
-            options = Options::parse_once(&kept)?;
+            options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         options.share_error();
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
@@ -155,9 +166,11 @@ impl Options {
         Ok(options)
     }
 
-    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+    fn parse_once(words: &[String], trust: Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let words = CommandWords::new(words, trust.origin());
+        options.reading.trust = trust;
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         Ok(options)
     }
 
@@ -204,7 +217,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
         const TAKERS: [Taker; 8] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
@@ -228,7 +241,8 @@ impl Options {
             "-t" => self.report = number(words, word, "a number of seconds")?,
             "-n" | "--threads" => self.threads = Some(number(words, word, "a number of threads")?),
             _ if control_file::is_option(word) => {
-                self.control_file = Some(number(words, word, "a control file")?);
+                let file: String = number(words, word, "a control file")?;
+                self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
             }
             "-S" => self.first_frame = number(words, word, "the number of a frame")?,
             "-defaults" | "-help" => {
@@ -280,13 +294,14 @@ impl Options {
     fn take_file(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let file = || number::<String>(words, word, "a file");
+        let output = |existing| self.reading.trust.output(&file()?, existing);
         match word {
-            "-o" => self.output = Some(file()?),
-            "-z" => self.depths = Some(file()?),
-            "-e" => self.error_file = Some(file()?),
+            "-o" => self.output = Some(output(Existing::Kept)?),
+            "-z" => self.depths = Some(output(Existing::Kept)?),
+            "-e" => self.error_file = Some(output(Existing::Messages)?),
             "-r" => self.recover = Some(file()?),
             "-ro" => {
-                self.recover = Some(file()?);
+                self.recover = Some(output(Existing::Kept)?);
                 self.output = self.recover.clone();
             }
             _ => return Ok(0),
