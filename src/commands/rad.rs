@@ -104,9 +104,11 @@ impl Arguments {
     fn check_outputs(&mut self, steps: &[Step]) -> Outcome {
         let is_done = |step: &&Step| !self.is_dry || matches!(step, Step::WriteOptions(..));
         let mut trust = self.trust.clone();
+        let project = self.file.strip_prefix("./").unwrap_or(&self.file);
+        trust.work_for(project);
         for output in steps.iter().filter(is_done).flat_map(Step::outputs) {
             if output.named_by == NamedBy::File {
-                trust.output_of_file(&output.name, existing(output))?;
+                trust.output_of_file(&output.name, existing(output, project))?;
             }
             trust.allow_output(output.name.clone());
         }
@@ -205,11 +207,11 @@ impl Arguments {
 }
 
 /// What a file has to be that is there already where the project names one.
-fn existing(output: &OutputFile) -> Existing<'_> {
+fn existing<'a>(output: &OutputFile, project: &'a str) -> Existing<'a> {
     match &output.kind {
         OutputKind::Octree => Existing::Octree,
         OutputKind::IllumScene => Existing::IllumScene,
-        OutputKind::Picture { octree } => Existing::PictureOf(octree),
+        OutputKind::Picture => Existing::PictureOf(project),
         OutputKind::Distances => Existing::Distances,
         OutputKind::Options => Existing::Options,
         OutputKind::AmbientValues => Existing::AmbientValues,

@@ -18,7 +18,7 @@ pub(crate) enum Existing<'a> {
     Replaced,
     /// An octree, which is made again from its scene.
     Octree,
-    /// A picture that `rpict` made of the octree of this name.
+    /// A picture that the project of this name made.
     PictureOf(&'a str),
     /// Distances of `rpict -z`.
     Distances,
@@ -53,7 +53,7 @@ impl Existing<'_> {
             Existing::Kept => false,
             Existing::Replaced => true,
             Existing::Octree => has_format(start, "Radiance_octree"),
-            Existing::PictureOf(octree) => is_picture_of(start, octree),
+            Existing::PictureOf(project) => is_picture_of(start, project),
             Existing::Distances => are_distances(start),
             Existing::Options => are_options(start),
             Existing::AmbientValues => has_format(start, "Radiance_ambval"),
@@ -67,7 +67,7 @@ impl Existing<'_> {
         let expected = match self {
             Existing::Kept | Existing::Replaced => return "it is there already".to_owned(),
             Existing::Octree => "an octree".to_owned(),
-            Existing::PictureOf(octree) => format!("a picture of \"{octree}\""),
+            Existing::PictureOf(project) => format!("a picture that \"{project}\" made"),
             Existing::Distances => "distances of rpict -z".to_owned(),
             Existing::Options => "options of rendering".to_owned(),
             Existing::AmbientValues => "ambient values".to_owned(),
@@ -87,15 +87,13 @@ fn has_format(start: &[u8], format: &str) -> bool {
     header(start).is_some_and(|header| header.format().is_some_and(|found| found == format))
 }
 
-/// Whether the header says that `rpict` was called for this octree.
-fn is_picture_of(start: &[u8], octree: &str) -> bool {
-    let is_its_command = |line: &[u8]| {
-        let line = String::from_utf8_lossy(line);
-        let mut words = line.split_whitespace();
-        let program = words.next().and_then(|name| Path::new(name).file_name()).and_then(|name| name.to_str());
-        program == Some("rpict") && words.next_back() == Some(octree)
-    };
-    header(start).is_some_and(|header| header.lines().any(is_its_command))
+/// The variable of a picture's header that names the project which made it.
+pub(crate) const PROJECT: &str = "RADPROJECT";
+
+/// Whether the header says that this project made it.
+fn is_picture_of(start: &[u8], project: &str) -> bool {
+    let line = format!("{PROJECT}= {project}");
+    header(start).is_some_and(|header| header.lines().any(|found| found == line.as_bytes()))
 }
 
 /// Whether bytes are distances in the machine's single precision, which no text is.
@@ -145,7 +143,7 @@ mod tests {
 
     #[test]
     fn files_are_told_by_what_they_hold() {
-        let picture = b"#?RADIANCE\nrpict -vp 0 0 0 room.oct\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n";
+        let picture = b"#?RADIANCE\nrpict -vp 0 0 0\nRADPROJECT= room.rif\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n";
         let octree = b"#?RADIANCE\noconv room.rad\nFORMAT=Radiance_octree\n\n\x01";
         let precious = b"years of work";
         let distances: Vec<u8> = [2.5f32, 0.0, 1e10].iter().flat_map(|value| value.to_ne_bytes()).collect();
@@ -154,7 +152,7 @@ mod tests {
         let scene = b"# mkillum -ab 1 room.oct\n#@mkillum !\n\nvoid illum w\n";
         let messages = b"rpict: 10.00% after 0.1 hours\n";
         let kinds: [(Existing<'_>, &[u8]); 8] = [
-            (Existing::PictureOf("room.oct"), picture),
+            (Existing::PictureOf("room.rif"), picture),
             (Existing::Octree, octree),
             (Existing::Distances, &distances),
             (Existing::Options, options),
@@ -168,6 +166,6 @@ mod tests {
                 assert_eq!(kind.is_kind_of(bytes), kind == other && *kind != Existing::Kept, "{kind:?} of {other:?}");
             }
         }
-        assert!(!Existing::PictureOf("other.oct").is_kind_of(picture));
+        assert!(!Existing::PictureOf("other.rif").is_kind_of(picture));
     }
 }

@@ -8,7 +8,7 @@
 mod existing;
 mod outputs;
 
-pub(crate) use existing::Existing;
+pub(crate) use existing::{Existing, PROJECT};
 pub(crate) use outputs::Refusal;
 
 use crate::failure::Failure;
@@ -62,6 +62,8 @@ struct Grants {
     all_outputs: bool,
     /// `--allow-output`: what a program that calls this one has looked at already.
     outputs: Vec<String>,
+    /// `--project`: the file of `rad` that makes the pictures.
+    project: Option<String>,
 }
 
 /// Whether commands that a file names may run.
@@ -115,7 +117,8 @@ impl Trust {
 
     /// The options that give another process of radsight the same trust, and say that the words after them are those of a file.
     pub(crate) fn words_for_file(&self) -> Vec<String> {
-        let Grants { commands, plugins_of_scenes, plugin_folders, replacements, all_outputs, outputs } = &self.grants;
+        let Grants { commands, plugins_of_scenes, plugin_folders, replacements, all_outputs, outputs, project } =
+            &self.grants;
         let mut words = Vec::new();
         let mut flag = |name: &str, is_set: bool| words.extend(is_set.then(|| name.to_owned()));
         flag("--allow-commands", *commands != Commands::Refused);
@@ -127,6 +130,7 @@ impl Trust {
         values("--plugin-path", plugin_folders.iter().map(|folder| folder.display().to_string()).collect());
         values("--brdf", replacements.clone());
         values("--allow-output", outputs.clone());
+        values("--project", project.iter().cloned().collect());
         words.push(WORDS_OF_FILE.to_owned());
         words
     }
@@ -180,6 +184,10 @@ impl Trust {
                 add(&mut grants.outputs, value("a file")?);
                 2
             }
+            "--project" => {
+                grants.project = Some(value("a file")?);
+                2
+            }
             _ => return Ok(0),
         };
         if self.word == Origin::File && grants != self.grants {
@@ -195,6 +203,16 @@ impl Trust {
     /// Allows exactly one file to be written, which was looked at by [`Trust::output_of_file`].
     pub(crate) fn allow_output(&mut self, name: String) {
         add(&mut self.grants.outputs, name);
+    }
+
+    /// Says which project this is, for the headers of its pictures.
+    pub(crate) fn work_for(&mut self, project: &str) {
+        self.grants.project = Some(project.to_owned());
+    }
+
+    /// The project that this is done for.
+    pub(crate) fn project(&self) -> Option<&str> {
+        self.grants.project.as_deref()
     }
 
     /// Whether commands that files name may run.

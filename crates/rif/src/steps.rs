@@ -39,17 +39,14 @@ pub struct How {
 }
 
 /// What a file that is written is; one that is there already may be replaced only by its kind.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputKind {
     /// An octree.
     Octree,
     /// Scene text that `mkillum` wrote.
     IllumScene,
     /// A picture.
-    Picture {
-        /// Of this octree.
-        octree: String,
-    },
+    Picture,
     /// Distances (`rpict -z`).
     Distances,
     /// Options of rendering.
@@ -384,9 +381,7 @@ impl Maker<'_> {
             let by = if view.name.contains('/') { NamedBy::File } else { rif.named_by(root) };
             OutputFile::new(format!("{root_name}_{}.{suffix}", view.name), kind, by)
         };
-        let octree_name = self.octree.name.clone();
-        let kind = || OutputKind::Picture { octree: octree_name.clone() };
-        let picture_file = named(Variable::Picture, root, "hdr", kind());
+        let picture_file = named(Variable::Picture, root, "hdr", OutputKind::Picture);
         let picture = picture_file.name.clone();
         let date = self.site.date(&picture);
         if date >= self.octree.date {
@@ -394,7 +389,7 @@ impl Maker<'_> {
         }
         let raw_root = rif.value(Variable::RawFile);
         let raw_variable = if raw_root.is_some() { Variable::RawFile } else { Variable::Picture };
-        let raw_file = named(raw_variable, raw_root.unwrap_or(root), "unf", kind());
+        let raw_file = named(raw_variable, raw_root.unwrap_or(root), "unf", OutputKind::Picture);
         let raw = raw_file.name.clone();
         let raw_date = self.site.date(&raw);
         if self.how.touch_only {
@@ -419,7 +414,7 @@ impl Maker<'_> {
             let view = &view.options;
             if options.overture {
                 let small = format!("{rpict} {view}{render}{pixels} -x 64 -y 64 -ps 1 {octree}");
-                let nowhere = OutputFile::new("/dev/null", kind(), NamedBy::CommandLine);
+                let nowhere = OutputFile::new("/dev/null", OutputKind::Picture, NamedBy::CommandLine);
                 self.steps.push(Step::run(small).into_file(nowhere));
             }
             let size = &size.rendered;
@@ -433,7 +428,7 @@ impl Maker<'_> {
             self.run(command, picture_file);
         }
         self.steps.push(match raw_root {
-            Some(root) => Step::Rename(raw_file, named(Variable::RawFile, root, "hdr", kind())),
+            Some(root) => Step::Rename(raw_file, named(Variable::RawFile, root, "hdr", OutputKind::Picture)),
             None => Step::Remove(raw_file),
         });
     }

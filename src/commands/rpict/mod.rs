@@ -11,7 +11,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::trust::Trust;
+use crate::trust::{PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
@@ -169,6 +169,9 @@ fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
 /// What stands before the pixels.
 fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     let mut header = program_history(&options.scenes, &options.command);
+    if let Some(project) = options.reading.trust.project() {
+        header.push_variable(PROJECT, &format!(" {project}"));
+    }
     if frame > 0 {
         header.push_variable("FRAME", &frame.to_string());
     }
