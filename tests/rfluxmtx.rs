@@ -139,7 +139,7 @@ fn what_is_wrong_is_told() {
     };
     check("sender.rad", 2, "expected a sender (or -) and a receiver");
     check("-zz sender.rad receiver.rad", 2, "option \"-zz\" is not supported");
-    check("-fo sender.rad receiver.rad", 2, "option \"-fo\" is not supported");
+    check("-fx sender.rad receiver.rad", 2, "option \"-fx\" is not supported");
     check("-c 0 sender.rad receiver.rad", 2, "expected a number of rays, 1 or more");
     check("-av 1 2", 2, "expected 3 words after it");
     check("-I+ sender.rad receiver.rad", 2, "for rays from standard input (-) only");

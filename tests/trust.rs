@@ -325,8 +325,8 @@ fn receivers_write_only_new_files_below_the_current_folder() {
         ("!touch ran", "it is a command"),
         ("!touch ran; cat", "it is a command"),
         ("|touch ran", "it is a command"),
-        ("keep.mtx", "it is there already"),
-        ("./keep.mtx", "it is there already"),
+        ("keep.mtx", "it is there already, and is not"),
+        ("./keep.mtx", "it is there already, and is not"),
         ("../escaped", "it is not below the current folder"),
         ("away/escaped", "a symbolic link leads out of the current folder"),
         ("away/work/escaped", "new"),
@@ -351,7 +351,7 @@ fn receivers_write_only_new_files_below_the_current_folder() {
             assert!(trap.exists("escaped"));
             fs::remove_file(trap.work("escaped")).expect("it was made");
         } else if why == "new" {
-            trap.refuses(&words, "it is there already");
+            trap.refuses(&words, "it is there already, and is not");
         } else {
             trap.refuses(&words, why);
             trap.refuses(&words, "receiver.rad:1:");
@@ -411,6 +411,13 @@ fn the_command_line_allows_what_receivers_name() {
         let line = format!("rfluxmtx -ab 0 -I+ {options} - receiver.rad plain.rad").replace("  ", " ");
         trap.run_line(&line).done();
         assert!(trap.exists(made), "{line}");
+        if name.starts_with("new.mtx") {
+            // What the same receiver made before is made again; what another one made is not replaced.
+            trap.run_line(&line).done();
+            fs::copy(trap.work("receiver.rad"), trap.work("other.rad")).expect("a copy");
+            let words = line.replace("receiver.rad", "other.rad");
+            trap.refuses(&words.split(' ').collect::<Vec<_>>(), "is not what \"other.rad\" made");
+        }
         if name != "/dev/null" {
             assert_ne!(fs::read(trap.work(made)).expect("it was made"), PRECIOUS.as_bytes(), "{line}");
         }
@@ -732,7 +739,7 @@ fn projects_make_again_what_they_made_before() {
     // A picture of somebody else's octree stays.
     trap.file("other.rif", format!("{PROJECT}PICTURE= out/room\n"));
     names.iter().for_each(|name| age(&trap.work(name)));
-    trap.refuses(&["rad", "-w", "other.rif"], "is not a picture that \"other.rif\" made");
+    trap.refuses(&["rad", "-w", "other.rif"], "is not what \"other.rif\" made");
     trap.run(&["rad", "-w", "--allow-outputs", "other.rif"]).done();
     trap.run(&["rad", "-w", "other.rif", "PICTURE=../said"]).done();
     assert!(trap.exists("../said_v.hdr"), "the command line may name any file");

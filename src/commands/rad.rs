@@ -211,7 +211,7 @@ fn existing<'a>(output: &OutputFile, project: &'a str) -> Existing<'a> {
     match &output.kind {
         OutputKind::Octree => Existing::Octree,
         OutputKind::IllumScene => Existing::IllumScene,
-        OutputKind::Picture => Existing::PictureOf(project),
+        OutputKind::Picture => Existing::MadeBy(project),
         OutputKind::Distances => Existing::Distances,
         OutputKind::Options => Existing::Options,
         OutputKind::AmbientValues => Existing::AmbientValues,

@@ -18,8 +18,8 @@ pub(crate) enum Existing<'a> {
     Replaced,
     /// An octree, which is made again from its scene.
     Octree,
-    /// A picture that the project of this name made.
-    PictureOf(&'a str),
+    /// A picture or matrix whose header says that the project or receiver of this name made it.
+    MadeBy(&'a str),
     /// Distances of `rpict -z`.
     Distances,
     /// Options of rendering, as `rad` writes them (`OPTFILE`).
@@ -53,7 +53,7 @@ impl Existing<'_> {
             Existing::Kept => false,
             Existing::Replaced => true,
             Existing::Octree => has_format(start, "Radiance_octree"),
-            Existing::PictureOf(project) => is_picture_of(start, project),
+            Existing::MadeBy(project) => is_made_by(start, project),
             Existing::Distances => are_distances(start),
             Existing::Options => are_options(start),
             Existing::AmbientValues => has_format(start, "Radiance_ambval"),
@@ -67,7 +67,7 @@ impl Existing<'_> {
         let expected = match self {
             Existing::Kept | Existing::Replaced => return "it is there already".to_owned(),
             Existing::Octree => "an octree".to_owned(),
-            Existing::PictureOf(project) => format!("a picture that \"{project}\" made"),
+            Existing::MadeBy(project) => format!("what \"{project}\" made"),
             Existing::Distances => "distances of rpict -z".to_owned(),
             Existing::Options => "options of rendering".to_owned(),
             Existing::AmbientValues => "ambient values".to_owned(),
@@ -87,11 +87,11 @@ fn has_format(start: &[u8], format: &str) -> bool {
     header(start).is_some_and(|header| header.format().is_some_and(|found| found == format))
 }
 
-/// The variable of a picture's header that names the project which made it.
+/// The variable of a header that names the project or receiver for which a picture or matrix was made.
 pub(crate) const PROJECT: &str = "RADPROJECT";
 
-/// Whether the header says that this project made it.
-fn is_picture_of(start: &[u8], project: &str) -> bool {
+/// Whether the header says that it was made for this project.
+fn is_made_by(start: &[u8], project: &str) -> bool {
     let line = format!("{PROJECT}= {project}");
     header(start).is_some_and(|header| header.lines().any(|found| found == line.as_bytes()))
 }
@@ -152,7 +152,7 @@ mod tests {
         let scene = b"# mkillum -ab 1 room.oct\n#@mkillum !\n\nvoid illum w\n";
         let messages = b"rpict: 10.00% after 0.1 hours\n";
         let kinds: [(Existing<'_>, &[u8]); 8] = [
-            (Existing::PictureOf("room.rif"), picture),
+            (Existing::MadeBy("room.rif"), picture),
             (Existing::Octree, octree),
             (Existing::Distances, &distances),
             (Existing::Options, options),
@@ -166,6 +166,6 @@ mod tests {
                 assert_eq!(kind.is_kind_of(bytes), kind == other && *kind != Existing::Kept, "{kind:?} of {other:?}");
             }
         }
-        assert!(!Existing::PictureOf("other.rif").is_kind_of(picture));
+        assert!(!Existing::MadeBy("other.rif").is_kind_of(picture));
     }
 }

@@ -62,7 +62,7 @@ struct Grants {
     all_outputs: bool,
     /// `--allow-output`: what a program that calls this one has looked at already.
     outputs: Vec<String>,
-    /// `--project`: the file of `rad` that makes the pictures.
+    /// `--project`: the file of `rad` or the receiver for which something is made.
     project: Option<String>,
 }
 
@@ -205,7 +205,7 @@ impl Trust {
         add(&mut self.grants.outputs, name);
     }
 
-    /// Says which project this is, for the headers of its pictures.
+    /// Says for which project or receiver the work is done, for the headers of what is made.
     pub(crate) fn work_for(&mut self, project: &str) {
         self.grants.project = Some(project.to_owned());
     }

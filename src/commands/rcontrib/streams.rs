@@ -8,7 +8,7 @@ use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
 use crate::output::beside;
 use crate::output_format::OutputFormat;
-use crate::trust::{CommandPermit, Origin, shell};
+use crate::trust::{CommandPermit, Existing, Origin, PROJECT, shell};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
@@ -263,7 +263,13 @@ fn check(options: &Options, tracked: &Tracked, name: Option<&str>) -> Result<Opt
         return commands.permit(command).map(Some);
     }
     match pattern.origin {
-        Origin::File => drop(trust.output_of_file(name, options.existing_of_files)?),
+        Origin::File => {
+            let existing = match (options.existing_of_files, trust.project()) {
+                (Existing::Kept, Some(receiver)) => Existing::MadeBy(receiver),
+                (existing, _) => existing,
+            };
+            trust.output_of_file(name, existing)?;
+        }
         Origin::CommandLine if is_part => trust.check_name_part(&tracked.name)?,
         Origin::CommandLine => {}
     }
@@ -294,6 +300,9 @@ fn head(options: &Options, planned: &Planned) -> Vec<u8> {
 
 fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
+    if let Some(receiver) = options.reading.trust.project() {
+        header.push_variable(PROJECT, &format!(" {receiver}"));
+    }
     header.push_variable("GMT", &format!(" {}", greenwich_time()));
     header.push_variable("NCOMP", &options.components().to_string());
     if options.components() > 3 {

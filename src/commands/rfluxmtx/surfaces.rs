@@ -4,7 +4,7 @@ use super::options::Options;
 use super::wrong;
 use crate::failure::Failure;
 use crate::input::expanded_scene_text;
-use crate::trust::Refusal;
+use crate::trust::{Existing, Refusal};
 use radsight_diag::{SourceMap, Span};
 use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
 use radsight_parse::Kind;
@@ -58,7 +58,11 @@ fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
     let mut said = Parameters::default();
     match (said.read(parameters), said.output) {
         (Ok(()), Some(name)) if !name.contains('%') && !(name.starts_with('!') && options.trust.runs_commands()) => {
-            options.trust.output_of_file(&name, options.existing).map(drop)
+            let existing = match options.existing {
+                Existing::Kept => Existing::MadeBy(&options.receiver),
+                existing => existing,
+            };
+            options.trust.output_of_file(&name, existing).map(drop)
         }
         _ => Ok(()),
     }

@@ -332,7 +332,10 @@ mod tests {
 
     fn parsed(words: &str) -> Options {
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
+        let Ok(options) = Trust::of_process(words.clone()).and_then(|(trust, words)| Options::parse(&words, &trust))
+        else {
+            panic!("{words:?} are options")
+        };
         options
     }
 
