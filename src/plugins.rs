@@ -28,13 +28,18 @@ pub(crate) struct PluginOptions {
 }
 
 /// The folders whose libraries are loaded, in the order of the search: the command line's, the environment's, the program's own.
-pub(crate) fn search_path(folders: &[PathBuf]) -> SearchPath {
+///
+/// The program's own folder does not count where scenes stand in it: it is no more than the place where both were unpacked.
+pub(crate) fn search_path(folders: &[PathBuf], scenes: &SearchPath) -> SearchPath {
     let mut path = SearchPath::default();
     folders.iter().for_each(|folder| path.push(folder));
     if let Some(list) = std::env::var_os(PATH_VARIABLE) {
         path.push_list(&list);
     }
-    if let Some(own) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+    let real = |folder: &Path| std::fs::canonicalize(folder).ok();
+    let is_of_scenes = |own: &Path| scenes.folders().iter().any(|folder| real(folder).is_some_and(|f| f == own));
+    let own = std::env::current_exe().ok().and_then(|program| real(program.parent()?));
+    if let Some(own) = own.as_deref().filter(|own| !is_of_scenes(own)) {
         path.push(own.join("plugins"));
         // A program that was just built has the workspace's plugins beside it.
         path.push(own);
@@ -72,7 +77,8 @@ impl<'s> Models<'s> {
     pub(crate) fn new(options: &PluginOptions, scenes: &[String], sources: &'s SourceMap) -> Self {
         let check = if options.strict { SelfCheck::Strict } else { SelfCheck::Warn };
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
-        let folders = [search_path(options.trust.plugin_folders()), folders_of(scenes)];
+        let of_scenes = folders_of(scenes);
+        let folders = [search_path(options.trust.plugin_folders(), &of_scenes), of_scenes];
         // What stands beside a scene comes last, so that it hides nothing. `check_library` decides what is loaded from there.
         let mut all = folders[0].clone();
         folders[1].folders().iter().for_each(|folder| all.push(folder));

@@ -33,7 +33,7 @@ fn wall(basis: &str) -> String {
 /// Runs both programs, the words split at spaces, and gives what each has written to `file`.
 fn both(radiance: &Radiance, folder: &Folder, words: &str, input: &[u8], file: &str) -> [Matrix; 2] {
     let words: Vec<&str> = words.split(' ').collect();
-    let mut ours = command(&[&["rfluxmtx"], &words[..]].concat());
+    let mut ours = command(&[&["rfluxmtx", "-fo"], &words[..]].concat());
     let mut theirs = radiance.command("rfluxmtx", &words);
     let raypath = radiance.raypath();
     [ours.env("RAYPATH", raypath), &mut theirs].map(|program| {

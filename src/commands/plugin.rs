@@ -139,7 +139,7 @@ fn parse_model(text: &str) -> Result<Example, Failure> {
 }
 
 fn search(folders: &[PathBuf]) -> SearchPath {
-    search_path(folders)
+    search_path(folders, &SearchPath::default())
 }
 
 /// A file that exists, or a library that is found by its name.

@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
 use crate::output::{write_file, write_standard_output};
 use crate::render_args::number;
-use crate::trust::{Existing, Trust, own_program};
+use crate::trust::{Existing, Origin, Trust, own_program};
 use crate::view_args;
 use radsight_generate::shell_words::{Stage, split};
 use radsight_parse::{Input, ReadOptions, cube};
@@ -107,8 +107,11 @@ impl Arguments {
         let project = self.file.strip_prefix("./").unwrap_or(&self.file);
         trust.work_for(project);
         for output in steps.iter().filter(is_done).flat_map(Step::outputs) {
-            if output.named_by == NamedBy::File {
+            if output.named_by == NamedBy::File || trust.origin() == Origin::File {
                 trust.output_of_file(&output.name, existing(output, project))?;
+            } else {
+                // Whoever made the folder may have put a link there.
+                trust.check_link(&output.name)?;
             }
             trust.allow_output(output.name.clone());
         }

@@ -77,12 +77,14 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
         say(&format!("{name}: warning - {warning}\n"));
     }
     for (file, bytes) in &output.files {
-        let file = match OF_SCENES.contains(&name) {
-            _ if file == "-" => file.clone(),
-            true => trust.output_of_file(file, Existing::Kept)?,
-            false => trust.output(file, Existing::Kept)?,
-        };
-        write_file(&file, bytes)?;
+        match OF_SCENES.contains(&name) {
+            // A scene may be read again: what its commands wrote then is there already.
+            true if std::fs::read(file).is_ok_and(|found| found == *bytes) => continue,
+            _ if file == "-" => {}
+            true => drop(trust.output_of_file(file, Existing::Kept)?),
+            false => drop(trust.output(file, Existing::Kept)?),
+        }
+        write_file(file, bytes)?;
     }
     write_standard_output(&output.standard_output)
 }

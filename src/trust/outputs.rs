@@ -72,6 +72,12 @@ impl Trust {
         }
     }
 
+    /// Checks that a file which is not named by a file is at least no symbolic link, where the folder may be somebody else's.
+    pub(crate) fn check_link(&self, name: &str) -> Result<(), Refusal> {
+        let is_link = fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink());
+        if is_link && !self.allows_output(name) { Err(refused(name, "it is a symbolic link")) } else { Ok(()) }
+    }
+
     /// Checks a word of a file that becomes a part of the name that the user gives to an output.
     pub(crate) fn check_name_part(&self, part: &str) -> Result<(), Refusal> {
         let check = match part.contains('/') {

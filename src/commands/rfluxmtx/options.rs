@@ -73,7 +73,10 @@ impl Options {
         let [sender, receiver, system @ ..] = &files[..] else { return Err(Failure::usage(USAGE)) };
         options.sender = (sender != "-").then(|| sender.clone());
         options.receiver.clone_from(receiver);
-        options.trust.work_for(receiver);
+        // What is piped in has no name of its own.
+        if receiver != "-" && !receiver.starts_with('!') {
+            options.trust.work_for(receiver);
+        }
         options.take_system(system)?;
         if options.samples == 0 {
             options.samples = if options.sender.is_some() { USUAL_SAMPLES } else { 1 };

@@ -56,16 +56,16 @@ enum Flux {
 /// commands are.
 fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
     let mut said = Parameters::default();
-    match (said.read(parameters), said.output) {
-        (Ok(()), Some(name)) if !name.contains('%') && !(name.starts_with('!') && options.trust.runs_commands()) => {
-            let existing = match options.existing {
-                Existing::Kept => Existing::MadeBy(&options.receiver),
-                existing => existing,
-            };
-            options.trust.output_of_file(&name, existing).map(drop)
-        }
-        _ => Ok(()),
+    let (Ok(()), Some(name)) = (said.read(parameters), said.output) else { return Ok(()) };
+    let is_checked_later = name.contains('%') || (name.starts_with('!') && options.trust.runs_commands());
+    if is_checked_later {
+        return Ok(());
     }
+    let existing = match options.existing {
+        Existing::Kept => Existing::MadeBy(&options.receiver),
+        existing => existing,
+    };
+    options.trust.output_of_file(&name, existing).map(drop)
 }
 
 /// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
