@@ -174,7 +174,7 @@ fn files_of_options_widen_nothing() {
         "-PP ../escaped",
         "-fo+",
         "-o !touch",
-        "-o f%d",
+        "-z f%d",
         "-r keep -o ../escaped",
     ]
     .into_iter()

@@ -4,8 +4,9 @@ use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
 use crate::output::{write_file, write_standard_output};
 use crate::render_args::number;
-use crate::trust::{Existing, Origin, Trust, own_program};
+use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
 use crate::view_args;
+use radsight_diag::{SourceMap, Span};
 use radsight_generate::shell_words::{Stage, split};
 use radsight_parse::{Input, ReadOptions, cube};
 use radsight_picture::ViewOptions;
@@ -56,7 +57,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     if arguments.explains {
         write_standard_output(rif.explained().as_bytes())?;
     }
-    arguments.check_outputs(&steps)?;
+    arguments.check_outputs(&steps, &text)?;
     steps.iter().try_for_each(|step| arguments.take(step))
 }
 
@@ -101,17 +102,22 @@ impl Arguments {
     }
 
     /// Checks all files that the project names, before anything is done, and allows those to the programs that are run.
-    fn check_outputs(&mut self, steps: &[Step]) -> Outcome {
+    fn check_outputs(&mut self, steps: &[Step], text: &[u8]) -> Outcome {
         let is_done = |step: &&Step| !self.is_dry || matches!(step, Step::WriteOptions(..));
         let mut trust = self.trust.clone();
         let project = self.file.strip_prefix("./").unwrap_or(&self.file);
         trust.work_for(project);
         for output in steps.iter().filter(is_done).flat_map(Step::outputs) {
-            if output.named_by == NamedBy::File || trust.origin() == Origin::File {
-                trust.output_of_file(&output.name, existing(output, project))?;
-            } else {
+            match output.named_by {
+                NamedBy::File { line } => {
+                    let checked = trust.output_of_file(&output.name, existing(output, project));
+                    checked.map_err(|refusal| at_line(&refusal, &self.file, text, line))?;
+                }
+                NamedBy::CommandLine if trust.origin() == Origin::File => {
+                    trust.output_of_file(&output.name, existing(output, project))?;
+                }
                 // Whoever made the folder may have put a link there.
-                trust.check_link(&output.name)?;
+                NamedBy::CommandLine => trust.check_link(&output.name)?,
             }
             trust.allow_output(output.name.clone());
         }
@@ -207,6 +213,18 @@ impl Arguments {
         // What is wrong was said by the program itself.
         Err(Failure::input(format!("rad: {name} failed ({status})")))
     }
+}
+
+/// A refusal at a line of the project.
+fn at_line(refusal: &Refusal, file: &str, text: &[u8], line: usize) -> Failure {
+    let before: usize = text.split_inclusive(|byte| *byte == b'\n').take(line - 1).map(<[u8]>::len).sum();
+    let found = text[before..].split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let start = before + (found.len() - found.trim_ascii_start().len());
+    let end = start + found.trim_ascii().len();
+    let mut sources = SourceMap::default();
+    let source = sources.add(file, text.to_vec(), None);
+    let span = Span { source, start: start as u32, end: end as u32 };
+    Failure::diagnostics(&[refusal.at(span)], &sources)
 }
 
 /// What a file has to be that is there already where the project names one.

@@ -10,6 +10,8 @@ use std::path::{Component, Path, PathBuf};
 const HINT: &str =
     "--allow-outputs lets input files name any file to be written; else it is a new one below the current folder";
 
+const COMMAND_HINT: &str = "--allow-commands lets input files run commands";
+
 /// The file that keeps nothing.
 const NOWHERE: &str = "/dev/null";
 
@@ -18,6 +20,7 @@ const NOWHERE: &str = "/dev/null";
 pub(crate) struct Refusal {
     name: String,
     why: String,
+    hint: &'static str,
 }
 
 impl Refusal {
@@ -27,13 +30,13 @@ impl Refusal {
 
     /// At the place in a file that names the output.
     pub(crate) fn at(&self, span: Span) -> Diagnostic {
-        Diagnostic::error(self.message()).at(span).hint(HINT)
+        Diagnostic::error(self.message()).at(span).hint(self.hint)
     }
 }
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        Failure::input(format!("{}\nhint: {HINT}", refusal.message()))
+        Failure::input(format!("{}\nhint: {}", refusal.message(), refusal.hint))
     }
 }
 
@@ -48,6 +51,14 @@ impl Trust {
             return Err(refused(name, "it is a pattern").into());
         }
         Ok(self.output_of_file(name, existing)?)
+    }
+
+    /// The name, or the pattern of names, of files that are written only where none is there: any where the user wrote the word.
+    pub(crate) fn new_output(&self, name: &str) -> Result<String, Failure> {
+        match self.word {
+            Origin::CommandLine => Ok(name.to_owned()),
+            Origin::File => Ok(self.output_of_file(name, Existing::Kept)?),
+        }
     }
 
     /// The name of a file to be written that a file gives: a new one below the current folder, or one that is there already
@@ -70,6 +81,11 @@ impl Trust {
                 false => Err(refused(&existing.why_kept())),
             },
         }
+    }
+
+    /// The refusal of an output that is a command.
+    pub(crate) fn refused_output_command(name: &str) -> Refusal {
+        Refusal { hint: COMMAND_HINT, ..refused(name, "it is a command") }
     }
 
     /// Checks that a file which is not named by a file is at least no symbolic link, where the folder may be somebody else's.
@@ -116,7 +132,7 @@ impl Trust {
 }
 
 fn refused(name: &str, why: &str) -> Refusal {
-    Refusal { name: name.to_owned(), why: why.to_owned() }
+    Refusal { name: name.to_owned(), why: why.to_owned(), hint: HINT }
 }
 
 /// Whether a name goes down from the current folder, by folders and a file that are not hidden and look like no option.

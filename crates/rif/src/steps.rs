@@ -378,7 +378,7 @@ impl Maker<'_> {
         let root = value(Variable::Picture);
         let named = |root: Variable, root_name: &str, suffix: &str, kind| {
             // A view's name may lead elsewhere.
-            let by = if view.name.contains('/') { NamedBy::File } else { rif.named_by(root) };
+            let by = if view.name.contains('/') { rif.named_by(Variable::View) } else { rif.named_by(root) };
             OutputFile::new(format!("{root_name}_{}.{suffix}", view.name), kind, by)
         };
         let picture_file = named(Variable::Picture, root, "hdr", OutputKind::Picture);

@@ -103,7 +103,10 @@ pub enum NamedBy {
     /// The user: on the command line, or by the name of the `.rif` file where nothing else is said.
     CommandLine,
     /// The `.rif` file.
-    File,
+    File {
+        /// The line, from 1.
+        line: usize,
+    },
 }
 
 /// What a `.rif` file says.
@@ -126,7 +129,7 @@ impl Rif {
         let named_by = [NamedBy::CommandLine; VARIABLES.len()];
         let mut rif = Rif { root: without_suffix(file).to_owned(), values, named_by };
         for (line, assignment) in logical_lines(text) {
-            rif.set(&assignment, &format!("{file}:{line}"), NamedBy::File)?;
+            rif.set(&assignment, &format!("{file}:{line}"), NamedBy::File { line })?;
         }
         Ok(rif)
     }
@@ -153,7 +156,7 @@ impl Rif {
         };
         // Where values add up, one of the file makes the whole the file's.
         let adds_up = matches!(VARIABLES[known].3, Kind::Joined | Kind::Each);
-        if !(adds_up && self.named_by[known] == NamedBy::File) {
+        if !(adds_up && matches!(self.named_by[known], NamedBy::File { .. })) {
             self.named_by[known] = by;
         }
         self.values[known].push(value);
@@ -352,6 +355,17 @@ mod tests {
         assert_eq!(rif.check().unwrap(), ["multiple assignment of variable 'EXPOSURE'"]);
         assert_eq!(rif.value(Variable::Scene), Some("a.rad b.rad \"!xform -n c d.rad\""));
         assert_eq!(rif.value(Variable::Quality), Some("Hi"));
+    }
+
+    #[test]
+    fn the_last_word_on_a_name_is_told() {
+        let mut rif = Rif::read("a.rif", "# one\nOCT= a.oct\nrender= -ab 1\n").unwrap();
+        assert_eq!(rif.named_by(Variable::Octree), NamedBy::File { line: 2 });
+        assert_eq!(rif.named_by(Variable::Picture), NamedBy::CommandLine);
+        rif.assign("OCTREE=b.oct").unwrap();
+        rif.assign("render=-ab 2").unwrap();
+        assert_eq!(rif.named_by(Variable::Octree), NamedBy::CommandLine);
+        assert_eq!(rif.named_by(Variable::Render), NamedBy::File { line: 3 }, "values that add up stay the file's");
     }
 
     #[test]

@@ -41,6 +41,11 @@ enum Target {
         name: String,
         aside: PathBuf,
     },
+    /// A device or pipe, which no file may take the place of.
+    Device {
+        name: String,
+        file: File,
+    },
     /// `None` when it has ended.
     Command {
         name: String,
@@ -149,6 +154,7 @@ impl Stream {
                 let file = File::options().append(true).open(aside);
                 (file.and_then(|mut file| file.write_all(&held)), format!("\"{name}\""))
             }
+            Target::Device { name, file } => (file.write_all(&held), format!("\"{name}\"")),
             Target::Command { name, child } => {
                 let input = child.as_mut().and_then(|child| child.stdin.as_mut());
                 let written = input.map_or(Ok(()), |input| input.write_all(&held).and_then(|()| input.flush()));
@@ -160,7 +166,7 @@ impl Stream {
 
     fn finish(&mut self) -> Outcome {
         match &mut self.target {
-            Target::StandardOutput => Ok(()),
+            Target::StandardOutput | Target::Device { .. } => Ok(()),
             Target::File { name, aside } => {
                 fs::rename(aside, &*name).map_err(|error| Failure::write(&format!("\"{name}\""), &error))
             }
@@ -186,6 +192,11 @@ impl Target {
             return Ok(Target::Command { name: command.to_owned(), child: Some(child) });
         }
         let path = PathBuf::from(name);
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            let file = File::options().write(true).open(&path);
+            let file = file.map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+            return Ok(Target::Device { name: name.to_owned(), file });
+        }
         if path.exists() && !overwrites {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }

@@ -4,7 +4,7 @@ use super::options::Options;
 use super::wrong;
 use crate::failure::Failure;
 use crate::input::expanded_scene_text;
-use crate::trust::{Existing, Refusal};
+use crate::trust::{Existing, Refusal, Trust};
 use radsight_diag::{SourceMap, Span};
 use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
 use radsight_parse::Kind;
@@ -57,9 +57,11 @@ enum Flux {
 fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
     let mut said = Parameters::default();
     let (Ok(()), Some(name)) = (said.read(parameters), said.output) else { return Ok(()) };
-    let is_checked_later = name.contains('%') || (name.starts_with('!') && options.trust.runs_commands());
-    if is_checked_later {
-        return Ok(());
+    match name.starts_with('!') {
+        true if options.trust.runs_commands() => return Ok(()),
+        true => return Err(Trust::refused_output_command(&name)),
+        false if name.contains('%') => return Ok(()),
+        false => {}
     }
     let existing = match options.existing {
         Existing::Kept => Existing::MadeBy(&options.receiver),

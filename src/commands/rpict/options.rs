@@ -296,7 +296,8 @@ impl Options {
         let file = || number::<String>(words, word, "a file");
         let output = |existing| self.reading.trust.output(&file()?, existing);
         match word {
-            "-o" => self.output = Some(output(Existing::Kept)?),
+            // Pictures are never written over, so that a pattern of names will do.
+            "-o" => self.output = Some(self.reading.trust.new_output(&file()?)?),
             "-z" => self.depths = Some(output(Existing::Kept)?),
             "-e" => self.error_file = Some(output(Existing::Messages)?),
             "-r" => self.recover = Some(file()?),
