@@ -314,3 +314,54 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
         }
     }
 }
+
+#[test]
+fn formats_that_hold_no_scene_cause_nothing() {
+    let trap = Trap::new();
+    let camera = fs::read_to_string(trap.work("camera.toml")).expect("a camera");
+    let rig = "[rig]\nleds = 2\nring_diameter_mm = 25.4\nled_diameter_mm = 5.0\nled_intensity_w_per_sr = 0.055\nled_cone_deg = 7.0\n";
+    for table in ["!touch ran", "|touch ran", "../precious", "$(touch ran)"] {
+        trap.file("evil.toml", format!("{camera}{rig}led_table = \"{table}\"\n"));
+        for line in ["rig evil.toml", "explain evil.toml plain.rad", "pinhole rays evil.toml --samples 1 -f a"] {
+            trap.leaves_no_trace(&line.split(' ').collect::<Vec<_>>(), b"");
+        }
+    }
+    let picture = trap.run(&["rpict", "-x", "2", "-y", "2", "plain.rad"]).done();
+    let header = b"#?RADIANCE\n!touch ran\nrpict --allow-commands -o keep -z ../escaped !touch ran\nVIEW= -vf !touch -o keep\noconv !touch ran\nRADPROJECT= !touch ran\n";
+    let evil = [&header[..], &picture[11..]].concat();
+    trap.file("evil.hdr", &evil);
+    trap.file("evil.cal", "!touch ran;\nx = system(\"touch ran\");\n");
+    trap.file("evil.vf", "rvu -o keep -z ../escaped -vp 0 0 0 --allow-commands !touch ran\n");
+    trap.file("evil.ies", "IESNA:LM-63-1995\n[MANUFAC] !touch ran\nTILT=!touch ran\n1 1000 1 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n100 80 0\n");
+    trap.file("evil.xml", "<!DOCTYPE a [<!ENTITY b SYSTEM \"../precious\">]><WindowElement>&b;</WindowElement>\n");
+    trap.file("formats.rad", "void brightfunc f 2 x evil.cal 0 0\nf BSDF m 6 0 evil.xml 0 0 1 . 0 0\nm sphere s 0 0 4 0 5 0 1\n!ies2rad -p evil.ies\n!xform -f evil.vf plain.rad\n");
+    for line in [
+        "getinfo evil.hdr",
+        "pfilt -1 evil.hdr",
+        "pcomb evil.hdr",
+        "pcomb -f evil.cal evil.hdr",
+        "pcompos evil.hdr 0 0",
+        "pvalue evil.hdr",
+        "pcond evil.hdr",
+        "ra_ppm evil.hdr -",
+        "falsecolor -i evil.hdr",
+        "rmtxop evil.hdr",
+        "rcomb evil.hdr",
+        "dctimestep evil.hdr evil.hdr",
+        "pextrem evil.hdr",
+        "vwrays evil.hdr",
+        "vwrays -vf evil.vf -x 2 -y 2",
+        "rpict -vf evil.vf -x 2 -y 2 plain.rad",
+        "rpict -vf evil.hdr -x 2 -y 2 plain.rad",
+        "rpict -r evil.hdr plain.rad",
+        "rtrace -f evil.cal plain.rad",
+        "rcalc -f evil.cal -e $1=x(1)",
+        "rtrace formats.rad",
+        "oconv -f formats.rad",
+        "ies2rad -o - evil.ies",
+        "sensor evil.toml",
+        "calibrate evil.hdr",
+    ] {
+        trap.leaves_no_trace(&line.split(' ').collect::<Vec<_>>(), &evil);
+    }
+}
