@@ -1,7 +1,8 @@
 //! Control files of programs that stay alive in Radiance (`-P`, `-PP`).
 //!
 //! Here none does: the file keeps the command line, and a call with the same file and no scene does again what it says. No process stands in it, so who
-//! ends the one that would wait in Radiance ends none. The line that is kept is a file's: it can name no more than other files.
+//! ends the one that would wait in Radiance ends none. The line that is kept is a file's: it can
+//! name no more than other files.
 
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_file;

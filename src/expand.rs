@@ -1,7 +1,8 @@
 //! Words of a command line that stand for others: `@FILE` for the words of a file, `$NAME` for those of an environment variable.
 //!
-//! As in Radiance, only where an option could stand, and what a file or variable holds may stand for others again. Each word
-//! keeps who wrote it, so that the words of a file cannot widen what the command line allows.
+//! As in Radiance, only where an option could stand, and what a file or variable holds may stand
+//! for others again. Each word keeps who wrote it, so that the words of a file cannot widen what
+//! the command line allows.
 
 use crate::failure::{Failure, reason};
 use crate::trust::{Origin, Trust};
@@ -79,7 +80,8 @@ pub(crate) trait TakesOptions {
     fn take(&mut self, words: &[String]) -> Result<usize, Failure>;
 }
 
-/// Reads the command line of a program. Gives the words up to the scenes, as a header has them, and the scenes.
+/// Reads the command line of a program. Gives the words up to the scenes, as a header has them, and
+/// the scenes.
 pub(crate) fn options_before_scenes(
     mut all: CommandWords,
     options: &mut impl TakesOptions,

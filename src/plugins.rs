@@ -27,9 +27,11 @@ pub(crate) struct PluginOptions {
     pub(crate) strict: bool,
 }
 
-/// The folders whose libraries are loaded, in the order of the search: the command line's, the environment's, the program's own.
+/// The folders whose libraries are loaded, in the order of the search: the command line's, the
+/// environment's, the program's own.
 ///
-/// The program's own folder does not count where scenes stand in it: it is no more than the place where both were unpacked.
+/// The program's own folder does not count where scenes stand in it: it is no more than the place
+/// where both were unpacked.
 pub(crate) fn search_path(folders: &[PathBuf], scenes: &SearchPath) -> SearchPath {
     let mut path = SearchPath::default();
     folders.iter().for_each(|folder| path.push(folder));
@@ -79,7 +81,8 @@ impl<'s> Models<'s> {
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
         let of_scenes = folders_of(scenes);
         let folders = [search_path(options.trust.plugin_folders(), &of_scenes), of_scenes];
-        // What stands beside a scene comes last, so that it hides nothing. `check_library` decides what is loaded from there.
+        // What stands beside a scene comes last, so that it hides nothing. `check_library` decides
+        // what is loaded from there.
         let mut all = folders[0].clone();
         folders[1].folders().iter().for_each(|folder| all.push(folder));
         let trust = options.trust.clone();
@@ -88,7 +91,8 @@ impl<'s> Models<'s> {
         Models { registry, trust, folders, sources, folder, said: RefCell::default(), made: RefCell::default() }
     }
 
-    /// A library beside the scene is no more than another input, until the command line says otherwise.
+    /// A library beside the scene is no more than another input, until the command line says
+    /// otherwise.
     fn check_library(&self, library: &str) -> Result<(), Diagnostic> {
         let [installed, of_scenes] = &self.folders;
         let is_allowed = self.trust.allows_plugins_of_scenes() || self.trust.names_library(library);

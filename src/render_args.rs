@@ -203,7 +203,8 @@ pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
     ]
 }
 
-/// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they may cause, and the seed.
+/// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
+/// may cause, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
     let word = words[0].as_str();
     match word {

@@ -1,5 +1,6 @@
-//! Nobody's file runs a command, loads a library, widens what is allowed or names a file that is not new and below the current
-//! folder. `docs/security.md` has the rules; every program that reads scenes is tried here on files that break them.
+//! Nobody's file runs a command, loads a library, widens what is allowed or names a file that is
+//! not new and below the current folder. `docs/security.md` has the rules; every program that reads
+//! scenes is tried here on files that break them.
 
 mod program;
 #[path = "../crates/brdf-host/tests/support/mod.rs"]
@@ -193,7 +194,8 @@ fn files_of_options_widen_nothing() {
         &["rpict", "@commands.opt", "command.rad"],
         "option \"--allow-commands\" comes from a file and is not obeyed\nhint: only the command line itself may give it",
     );
-    // What the command line itself says holds for the file's words, too; a variable is the user's own.
+    // What the command line itself says holds for the file's words, too; a variable is the user's
+    // own.
     trap.run(&["rtrace", "--allow-commands", "@commands.opt", "command.rad"]).done();
     assert!(trap.exists("ran"));
     fs::remove_file(trap.work("ran")).expect("it was made");

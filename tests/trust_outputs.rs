@@ -1,5 +1,6 @@
-//! Files that receivers, comments of `mkillum` and projects of `rad` name are new and below the current folder, or made by the same
-//! work before; and projects run no commands. `docs/security.md` has the rules.
+//! Files that receivers, comments of `mkillum` and projects of `rad` name are new and below the
+//! current folder, or made by the same work before; and projects run no commands.
+//! `docs/security.md` has the rules.
 
 mod program;
 mod trap;
@@ -106,7 +107,8 @@ fn the_command_line_allows_what_receivers_name() {
         trap.run_line(&line).done();
         assert!(trap.exists(made), "{line}");
         if name.starts_with("new.mtx") {
-            // What the same receiver made before is made again; what another one made is not replaced.
+            // What the same receiver made before is made again; what another one made is not
+            // replaced.
             trap.run_line(&line).done();
             fs::copy(trap.work("receiver.rad"), trap.work("other.rad")).expect("a copy");
             let words = line.replace("receiver.rad", "other.rad");

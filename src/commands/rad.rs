@@ -101,7 +101,8 @@ impl Arguments {
         Ok(arguments)
     }
 
-    /// Checks all files that the project names, before anything is done, and allows those to the programs that are run.
+    /// Checks all files that the project names, before anything is done, and allows those to the
+    /// programs that are run.
     fn check_outputs(&mut self, steps: &[Step], text: &[u8]) -> Outcome {
         let is_done = |step: &&Step| !self.is_dry || matches!(step, Step::WriteOptions(..));
         let mut trust = self.trust.clone();

@@ -23,7 +23,8 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 /// Programs that write what the commands of the scenes they read have written.
 const OF_SCENES: [&str; 2] = ["xform", "replmarks"];
 
-/// Runs a program; `argv[0]` is its name. What the scenes may cause is said right after that, in all these programs.
+/// Runs a program; `argv[0]` is its name. What the scenes may cause is said right after that, in
+/// all these programs.
 pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
     let mut trust = trust.clone();
     let mut argv = argv.to_vec();

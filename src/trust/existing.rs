@@ -1,4 +1,5 @@
-//! Which files that are there already may be replaced where a file names them: what the same work made before.
+//! Which files that are there already may be replaced where a file names them: what the same work
+//! made before.
 
 use radsight_picture::Header;
 use std::f64::consts::TAU;
@@ -87,7 +88,8 @@ fn has_format(start: &[u8], format: &str) -> bool {
     header(start).is_some_and(|header| header.format().is_some_and(|found| found == format))
 }
 
-/// The variable of a header that names the project or receiver for which a picture or matrix was made.
+/// The variable of a header that names the project or receiver for which a picture or matrix was
+/// made.
 pub(crate) const PROJECT: &str = "RADPROJECT";
 
 /// Whether the header says that it was made for this project.

@@ -1,9 +1,12 @@
-//! What the command line allows input files to cause: the one gate before commands, libraries and files that are written.
+//! What the command line allows input files to cause: the one gate before commands, libraries and
+//! files that are written.
 //!
-//! A scene, a receiver, a project or a file of options may ask for all three. [`Trust`] is made in `main` and grows by the
-//! options of the command line alone: [`Trust::take`] refuses to grow while the word in hand comes from a file. Nothing else
-//! makes a [`CommandPermit`], and [`shell`] and [`program`] start nothing without one. A name that a file gives to an output
-//! becomes a name to be written by [`Trust::output`] and [`Trust::output_of_file`] alone. `docs/security.md` has the rules.
+//! A scene, a receiver, a project or a file of options may ask for all three. [`Trust`] is made in
+//! `main` and grows by the options of the command line alone: [`Trust::take`] refuses to grow while
+//! the word in hand comes from a file. Nothing else makes a [`CommandPermit`], and [`shell`] and
+//! [`program`] start nothing without one. A name that a file gives to an output becomes a name to
+//! be written by [`Trust::output`] and [`Trust::output_of_file`] alone. `docs/security.md` has the
+//! rules.
 
 mod existing;
 mod outputs;
@@ -91,8 +94,9 @@ pub(crate) fn program(_permit: CommandPermit, name: &OsStr) -> Command {
 }
 
 impl Trust {
-    /// What the words of this process allow before its program reads them, and the words that the program reads. A process
-    /// that is told [`WORDS_OF_FILE`] has words of a file: then the options before that count, and none behind it.
+    /// What the words of this process allow before its program reads them, and the words that the
+    /// program reads. A process that is told [`WORDS_OF_FILE`] has words of a file: then the
+    /// options before that count, and none behind it.
     pub(crate) fn of_process(words: Vec<String>) -> Result<(Trust, Vec<String>), Failure> {
         let own = Trust { process: Origin::CommandLine, word: Origin::CommandLine, ..Trust::default() };
         let mut given = own.clone();
@@ -115,7 +119,8 @@ impl Trust {
         Trust { process: Origin::File, word: Origin::File, grants: self.grants.clone() }
     }
 
-    /// The options that give another process of radsight the same trust, and say that the words after them are those of a file.
+    /// The options that give another process of radsight the same trust, and say that the words
+    /// after them are those of a file.
     pub(crate) fn words_for_file(&self) -> Vec<String> {
         let Grants { commands, plugins_of_scenes, plugin_folders, replacements, all_outputs, outputs, project } =
             &self.grants;
@@ -150,7 +155,8 @@ impl Trust {
         self.process
     }
 
-    /// Takes one option of trust from the front; gives how many words it used, 0 for something else.
+    /// Takes one option of trust from the front; gives how many words it used, 0 for something
+    /// else.
     pub(crate) fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let mut grants = self.grants.clone();
@@ -225,7 +231,8 @@ impl Trust {
         self.grants.commands != Commands::Refused
     }
 
-    /// Whether commands may run that the words of the command line name, as after `!` in the place of a file.
+    /// Whether commands may run that the words of the command line name, as after `!` in the place
+    /// of a file.
     pub(crate) fn own_commands(&self) -> Commands {
         match self.process {
             Origin::CommandLine => Commands::Allowed(CommandPermit(())),

@@ -41,7 +41,8 @@ impl From<Refusal> for Failure {
 }
 
 impl Trust {
-    /// The name of a file to be written that the word in hand gives: any where the user wrote the word.
+    /// The name of a file to be written that the word in hand gives: any where the user wrote the
+    /// word.
     pub(crate) fn output(&self, name: &str, existing: Existing<'_>) -> Result<String, Failure> {
         if self.word == Origin::CommandLine {
             return Ok(name.to_owned());
@@ -53,7 +54,8 @@ impl Trust {
         Ok(self.output_of_file(name, existing)?)
     }
 
-    /// The name, or the pattern of names, of files that are written only where none is there: any where the user wrote the word.
+    /// The name, or the pattern of names, of files that are written only where none is there: any
+    /// where the user wrote the word.
     pub(crate) fn new_output(&self, name: &str) -> Result<String, Failure> {
         match self.word {
             Origin::CommandLine => Ok(name.to_owned()),
@@ -61,8 +63,8 @@ impl Trust {
         }
     }
 
-    /// The name of a file to be written that a file gives: a new one below the current folder, or one that is there already
-    /// and of the kind that may be replaced.
+    /// The name of a file to be written that a file gives: a new one below the current folder, or
+    /// one that is there already and of the kind that may be replaced.
     pub(crate) fn output_of_file(&self, name: &str, existing: Existing<'_>) -> Result<String, Refusal> {
         if self.allows_output(name) || name == NOWHERE {
             return Ok(name.to_owned());
@@ -88,7 +90,8 @@ impl Trust {
         Refusal { hint: COMMAND_HINT, ..refused(name, "it is a command") }
     }
 
-    /// Checks that a file which is not named by a file is at least no symbolic link, where the folder may be somebody else's.
+    /// Checks that a file which is not named by a file is at least no symbolic link, where the
+    /// folder may be somebody else's.
     pub(crate) fn check_link(&self, name: &str) -> Result<(), Refusal> {
         let is_link = fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink());
         if is_link && !self.allows_output(name) { Err(refused(name, "it is a symbolic link")) } else { Ok(()) }
@@ -135,7 +138,8 @@ fn refused(name: &str, why: &str) -> Refusal {
     Refusal { name: name.to_owned(), why: why.to_owned(), hint: HINT }
 }
 
-/// Whether a name goes down from the current folder, by folders and a file that are not hidden and look like no option.
+/// Whether a name goes down from the current folder, by folders and a file that are not hidden and
+/// look like no option.
 fn check_parts(name: &str) -> Result<(), &'static str> {
     if name.is_empty() || name.contains(char::is_control) {
         return Err("it is no file name");

@@ -108,7 +108,8 @@ impl Step {
         }
     }
 
-    /// The command with where its output goes, as a shell would read it; empty for what is no command.
+    /// The command with where its output goes, as a shell would read it; empty for what is no
+    /// command.
     #[must_use]
     pub fn command_line(&self) -> String {
         match self {

@@ -32,8 +32,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     run_with(options, io::stdin().lock())
 }
 
-/// Runs it on rays from elsewhere, in the form that the words say. `existing` are the files that those which words of files name
-/// may write over.
+/// Runs it on rays from elsewhere, in the form that the words say. `existing` are the files that
+/// those which words of files name may write over.
 pub(crate) fn run_on(words: CommandWords, trust: &Trust, existing: Existing<'static>, input: impl Read) -> Outcome {
     let mut options = Options::parse(words, trust)?;
     options.existing_of_files = existing;

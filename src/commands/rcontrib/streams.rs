@@ -261,7 +261,8 @@ impl Layout {
     }
 }
 
-/// Checks where a modifier's values go, by who named it and who named the modifier. Gives the permission to run a command.
+/// Checks where a modifier's values go, by who named it and who named the modifier. Gives the
+/// permission to run a command.
 fn check(options: &Options, tracked: &Tracked, name: Option<&str>) -> Result<Option<CommandPermit>, Failure> {
     let (Some(pattern), Some(name)) = (&tracked.output, name) else { return Ok(None) };
     let trust = &options.reading.trust;

@@ -42,7 +42,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     rcontrib::run_on(words, &options.trust, options.existing, rays)
 }
 
-/// The command line of `rcontrib`. What the user names is written over as in Radiance, what receivers name is not.
+/// The command line of `rcontrib`. What the user names is written over as in Radiance, what
+/// receivers name is not.
 fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) -> Result<CommandWords, Failure> {
     let mut words = CommandWords::default();
     words.extend(["rcontrib", "-fo+"].map(str::to_owned), Origin::CommandLine);

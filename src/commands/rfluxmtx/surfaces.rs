@@ -52,8 +52,8 @@ enum Flux {
     Received,
 }
 
-/// Checks the file that a receiver names where the comment stands. What patterns become is checked when it is known, as
-/// commands are.
+/// Checks the file that a receiver names where the comment stands. What patterns become is checked
+/// when it is known, as commands are.
 fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
     let mut said = Parameters::default();
     let (Ok(()), Some(name)) = (said.read(parameters), said.output) else { return Ok(()) };
