@@ -58,10 +58,11 @@ fn receivers_write_only_new_files_below_the_current_folder() {
 #[test]
 fn names_of_modifiers_are_no_more_than_names() {
     let trap = Trap::new();
+    let above = trap.folder.word("escaped");
     for (modifier, pattern) in [
         ("!touch ran", "%s"),
         ("../escaped", "%s"),
-        ("/tmp", "%s"),
+        (above.as_str(), "%s"),
         ("../escaped", "new_%s.mtx"),
         (".escaped", "%s.mtx"),
         ("$(touch ran)", "!cat > %s"),
@@ -121,9 +122,10 @@ fn the_command_line_allows_what_receivers_name() {
 #[test]
 fn illum_comments_write_only_new_files_below_the_current_folder() {
     let trap = Trap::new();
+    let above = format!("o={}", trap.folder.word("escaped"));
     for (comment, why) in [
         ("o=../escaped", "it is not below the current folder"),
-        ("o=/tmp/radsight_escaped", "it is not below the current folder"),
+        (above.as_str(), "it is not below the current folder"),
         ("o=keep.rad", "is not scene text of mkillum"),
         ("o=away/escaped", "a symbolic link leads out"),
         ("o=link.mtx", "it is a symbolic link"),
@@ -349,4 +351,15 @@ evil.rif:6:3: error: \"../escaped.oct\" comes from a file and is not written: it
 hint: --allow-outputs lets input files name any file to be written; else it is a new one below the current folder
 ";
     assert_eq!((run.messages.as_str(), run.code), (expected, 1));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_where_contributions_are_written_aside_lead_nowhere() {
+    let trap = Trap::new();
+    std::os::unix::fs::symlink("../precious", trap.work(".new.mtx.part")).expect("a link");
+    for options in ["", "-fo+ ", "-r "] {
+        let line = format!("rcontrib {options}-fd -o new.mtx -m m plain.rad");
+        trap.refuses(&line.split(' ').collect::<Vec<_>>(), "");
+    }
 }

@@ -81,11 +81,10 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
         match OF_SCENES.contains(&name) {
             // A scene may be read again: what its commands wrote then is there already.
             true if std::fs::read(file).is_ok_and(|found| found == *bytes) => continue,
-            _ if file == "-" => {}
-            true => drop(trust.output_of_file(file, Existing::Kept)?),
-            false => drop(trust.output(file, Existing::Kept)?),
+            _ if file == "-" => write_standard_output(bytes)?,
+            true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
+            false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
         }
-        write_file(file, bytes)?;
     }
     write_standard_output(&output.standard_output)
 }

@@ -2,7 +2,7 @@
 
 use crate::disk::Commands;
 use crate::failure::Failure;
-use crate::trust::{Existing, Trust};
+use crate::trust::{Existing, OutputName, Trust};
 use radsight_picture::{RgbPrimaries, leading_number};
 
 /// The words of a command line, taken one after another.
@@ -29,12 +29,12 @@ impl<'a> Words<'a> {
     }
 
     /// A file to be written; `-` for standard output.
-    pub(crate) fn output(&self, name: &str) -> Result<String, Failure> {
-        if name == "-" { Ok(name.to_owned()) } else { self.trust.output(name, Existing::Kept) }
+    pub(crate) fn output(&self, name: &str) -> Result<OutputName, Failure> {
+        if name == "-" { Ok(OutputName::standard_output()) } else { self.trust.output(name, Existing::Kept) }
     }
 
     /// The file to be written that is the value of an option.
-    pub(crate) fn output_value(&mut self, option: &str, expected: &str) -> Result<String, Failure> {
+    pub(crate) fn output_value(&mut self, option: &str, expected: &str) -> Result<OutputName, Failure> {
         let name = self.value(option, expected)?;
         self.output(name)
     }

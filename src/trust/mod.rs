@@ -12,7 +12,7 @@ mod existing;
 mod outputs;
 
 pub(crate) use existing::{Existing, PROJECT};
-pub(crate) use outputs::Refusal;
+pub(crate) use outputs::{OutputName, Refusal};
 
 use crate::failure::Failure;
 use radsight_parse::BrdfReplacement;

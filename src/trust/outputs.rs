@@ -5,6 +5,7 @@ use crate::failure::{Failure, reason};
 use radsight_diag::{Diagnostic, Span};
 use std::fs;
 use std::io::ErrorKind;
+use std::ops::Deref;
 use std::path::{Component, Path, PathBuf};
 
 const HINT: &str =
@@ -14,6 +15,30 @@ const COMMAND_HINT: &str = "--allow-commands lets input files run commands";
 
 /// The file that keeps nothing.
 const NOWHERE: &str = "/dev/null";
+
+/// The name of a file that may be written. [`Trust`] makes it of what the command line or a file says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct OutputName(String);
+
+impl OutputName {
+    /// What programs take for standard output.
+    pub(crate) fn standard_output() -> OutputName {
+        OutputName("-".to_owned())
+    }
+
+    /// With a number in the place that a pattern has for it.
+    pub(crate) fn numbered(&self, number: impl Fn(&str) -> String) -> OutputName {
+        OutputName(number(&self.0))
+    }
+}
+
+impl Deref for OutputName {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
 
 /// Why a file that an input names is not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,9 +68,9 @@ impl From<Refusal> for Failure {
 impl Trust {
     /// The name of a file to be written that the word in hand gives: any where the user wrote the
     /// word.
-    pub(crate) fn output(&self, name: &str, existing: Existing<'_>) -> Result<String, Failure> {
+    pub(crate) fn output(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Failure> {
         if self.word == Origin::CommandLine {
-            return Ok(name.to_owned());
+            return Ok(OutputName(name.to_owned()));
         }
         // What numbers make of a pattern is not known here, and could be there already.
         if name.contains('%') && !self.allows_output(name) {
@@ -56,33 +81,39 @@ impl Trust {
 
     /// The name, or the pattern of names, of files that are written only where none is there: any
     /// where the user wrote the word.
-    pub(crate) fn new_output(&self, name: &str) -> Result<String, Failure> {
+    pub(crate) fn new_output(&self, name: &str) -> Result<OutputName, Failure> {
         match self.word {
-            Origin::CommandLine => Ok(name.to_owned()),
+            Origin::CommandLine => Ok(OutputName(name.to_owned())),
             Origin::File => Ok(self.output_of_file(name, Existing::Kept)?),
         }
     }
 
     /// The name of a file to be written that a file gives: a new one below the current folder, or
     /// one that is there already and of the kind that may be replaced.
-    pub(crate) fn output_of_file(&self, name: &str, existing: Existing<'_>) -> Result<String, Refusal> {
+    pub(crate) fn output_of_file(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Refusal> {
         if self.allows_output(name) || name == NOWHERE {
-            return Ok(name.to_owned());
+            return Ok(OutputName(name.to_owned()));
         }
         let refused = |why: &str| refused(name, why);
         check_parts(name).map_err(refused)?;
         check_folder(Path::new(name)).map_err(|why| refused(&why))?;
         match fs::symlink_metadata(name) {
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(name.to_owned()),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(OutputName(name.to_owned())),
             Err(error) => Err(refused(&reason(&error))),
             Ok(found) if found.is_symlink() => Err(refused("it is a symbolic link")),
             Ok(found) if found.is_dir() => Err(refused("it is a folder")),
             Ok(found) if !found.is_file() => Err(refused("it is a device or pipe")),
             Ok(_) => match existing.may_replace(Path::new(name)) {
-                true => Ok(name.to_owned()),
+                true => Ok(OutputName(name.to_owned())),
                 false => Err(refused(&existing.why_kept())),
             },
         }
+    }
+
+    /// The name of a file to be written that the user gives, with a word of a file put into it.
+    pub(crate) fn output_with_part(&self, name: &str, part: Option<&str>) -> Result<OutputName, Refusal> {
+        part.map_or(Ok(()), |part| self.check_name_part(part))?;
+        Ok(OutputName(name.to_owned()))
     }
 
     /// The refusal of an output that is a command.
@@ -98,7 +129,7 @@ impl Trust {
     }
 
     /// Checks a word of a file that becomes a part of the name that the user gives to an output.
-    pub(crate) fn check_name_part(&self, part: &str) -> Result<(), Refusal> {
+    fn check_name_part(&self, part: &str) -> Result<(), Refusal> {
         let check = match part.contains('/') {
             true => Err("it names a folder"),
             false => check_parts(part),
@@ -108,7 +139,9 @@ impl Trust {
 
     /// Checks a word of a file that becomes a part of a command of the user's.
     pub(crate) fn check_command_part(&self, part: &str) -> Result<(), Failure> {
-        let is_plain = !part.is_empty() && part.chars().all(|c| c.is_alphanumeric() || "_-.,+:@=".contains(c));
+        let is_plain = !part.is_empty()
+            && !part.starts_with('-')
+            && part.chars().all(|c| c.is_alphanumeric() || "_-.,+:@=".contains(c));
         match (is_plain, self.commands()) {
             (false, Commands::Refused) => Err(Failure::input(format!(
                 "\"{part}\" comes from a file and is not put into a command: a shell could read more than a name in it\n\
@@ -220,7 +253,7 @@ mod tests {
     fn names_of_files_are_no_more_than_words_of_commands() {
         let trust = Trust::default();
         assert!(trust.check_command_part("glass_2.1").is_ok());
-        for part in ["$(id)", "a b", "", "a;b", "../x/y"] {
+        for part in ["$(id)", "a b", "", "a;b", "../x/y", "-rf"] {
             assert!(trust.check_command_part(part).is_err() && trust.check_name_part(&format!("{part}/x")).is_err());
         }
     }

@@ -11,6 +11,7 @@ use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::file_pattern::{holds_number, named};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::OutputName;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scientific};
 
@@ -20,7 +21,7 @@ struct Request {
     steps: usize,
     sky_format: Option<Stored>,
     format: Stored,
-    files: Option<String>,
+    files: Option<OutputName>,
     /// Whether commands may run that stand in the place of a file.
     commands: Commands,
     header: bool,
@@ -169,9 +170,12 @@ impl Request {
     }
 
     /// The name of a moment's file; `None` where all go to one.
-    fn file(&self, step: usize) -> Option<String> {
+    fn file(&self, step: usize) -> Option<OutputName> {
         let files = self.files.as_ref().filter(|files| holds_number(files))?;
-        named(PROGRAM, files, "", step).ok().map(|(name, _, _)| name)
+        Some(
+            files
+                .numbered(|files| named(PROGRAM, files, "", step).map_or_else(|_| files.to_owned(), |(name, ..)| name)),
+        )
     }
 
     fn write(&self, result: Matrix) -> Outcome {

@@ -3,7 +3,7 @@
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::failure::{Failure, Outcome};
 use crate::output::write_file;
-use crate::trust::{Existing, Refusal, Trust};
+use crate::trust::{Existing, OutputName, Refusal, Trust};
 use radsight_flux::IllumSurface;
 use radsight_generate::padded;
 use radsight_picture::scientific;
@@ -23,7 +23,7 @@ const MOST_FILES: u32 = 1 << 20;
 pub(super) struct Output<'a> {
     trust: &'a Trust,
     /// `-` for standard output.
-    target: String,
+    target: OutputName,
     text: String,
     /// The command, which stands before everything else.
     header: String,
@@ -44,11 +44,11 @@ pub(super) struct Written {
 impl<'a> Output<'a> {
     pub(super) fn new(command: &[String], trust: &'a Trust) -> Output<'a> {
         let header = format!("# {}\n#@mkillum !\n", command.join(" "));
-        Output { trust, target: "-".to_owned(), text: String::new(), header, has_header: false }
+        Output { trust, target: OutputName::standard_output(), text: String::new(), header, has_header: false }
     }
 
     /// Goes on in another file.
-    pub(super) fn go_to(&mut self, file: String) -> Outcome {
+    pub(super) fn go_to(&mut self, file: OutputName) -> Outcome {
         self.finish()?;
         self.target = file;
         self.has_header = false;
@@ -58,7 +58,7 @@ impl<'a> Output<'a> {
     /// Writes what there is; where all of it went to files, standard output stays empty.
     pub(super) fn finish(&mut self) -> Outcome {
         let text = std::mem::take(&mut self.text);
-        if text.is_empty() && self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
+        if text.is_empty() && &*self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
     }
 
     pub(super) fn line(&mut self, line: &str) {
@@ -177,7 +177,7 @@ pub(super) fn brightness(color: [f64; 3]) -> f64 {
 }
 
 /// The next data file: one that is not there yet, unless it may be replaced.
-fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result<String, Failure> {
+fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result<OutputName, Failure> {
     loop {
         let number = match parameters.data_number {
             0 => String::new(),
@@ -206,8 +206,8 @@ pub(super) fn check_data_files(trust: &Trust, name: &str) -> Result<(), Refusal>
 }
 
 /// The file for scene text that a comment names (`o=`); `-` is standard output.
-pub(super) fn scene_file(trust: &Trust, name: &str) -> Result<String, Refusal> {
-    if name == "-" { Ok(name.to_owned()) } else { trust.output_of_file(name, Existing::IllumScene) }
+pub(super) fn scene_file(trust: &Trust, name: &str) -> Result<OutputName, Refusal> {
+    if name == "-" { Ok(OutputName::standard_output()) } else { trust.output_of_file(name, Existing::IllumScene) }
 }
 
 /// A data file of two dimensions.

@@ -11,6 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{check_writable, write_file};
 use crate::switch::switched;
+use crate::trust::OutputName;
 use radsight_picture::{leading_number, scientific};
 use radsight_picture_tools::condition::{
     Adaptation, ColorWarp, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram,
@@ -32,7 +33,7 @@ struct Typed {
     options: ConditionOptions,
     source: Source,
     center_weighted: bool,
-    map: Option<String>,
+    map: Option<OutputName>,
 }
 
 /// Runs the program.

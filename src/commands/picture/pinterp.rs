@@ -11,6 +11,7 @@ use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::OutputName;
 use crate::view_args;
 use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, leading_number};
 use radsight_picture_tools::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
@@ -31,7 +32,7 @@ struct Request {
     averages: Option<bool>,
     /// Whether all views of standard input are averaged.
     blurs: bool,
-    depths: Option<String>,
+    depths: Option<OutputName>,
     exposure: f64,
     /// The command line of `rtrace` by which rays find what is left, its name first.
     rays: Option<Vec<String>>,

@@ -8,7 +8,7 @@ use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
 use crate::output::beside;
 use crate::output_format::OutputFormat;
-use crate::trust::{CommandPermit, Existing, Origin, PROJECT, shell};
+use crate::trust::{CommandPermit, Existing, Origin, OutputName, PROJECT, shell};
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
@@ -57,13 +57,20 @@ enum Target {
 pub(super) struct Planned {
     /// A file's name, or a command after `!`; `None` for standard output.
     pub(super) name: Option<String>,
-    /// For a command.
-    permit: Option<CommandPermit>,
+    target: Allowed,
     /// The modifier and the bin that its name holds.
     modifier: Option<String>,
     bin: Option<usize>,
     /// Values in a record.
     pub(super) values: usize,
+}
+
+/// A place that may be written to.
+#[derive(Clone, Debug)]
+enum Allowed {
+    StandardOutput,
+    File(OutputName),
+    Command(String, CommandPermit),
 }
 
 /// The streams, and which of them each bin goes to.
@@ -78,10 +85,7 @@ impl<'o> Streams<'o> {
         let Layout { planned, of_bin } = Layout::new(options, bins)?;
         let mut streams = Vec::new();
         for planned in &planned {
-            let target = match &planned.name {
-                None => Target::StandardOutput,
-                Some(name) => Target::open(name, planned.permit, options.overwrites || options.recovers)?,
-            };
+            let target = Target::open(&planned.target, options.overwrites || options.recovers)?;
             streams.push(Stream { target, held: head(options, planned) });
         }
         let mut streams = Streams { options, streams, of_bin, held: 0 };
@@ -184,13 +188,21 @@ impl Stream {
 }
 
 impl Target {
-    fn open(name: &str, permit: Option<CommandPermit>, overwrites: bool) -> Result<Target, Failure> {
-        if let (Some(permit), Some(command)) = (permit, name.strip_prefix('!')) {
-            let child = shell(permit, command).stdin(Stdio::piped()).spawn();
-            let child = child
-                .map_err(|error| Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error))))?;
-            return Ok(Target::Command { name: command.to_owned(), child: Some(child) });
+    fn open(allowed: &Allowed, overwrites: bool) -> Result<Target, Failure> {
+        match allowed {
+            Allowed::StandardOutput => Ok(Target::StandardOutput),
+            Allowed::File(name) => Target::open_file(name, overwrites),
+            Allowed::Command(command, permit) => {
+                let child = shell(*permit, command).stdin(Stdio::piped()).spawn();
+                let child = child.map_err(|error| {
+                    Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error)))
+                })?;
+                Ok(Target::Command { name: command.clone(), child: Some(child) })
+            }
         }
+    }
+
+    fn open_file(name: &str, overwrites: bool) -> Result<Target, Failure> {
         let path = PathBuf::from(name);
         if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             let file = File::options().write(true).open(&path);
@@ -201,10 +213,7 @@ impl Target {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
         let aside = aside(&path);
-        // Whoever made the folder may have put a link there.
-        if fs::symlink_metadata(&aside).is_ok_and(|found| !found.is_file()) {
-            return Err(Failure::fault(format!("cannot write \"{}\": it is no regular file", aside.display())));
-        }
+        check_aside(&aside)?;
         File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
         Ok(Target::File { name: name.to_owned(), aside })
     }
@@ -240,9 +249,9 @@ impl Layout {
                 let stream = match by_name.get(&name) {
                     Some(stream) => *stream,
                     None => {
-                        let permit = check(options, tracked, name.as_deref())?;
+                        let target = allowed(options, tracked, name.as_deref(), modifier.as_deref())?;
                         by_name.insert(name.clone(), planned.len());
-                        planned.push(Planned { name, permit, modifier, bin: number, values: 0 });
+                        planned.push(Planned { name, target, modifier, bin: number, values: 0 });
                         planned.len() - 1
                     }
                 };
@@ -261,31 +270,43 @@ impl Layout {
     }
 }
 
-/// Checks where a modifier's values go, by who named it and who named the modifier. Gives the
-/// permission to run a command.
-fn check(options: &Options, tracked: &Tracked, name: Option<&str>) -> Result<Option<CommandPermit>, Failure> {
-    let (Some(pattern), Some(name)) = (&tracked.output, name) else { return Ok(None) };
+/// Where a modifier's values go, if who named that, and who named the modifier, may say so.
+///
+/// `modifier` is the one whose name stands in that of the file.
+fn allowed(
+    options: &Options,
+    tracked: &Tracked,
+    name: Option<&str>,
+    modifier: Option<&str>,
+) -> Result<Allowed, Failure> {
+    let (Some(pattern), Some(name)) = (&tracked.output, name) else { return Ok(Allowed::StandardOutput) };
     let trust = &options.reading.trust;
-    let is_part = tracked.origin == Origin::File && name != pattern.text && pattern.text.contains('%');
-    if let Some(command) = pattern.text.strip_prefix('!') {
-        if is_part {
-            trust.check_command_part(&tracked.name)?;
+    let part = modifier.filter(|_| tracked.origin == Origin::File);
+    if pattern.text.starts_with('!') {
+        if let Some(part) = part {
+            trust.check_command_part(part)?;
         }
         let commands = if pattern.origin == Origin::File { trust.commands() } else { trust.own_commands() };
-        return commands.permit(command).map(Some);
+        return Ok(Allowed::Command(name[1..].to_owned(), commands.permit(&name[1..])?));
     }
-    match pattern.origin {
-        Origin::File => {
-            let existing = match (options.existing_of_files, trust.project()) {
-                (Existing::Kept, Some(receiver)) => Existing::MadeBy(receiver),
-                (existing, _) => existing,
-            };
-            trust.output_of_file(name, existing)?;
+    if pattern.origin == Origin::CommandLine {
+        return Ok(Allowed::File(trust.output_with_part(name, part)?));
+    }
+    let existing = match (options.existing_of_files, trust.project()) {
+        (Existing::Kept, Some(receiver)) => Existing::MadeBy(receiver),
+        (existing, _) => existing,
+    };
+    Ok(Allowed::File(trust.output_of_file(name, existing)?))
+}
+
+/// Whoever made the folder may have put a link where a file is written until it is whole.
+pub(super) fn check_aside(aside: &Path) -> Outcome {
+    match fs::symlink_metadata(aside) {
+        Ok(found) if !found.is_file() => {
+            Err(Failure::fault(format!("cannot write \"{}\": it is no regular file", aside.display())))
         }
-        Origin::CommandLine if is_part => trust.check_name_part(&tracked.name)?,
-        Origin::CommandLine => {}
+        _ => Ok(()),
     }
-    Ok(None)
 }
 
 /// Where a file is written until it is whole: a place that a later run finds.

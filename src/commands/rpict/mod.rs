@@ -11,7 +11,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
-use crate::trust::{PROJECT, Trust};
+use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
@@ -60,8 +60,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
 struct Picture {
     lens: Lens,
     header: Header,
-    output: Option<String>,
-    depths: Option<String>,
+    output: Option<OutputName>,
+    depths: Option<OutputName>,
     recovered: Option<Recovered>,
 }
 
@@ -73,11 +73,12 @@ impl Picture {
         frame: Option<(i64, Option<View>)>,
     ) -> Result<Picture, Failure> {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
-        let named = |name: &Option<String>| name.as_ref().map(|name| sequence::numbered(name, number));
+        let named =
+            |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
         let recover = match &options.recover {
             // A number says at which frame to go on.
             Some(name) if frame.is_some() && name.parse::<i64>().is_ok() => None,
-            name => named(name),
+            name => name.as_ref().map(|name| sequence::numbered(name, number)),
         };
         let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
         let ([columns, rows], aspect);
@@ -112,7 +113,9 @@ impl Picture {
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
         let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref() };
-        let replaces = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
+        let replaces = self.recovered.is_some()
+            && self.output.is_some()
+            && options.recover.as_deref() == options.output.as_deref();
         let mut writer = PictureWriter::begin(self.output.as_deref(), replaces, &start)?
             .with_depths(self.depths.as_deref(), done * columns)?;
         if done == rows {

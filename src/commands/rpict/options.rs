@@ -9,7 +9,7 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
-use crate::trust::{Existing, Trust};
+use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
 use radsight_frame::{Effort, MAX_SAMPLES};
 use radsight_picture::ViewOptions;
@@ -81,11 +81,11 @@ pub(super) struct Options {
     pub(super) report: u64,
     /// The number of the first frame of a sequence; 0 for a single picture.
     pub(super) first_frame: i64,
-    pub(super) output: Option<String>,
-    pub(super) depths: Option<String>,
+    pub(super) output: Option<OutputName>,
+    pub(super) depths: Option<OutputName>,
     pub(super) recover: Option<String>,
-    pub(super) error_file: Option<String>,
-    control_file: Option<String>,
+    pub(super) error_file: Option<OutputName>,
+    control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
@@ -302,8 +302,9 @@ impl Options {
             "-e" => self.error_file = Some(output(Existing::Messages)?),
             "-r" => self.recover = Some(file()?),
             "-ro" => {
-                self.recover = Some(output(Existing::Kept)?);
-                self.output = self.recover.clone();
+                let file = output(Existing::Kept)?;
+                self.recover = Some(file.to_string());
+                self.output = Some(file);
             }
             _ => return Ok(0),
         }

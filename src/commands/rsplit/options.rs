@@ -139,7 +139,7 @@ impl Options {
                 name if name.starts_with('!') || name == "." => {
                     options.add(Part { name: name.to_owned(), ..now.clone() })?
                 }
-                name => options.add(Part { name: words.output(name)?, ..now.clone() })?,
+                name => options.add(Part { name: words.output(name)?.to_string(), ..now.clone() })?,
             }
         }
         if size[0] > 0 && size[1] > 0 {

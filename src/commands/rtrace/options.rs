@@ -10,7 +10,7 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
-use crate::trust::{Existing, Trust};
+use crate::trust::{Existing, OutputName, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BareSurfaces, Gathering, Quantity, RenderOptions, ToldRays, Unshared};
@@ -35,8 +35,8 @@ pub(super) struct Options {
     asked_effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
-    pub(super) error_file: Option<String>,
-    control_file: Option<String>,
+    pub(super) error_file: Option<OutputName>,
+    control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
