@@ -55,7 +55,7 @@ fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
 
 /// What is done again, without the option that kept it.
 fn without_control_file(mut words: Vec<String>) -> Vec<String> {
-    if let Some(at) = words.iter().position(|word| is_option(word)) {
+    while let Some(at) = words.iter().position(|word| is_option(word)) {
         words.drain(at..words.len().min(at + 2));
     }
     words

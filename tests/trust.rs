@@ -276,6 +276,12 @@ fn words_of_a_file_are_obeyed_like_a_file() {
         "xform --allow-commands command.rad",
         "check --allow-commands command.rad",
         "ies2rad -o ../escaped lamp.ies",
+        "capture camera.toml plain.rad --samples 1 --exposure ../escaped",
+        "plugin check ./libevil.so",
+        "plugin new escaped",
+        "install-links ../escaped",
+        "pinterp -vf plain.rad -z ../escaped plain.rad plain.rad",
+        "dctimestep -o ../escaped plain.rad plain.rad",
     ] {
         let words: Vec<&str> = ["--words-of-file"].into_iter().chain(line.split(' ')).collect();
         let run = trap.leaves_no_trace(&words, b"1 2 3\n");

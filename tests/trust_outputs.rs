@@ -363,3 +363,16 @@ fn links_where_contributions_are_written_aside_lead_nowhere() {
         trap.refuses(&line.split(' ').collect::<Vec<_>>(), "");
     }
 }
+
+#[test]
+fn a_scene_that_is_read_again_writes_the_same_again() {
+    let trap = Trap::new();
+    trap.file("lamps.rad", "!ies2rad -o new lamp.ies\n");
+    let first = trap.run(&["xform", "lamps.rad"]).text();
+    assert!(trap.exists("new.rad") || trap.exists("new.dat"), "{first}");
+    assert_eq!(trap.run(&["xform", "lamps.rad"]).text(), first);
+    for file in ["new.rad", "new.dat"].into_iter().filter(|file| trap.exists(file)) {
+        trap.file(file, PRECIOUS);
+    }
+    trap.refuses(&["xform", "lamps.rad"], "it is there already");
+}

@@ -29,8 +29,8 @@ mod vwrays;
 mod words;
 
 use crate::args::{Command, Program};
-use crate::failure::Outcome;
-use crate::trust::Trust;
+use crate::failure::{Failure, Outcome};
+use crate::trust::{Origin, Trust};
 use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
@@ -101,6 +101,9 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
         Command::Sensor(arguments) => sensor::run(&arguments),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Plugin(_) | Command::InstallLinks(_) if trust.origin() == Origin::File => Err(Failure::input(
+            "plugin and install-links are not run with words of a file\nhint: only the command line itself may call them",
+        )),
         Command::Plugin(arguments) => plugin::run(&arguments),
         Command::InstallLinks(arguments) => install_links::run(&arguments),
     }

@@ -16,7 +16,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-const USAGE: &str = "rad [--allow-commands] [--allow-outputs] [--allow-plugins] [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
+const USAGE: &str = "rad [--allow-commands] [--allow-outputs] [--allow-plugins] \
+                     [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
 
 /// What the command line says.
 #[derive(Debug, Default)]

@@ -80,13 +80,19 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
     for (file, bytes) in &output.files {
         match OF_SCENES.contains(&name) {
             // A scene may be read again: what its commands wrote then is there already.
-            true if std::fs::read(file).is_ok_and(|found| found == *bytes) => continue,
+            true if holds(file, bytes) => continue,
             _ if file == "-" => write_standard_output(bytes)?,
             true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
             false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
         }
     }
     write_standard_output(&output.standard_output)
+}
+
+/// Whether a file holds this already. A pipe is not waited for.
+fn holds(file: &str, bytes: &[u8]) -> bool {
+    let is_file = |found: std::fs::Metadata| found.is_file() && found.len() == bytes.len() as u64;
+    std::fs::symlink_metadata(file).is_ok_and(is_file) && std::fs::read(file).is_ok_and(|found| found == bytes)
 }
 
 fn getbbox(words: &[String], trust: &Trust) -> Outcome {
