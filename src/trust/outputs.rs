@@ -16,6 +16,9 @@ const COMMAND_HINT: &str = "--allow-commands lets input files run commands";
 /// The file that keeps nothing.
 const NOWHERE: &str = "/dev/null";
 
+/// What a shell reads as more than a part of a name.
+const SHELL_SIGNS: [char; 13] = ['`', '$', ';', '|', '&', '<', '>', '"', '\'', '\\', '*', '?', '#'];
+
 /// The name of a file that may be written. [`Trust`] makes it of what the command line or a file says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct OutputName(String);
@@ -180,6 +183,10 @@ fn check_parts(name: &str) -> Result<(), &'static str> {
     if name.starts_with(['!', '|']) {
         return Err("it is a command");
     }
+    // Scripts go over what they find in a folder.
+    if name.contains(SHELL_SIGNS) {
+        return Err("it has signs of a shell");
+    }
     for part in Path::new(name).components() {
         match part {
             Component::CurDir => {}
@@ -224,6 +231,8 @@ mod tests {
             ("a\nb", "it is no file name"),
             ("!touch x", "it is a command"),
             ("|touch x", "it is a command"),
+            ("$(touch x)", "it has signs of a shell"),
+            ("a;b", "it has signs of a shell"),
             ("../x", "it is not below the current folder"),
             ("src/../x", "it is not below the current folder"),
             ("/tmp/x", "it is not below the current folder"),
