@@ -2,18 +2,14 @@
 
 use crate::commands::mksource;
 use crate::failure::reason;
+use crate::trust::{Trust, shell};
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-/// Whether `!` commands that are not known may be run by a shell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Commands {
-    Refused,
-    Allowed,
-}
+pub(crate) use crate::trust::Commands;
 
 /// Looks in the folders of `RAYPATH` (the working folder when it is not set), and then in radsight's own function library.
 #[derive(Debug)]
@@ -87,20 +83,19 @@ impl Loader for DiskLoader {
 
     fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
         let is_mksource = argv.first().is_some_and(|name| Path::new(name).file_name() == Some("mksource".as_ref()));
-        is_mksource.then(|| match mksource::make(argv) {
+        is_mksource.then(|| match mksource::make(argv, &Trust::default()) {
             Ok(output) => Ok(output.standard_output),
             Err(error) => Err(LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
         })
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
-        if self.commands == Commands::Refused {
+        let Commands::Allowed(permit) = self.commands else {
             return Err(LoadError::CommandRefused { command: command.to_owned() });
-        }
+        };
         let failed = |reason: String| LoadError::CommandFailed { command: command.to_owned(), reason };
         let stdin = if standard_input.is_some() { Stdio::piped() } else { Stdio::null() };
-        let mut child = Command::new("sh")
-            .args(["-c", command])
+        let mut child = shell(permit, command)
             .stdin(stdin)
             .stdout(Stdio::piped())
             .spawn()

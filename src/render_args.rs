@@ -203,7 +203,8 @@ pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
     ]
 }
 
-/// Takes one option of ours that Radiance's programs do not have: how scenes are read, and the seed.
+/// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
+/// may cause, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
     let used = reading.plugin_guard.take(words)?;
     if used > 0 {
@@ -212,13 +213,13 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
     let word = words[0].as_str();
     match word {
         "--seed" => options.seed = number(words, word, "a whole number")?,
-        "--allow-commands" => reading.allow_commands = true,
-        "--strict" => reading.strict = true,
-        "--brdf" => reading.brdf.push(number(words, word, "a value")?),
-        "--plugin-path" => reading.plugin_path.push(number(words, word, "a folder")?),
-        _ => return Ok(0),
+        "--strict" => {
+            reading.strict = true;
+            return Ok(1);
+        }
+        _ => return reading.trust.take(words),
     }
-    Ok(if matches!(word, "--allow-commands" | "--strict") { 1 } else { 2 })
+    Ok(2)
 }
 
 /// Takes one option that defines something for all functions of the scene: `-f FILE`, and `-e TEXT` if the text is a definition.

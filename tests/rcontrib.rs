@@ -402,3 +402,23 @@ fn wrong_command_lines_and_input_are_told() {
     assert!(warned.code == 0 && warned.messages.contains("the scene has no modifier \"moon\""), "{}", warned.messages);
     assert_eq!(folder.names().iter().filter(|name| name.ends_with(".part")).count(), 0);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_written_to_and_stays_a_pipe() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = Folder::new();
+    folder.file("scene.rad", "void light shine 0 0 3 1 2 3\nshine sphere ball 0 0 4 0 0 0 1\n");
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe")).status();
+    if !made.is_ok_and(|status| status.success()) {
+        return;
+    }
+    let pipe = folder.path("pipe");
+    let reader = std::thread::spawn(move || std::fs::read(pipe).expect("the pipe is read"));
+    let mut program = command(&["rcontrib", "-h-", "-o", "pipe", "-m", "shine", "scene.rad"]);
+    run_with(program.current_dir(folder.path("")), b"0 0 5 0 0 -1\n").done();
+    let read = String::from_utf8(reader.join().expect("the reader ends")).expect("text");
+    assert_eq!(read.split_whitespace().count(), 3, "{read}");
+    let found = std::fs::symlink_metadata(folder.path("pipe")).expect("it is there");
+    assert!(found.file_type().is_fifo(), "nothing takes the place of the pipe");
+}

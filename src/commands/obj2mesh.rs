@@ -8,6 +8,7 @@ use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{read, read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
 use radsight_generate::WavefrontMesh;
@@ -34,8 +35,8 @@ struct Request {
 }
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let mut words = Words::new(words);
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let mut words = Words::new(words, trust);
     let request = Request::read(&mut words)?;
     let (source, output) = words.input_and_output()?;
     let bytes = if source == "-" { read_standard_input()? } else { read_file(source, "mesh")? };

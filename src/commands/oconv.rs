@@ -1,9 +1,9 @@
 //! `oconv`: scenes into an octree.
 
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs};
 use crate::output::write_standard_output;
+use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
@@ -28,13 +28,13 @@ struct Arguments {
     is_frozen: bool,
     /// `-w`
     is_quiet: bool,
-    commands: Commands,
+    trust: Trust,
     files: Vec<String>,
 }
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let arguments = Arguments::read(&words[1..])?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let arguments = Arguments::read(&words[1..], trust)?;
     let (mut inputs, mut names) = (Vec::new(), Vec::new());
     let mut old = None;
     if let Some(path) = &arguments.octree {
@@ -47,7 +47,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         names.push(file.clone());
         match file.starts_with('!') {
             true => inputs.push(Input::File(file.clone())),
-            false => inputs.extend(scene_inputs(std::slice::from_ref(file), None)?),
+            false => inputs.extend(scene_inputs(std::slice::from_ref(file), None, &arguments.trust)?),
         }
     }
     let is_frozen = arguments.is_frozen || arguments.files.iter().any(|file| file == "-");
@@ -99,18 +99,23 @@ impl Old {
 }
 
 impl Arguments {
-    fn read(words: &[String]) -> Result<Arguments, Failure> {
+    fn read(words: &[String], trust: &Trust) -> Result<Arguments, Failure> {
         let mut arguments = Arguments {
             octree: None,
             cube: None,
             build: BuildOptions::default(),
             is_frozen: false,
             is_quiet: false,
-            commands: Commands::Refused,
+            trust: trust.clone(),
             files: Vec::new(),
         };
         let mut rest = words.iter();
         while let Some(word) = rest.as_slice().first().filter(|word| word.starts_with('-') && *word != "-") {
+            let used = arguments.trust.take(rest.as_slice())?;
+            if used > 0 {
+                rest.nth(used - 1);
+                continue;
+            }
             rest.next();
             let mut value = || {
                 rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
@@ -126,7 +131,6 @@ impl Arguments {
                 "-r" => arguments.build.resolution = number(word, value()?)?,
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
-                "--allow-commands" => arguments.commands = Commands::Allowed,
                 _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
             }
         }
@@ -143,7 +147,7 @@ impl Arguments {
             unused: UnusedModifiers::Skip,
             ..ReadOptions::default()
         };
-        let read = read(inputs, self.commands, &options);
+        let read = read(inputs, self.trust.commands(), &options);
         if read.has_errors() {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
         }

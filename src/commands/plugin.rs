@@ -4,7 +4,7 @@ use crate::args::{Plugin, PluginCheck, PluginList, PluginNew, PluginPlot};
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::output::{write_file, write_standard_output};
 use crate::plugin_guard::PluginGuard;
-use crate::plugins::{PluginOptions, search_path};
+use crate::plugins::search_path;
 use radsight_brdf_host::check::{self, CHECK_BANDS, CheckOptions, ChildCommand, Example};
 use radsight_brdf_host::isolate;
 use radsight_brdf_host::plot::{PlotOptions, svg};
@@ -150,7 +150,7 @@ fn guarded() -> Result<PluginGuard, Failure> {
 }
 
 fn search(folders: &[PathBuf]) -> SearchPath {
-    search_path(&PluginOptions { folders: folders.to_vec(), ..PluginOptions::default() }, &[])
+    search_path(folders, &SearchPath::default())
 }
 
 /// A file that exists, or a library that is found by its name.

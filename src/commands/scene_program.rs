@@ -1,9 +1,10 @@
 //! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
 
-use crate::disk::{Commands, DiskLoader};
+use crate::disk::DiskLoader;
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, scene_inputs};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::{Existing, Trust};
 use radsight_generate::{Error, Output, StandardInput, padded};
 use radsight_loader::LoadError;
 use radsight_parse::{ReadOptions, bounds, xform};
@@ -19,26 +20,33 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     generators.chain(["xform", "getbbox"])
 }
 
-/// Lets a scene's commands that are not known in process run through a shell; an option of ours in all these programs.
-const ALLOW_COMMANDS: &str = "--allow-commands";
+/// Programs that write what the commands of the scenes they read have written.
+const OF_SCENES: [&str; 2] = ["xform", "replmarks"];
 
-/// Runs a program; `argv[0]` is its name.
-pub(crate) fn run(argv: &[String]) -> Outcome {
-    // Commands among the inputs of rlam are the user's own.
-    let is_allowed = argv[0] == "rlam" || argv.iter().any(|word| word == ALLOW_COMMANDS);
-    let commands = if is_allowed { Commands::Allowed } else { Commands::Refused };
-    let argv: Vec<String> = argv.iter().filter(|word| *word != ALLOW_COMMANDS).cloned().collect();
+/// Runs a program; `argv[0]` is its name. What the scenes may cause is said right after that, in
+/// all these programs.
+pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
+    let mut trust = trust.clone();
+    let mut argv = argv.to_vec();
+    while argv.len() > 1 {
+        match trust.take(&argv[1..])? {
+            0 => break,
+            used => drop(argv.drain(1..=used)),
+        }
+    }
     let name = argv[0].as_str();
     if name == "getbbox" {
-        return getbbox(&argv[1..], commands);
+        return getbbox(&argv[1..], &trust);
     }
+    // Commands among the inputs of rlam are words of the command line.
+    let commands = if name == "rlam" { trust.own_commands() } else { trust.commands() };
     let input = Piped::default();
     let loader = DiskLoader::new(commands);
     let made = match name {
         "xform" => xform(&argv, &input, &loader),
         _ => radsight_generate::run(&argv, &input, &loader),
     };
-    finish(name, made)
+    finish(name, made, &trust)
 }
 
 /// Standard input, if it is piped in: a program that is typed at a terminal must not wait for it.
@@ -61,7 +69,7 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
 }
 
 /// Writes what a program has made, or tells why it has not.
-pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
+pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> Outcome {
     let output = made.map_err(|error| {
         let says_its_name = error.program() == Some(name);
         Failure::input(if says_its_name { error.to_string() } else { format!("{name}: {error}") })
@@ -70,19 +78,31 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
         say(&format!("{name}: warning - {warning}\n"));
     }
     for (file, bytes) in &output.files {
-        write_file(file, bytes)?;
+        match OF_SCENES.contains(&name) {
+            // A scene may be read again: what its commands wrote then is there already.
+            true if holds(file, bytes) => continue,
+            _ if file == "-" => write_standard_output(bytes)?,
+            true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
+            false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
+        }
     }
     write_standard_output(&output.standard_output)
 }
 
-fn getbbox(words: &[String], commands: Commands) -> Outcome {
+/// Whether a file holds this already. A pipe is not waited for.
+fn holds(file: &str, bytes: &[u8]) -> bool {
+    let is_file = |found: std::fs::Metadata| found.is_file() && found.len() == bytes.len() as u64;
+    std::fs::symlink_metadata(file).is_ok_and(is_file) && std::fs::read(file).is_ok_and(|found| found == bytes)
+}
+
+fn getbbox(words: &[String], trust: &Trust) -> Outcome {
     let header = words.first().is_none_or(|word| word != "-h");
     let files: Vec<String> = words.iter().filter(|word| *word != "-h" && *word != "-w").cloned().collect();
     if let Some(option) = files.iter().find(|word| word.starts_with('-') && *word != "-") {
         return Err(Failure::usage(format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files")));
     }
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let read = read(scene_inputs(&files, None)?, commands, &ReadOptions::default());
+    let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &ReadOptions::default());
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }

@@ -3,9 +3,10 @@
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
-use crate::render_args::{self, number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{self, number, take_definition, take_irradiance, take_own};
+use crate::trust::Trust;
 use radsight_frame::Effort;
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
@@ -31,9 +32,19 @@ const USUAL_PATHS: u32 = 8;
 /// Paths that no ray exceeds for an asked error.
 const MOST_PATHS: u32 = 4096;
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.take_one(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         // Radiance's defaults; but thousands of rays of a window are averaged, and share nothing.
         let gathering = Gathering { accuracy: 0.0, divisions: 1024, super_samples: 512, ..Gathering::default() };
         let render = RenderOptions {
@@ -49,13 +60,14 @@ impl Options {
             render,
             effort: None,
             threads: None,
-            reading: Reading::default(),
+            reading: Reading::trusted(trust),
             scenes: Vec::new(),
             inputs: Vec::new(),
             command: Vec::new(),
             print_defaults: false,
         };
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        (options.command, options.scenes) =
+            options_before_scenes(CommandWords::new(words, trust.origin()), &mut options)?;
         if options.print_defaults {
             return Ok(options);
         }
@@ -82,8 +94,8 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let mut used = take_one(words, &mut self.render)?;
+    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let mut used = render_args::take_one(words, &mut self.render)?;
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
         }

@@ -116,7 +116,8 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
             }
             path => {
                 let wrong = |error| failed(path, error);
-                let reader = PictureReader::picture_or_matrix(open_any(path)?).map_err(|error| wrong(error.into()))?;
+                let reader = PictureReader::picture_or_matrix(open_any(path, words.commands())?)
+                    .map_err(|error| wrong(error.into()))?;
                 inputs.push(CombineInput::new(reader, factors, exposures).map_err(wrong)?);
                 names.push(path.to_owned());
                 (factors, exposures) = ([1.0; 3], Exposures::AsStored);

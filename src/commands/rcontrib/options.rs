@@ -3,11 +3,12 @@
 use super::bins::{BinRequest, Bins, Functions};
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::{Failure, reason};
 use crate::output_format::OutputFormat;
-use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
+use crate::render_args::{self, names_in, number, take_irradiance, take_own};
 use crate::switch::switched;
+use crate::trust::{Existing, Origin, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
@@ -26,9 +27,19 @@ pub(super) enum Wanted {
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) name: String,
-    /// Where they go: a file name, which may hold `%s` and `%d`, or a command after `!`; `None` for standard output.
-    pub(super) output: Option<String>,
+    /// Who names it.
+    pub(super) origin: Origin,
+    /// Where they go; `None` for standard output.
+    pub(super) output: Option<OutputPattern>,
     pub(super) bin: BinRequest,
+}
+
+/// A file's name, which may hold `%s` and `%d`, or a command after `!`.
+#[derive(Clone, Debug)]
+pub(super) struct OutputPattern {
+    pub(super) text: String,
+    /// Who gives it.
+    pub(super) origin: Origin,
 }
 
 /// What is asked.
@@ -41,6 +52,8 @@ pub(super) struct Options {
     pub(super) accumulate: u64,
     pub(super) header: bool,
     pub(super) overwrites: bool,
+    /// Which files that are there already are written over where a file names them.
+    pub(super) existing_of_files: Existing<'static>,
     /// Whether records that are in the files already are kept.
     pub(super) recovers: bool,
     /// Whether rays end where their direction does.
@@ -57,7 +70,7 @@ pub(super) struct Options {
     effort: Option<Effort>,
     functions: Functions,
     /// What holds for the modifiers that are named next.
-    next_output: Option<String>,
+    next_output: Option<OutputPattern>,
     next_bin: BinRequest,
 }
 
@@ -81,6 +94,7 @@ impl Default for Options {
             accumulate: 1,
             header: true,
             overwrites: false,
+            existing_of_files: Existing::Kept,
             recovers: false,
             limits_distance: false,
             input_format: NumberFormat::Ascii,
@@ -99,11 +113,22 @@ impl Default for Options {
     }
 }
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.take_one(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+    pub(super) fn parse(words: CommandWords, trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        options.reading.trust = trust.clone();
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         if options.print_defaults {
             return Ok(options);
         }
@@ -128,11 +153,11 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
         // Some options of rendering begin with the same letter as these.
         let mut used = self.take_named(words)?;
         if used == 0 {
-            used = take_one(words, &mut self.render)?;
+            used = render_args::take_one(words, &mut self.render)?;
         }
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
@@ -163,7 +188,10 @@ impl Options {
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
             "-t" => drop(number::<u64>(words, word, "a number of seconds")?),
-            "-o" => self.next_output = Some(number(words, word, "a file for what follows")?),
+            "-o" => {
+                let text = number(words, word, "a file for what follows")?;
+                self.next_output = Some(OutputPattern { text, origin: self.reading.trust.word_origin() });
+            }
             "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
             "-b" => self.next_bin.expression = Some(number(words, word, "an expression for the bin")?),
             "-bn" => {
@@ -172,7 +200,7 @@ impl Options {
             }
             "-f" => self.functions.load_file(&number::<String>(words, word, "a file of functions")?)?,
             "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,
-            "-m" => self.track(number(words, word, "the name of a modifier")?)?,
+            "-m" => self.track(number(words, word, "the name of a modifier")?, self.reading.trust.word_origin())?,
             "-M" => self.track_all(&number::<String>(words, word, "a file of modifiers' names")?)?,
             "-defaults" | "-help" => {
                 self.print_defaults = true;
@@ -190,12 +218,14 @@ impl Options {
         } else if let Some(on) = switched(word, "-I", quantity == Quantity::Irradiance) {
             self.render.quantity = if on { Quantity::Irradiance } else { Quantity::Radiance };
         } else if let Some(on) = switched(word, "-fo", self.overwrites) {
+            self.reading.trust.check_overwriting(word)?;
             self.overwrites = on;
         } else if let Some(on) = switched(word, "-h", self.header) {
             self.header = on;
         } else if let Some(on) = switched(word, "-w", !self.reading.no_warnings) {
             self.reading.no_warnings = !on;
         } else if let Some(on) = switched(word, "-r", self.recovers) {
+            self.reading.trust.check_overwriting(word)?;
             self.recovers = on;
         } else if let Some(on) = switched(word, "-ld", self.limits_distance) {
             self.limits_distance = on;
@@ -217,14 +247,14 @@ impl Options {
         Ok(())
     }
 
-    fn track(&mut self, name: String) -> Result<(), Failure> {
+    fn track(&mut self, name: String, origin: Origin) -> Result<(), Failure> {
         if name == "void" {
             return Err(Failure::usage("rcontrib: \"void\" cannot be tracked"));
         }
         if self.tracked.iter().any(|tracked| tracked.name == name) {
             return Err(Failure::usage(format!("rcontrib: modifier \"{name}\" is named twice")));
         }
-        self.tracked.push(Tracked { name, output: self.next_output.clone(), bin: self.next_bin.clone() });
+        self.tracked.push(Tracked { name, origin, output: self.next_output.clone(), bin: self.next_bin.clone() });
         Ok(())
     }
 
@@ -234,10 +264,10 @@ impl Options {
         let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
         for name in names_in(&bytes) {
             if name == "void" || !known.insert(name.clone()) {
-                return self.track(name);
+                return self.track(name, Origin::File);
             }
             let (output, bin) = (self.next_output.clone(), self.next_bin.clone());
-            self.tracked.push(Tracked { name, output, bin });
+            self.tracked.push(Tracked { name, origin: Origin::File, output, bin });
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use super::bins::Bins;
 use super::options::Options;
 use super::record::Earlier;
-use super::streams::{Layout, Planned, Streams, aside, pixel_format};
+use super::streams::{Layout, Planned, Streams, aside, check_aside, pixel_format};
 use crate::failure::{Failure, reason, say};
 use crate::output_format::OutputFormat;
 use radsight_picture::{Header, Resolution, decode_spectrum, leading_number};
@@ -63,8 +63,9 @@ pub(super) fn reopen<'o>(options: &'o Options, bins: &Bins) -> Result<Reopened<'
     for (planned, written) in layout.planned.iter().zip(&found) {
         let length = written.start + records * record_size(options, planned);
         let name = file_name(planned)?;
-        shorten(written, &aside(Path::new(name)), length)
-            .map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+        let aside = aside(Path::new(name));
+        check_aside(&aside)?;
+        shorten(written, &aside, length).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
     }
     Ok(Reopened::Some(Streams::go_on(options, layout), Earlier::Rays(rays)))
 }

@@ -11,6 +11,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
+use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
@@ -24,8 +25,8 @@ use std::time::{Duration, Instant};
 const MOST_PIXELS: usize = 1 << 27;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     if options.print_defaults {
         return write_standard_output(defaults::text(&options).as_bytes());
     }
@@ -59,8 +60,8 @@ pub(crate) fn run(words: &[String]) -> Outcome {
 struct Picture {
     lens: Lens,
     header: Header,
-    output: Option<String>,
-    depths: Option<String>,
+    output: Option<OutputName>,
+    depths: Option<OutputName>,
     recovered: Option<Recovered>,
 }
 
@@ -72,11 +73,12 @@ impl Picture {
         frame: Option<(i64, Option<View>)>,
     ) -> Result<Picture, Failure> {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
-        let named = |name: &Option<String>| name.as_ref().map(|name| sequence::numbered(name, number));
+        let named =
+            |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
         let recover = match &options.recover {
             // A number says at which frame to go on.
             Some(name) if frame.is_some() && name.parse::<i64>().is_ok() => None,
-            name => named(name),
+            name => name.as_ref().map(|name| sequence::numbered(name, number)),
         };
         let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
         let ([columns, rows], aspect);
@@ -111,7 +113,9 @@ impl Picture {
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
         let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref() };
-        let replaces = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
+        let replaces = self.recovered.is_some()
+            && self.output.is_some()
+            && options.recover.as_deref() == options.output.as_deref();
         let mut writer = PictureWriter::begin(self.output.as_deref(), replaces, &start)?
             .with_depths(self.depths.as_deref(), done * columns)?;
         if done == rows {
@@ -168,6 +172,9 @@ fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
 /// What stands before the pixels.
 fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     let mut header = program_history(&options.scenes, &options.command);
+    if let Some(project) = options.reading.trust.project() {
+        header.push_variable(PROJECT, &format!(" {project}"));
+    }
     if frame > 0 {
         header.push_variable("FRAME", &frame.to_string());
     }

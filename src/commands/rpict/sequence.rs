@@ -43,9 +43,9 @@ impl<'o> Sequence<'o> {
     pub(super) fn next(&mut self) -> Result<Option<(ViewOptions, i64)>, Failure> {
         while let Some(view) = self.next_view()? {
             let is_there =
-                |name: &String| self.options.recover.is_none() && Path::new(&numbered(name, self.number)).exists();
-            let alike = |name: &String| numbered(name, self.number) == *name;
-            if self.options.output.as_ref().is_none_or(|name| alike(name) || !is_there(name)) {
+                |name: &str| self.options.recover.is_none() && Path::new(&numbered(name, self.number)).exists();
+            let alike = |name: &str| numbered(name, self.number) == *name;
+            if self.options.output.as_deref().is_none_or(|name| alike(name) || !is_there(name)) {
                 return Ok(Some((view, self.number)));
             }
         }

@@ -12,6 +12,7 @@ use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
+use crate::trust::Trust;
 pub(crate) use answers::RayAnswers;
 use options::Options;
 use radsight_brdf_host::guard::standard_output::StandardOutput;
@@ -29,8 +30,8 @@ const RAYS_AT_A_TIME: usize = 1 << 15;
 const RECORDS_AT_A_TIME: usize = 1 << 10;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     if options.print_defaults {
         return write_standard_output(defaults::text(&options).as_bytes());
     }

@@ -4,12 +4,13 @@ use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
 use crate::control_file;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
 use crate::switch::switched;
+use crate::trust::{Existing, OutputName, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BareSurfaces, Gathering, Quantity, RenderOptions, ToldRays, Unshared};
@@ -34,8 +35,8 @@ pub(super) struct Options {
     asked_effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
-    pub(super) error_file: Option<String>,
-    control_file: Option<String>,
+    pub(super) error_file: Option<OutputName>,
+    control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
@@ -153,17 +154,27 @@ impl Default for Options {
     }
 }
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.take_one(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::parse_once(words)?;
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
+        let mut options = Options::parse_once(words, trust.clone())?;
         if options.print_defaults {
             return Ok(options);
         }
         if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
-            options = Options::parse_once(&kept)?;
+            options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
@@ -173,9 +184,11 @@ impl Options {
         Ok(options)
     }
 
-    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+    fn parse_once(words: &[String], trust: Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let words = CommandWords::new(words, trust.origin());
+        options.reading.trust = trust;
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         Ok(options)
     }
 
@@ -217,7 +230,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = self.take_highlight_samples(words)?;
         if used == 0 {
             used = take_one(words, &mut self.render)?;
@@ -245,7 +258,10 @@ impl Options {
             "-n" => self.threads = Some(number(words, word, "a number of threads")?),
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
-            "-e" => self.error_file = Some(number(words, word, "a file for messages")?),
+            "-e" => {
+                let file: String = number(words, word, "a file for messages")?;
+                self.error_file = Some(self.reading.trust.output(&file, Existing::Messages)?);
+            }
             "-ti" | "-te" => self.tree_ends.name(word, vec![number(words, word, "the name of a modifier")?]),
             "-tI" | "-tE" => {
                 let file: String = number(words, word, "a file of modifiers' names")?;
@@ -256,7 +272,8 @@ impl Options {
                 return Ok(1);
             }
             _ if control_file::is_option(word) => {
-                self.control_file = Some(number(words, word, "a control file")?);
+                let file: String = number(words, word, "a control file")?;
+                self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
             }
             _ if word.starts_with("-f") => return self.formats(word).map(|()| 1),
             _ if word.starts_with("-o") => return self.fields(word).map(|()| 1),
