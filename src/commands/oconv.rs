@@ -8,7 +8,7 @@ use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
 use radsight_octree::BuildOptions;
-use radsight_parse::{Input, KeepPrimitives, Read, ReadOptions, UnusedModifiers, bounds, cube};
+use radsight_parse::{Input, KeepPrimitives, Purpose, Read, ReadOptions, bounds, cube};
 use radsight_picture::Header;
 
 /// How much a given cube grows on each side, scene units; as in Radiance.
@@ -115,7 +115,12 @@ impl Arguments {
             let mut value = || {
                 rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
             };
-            match word.as_str() {
+            if word == "--allow-commands" {
+                arguments.commands = Commands::Allowed;
+                continue;
+            }
+            // As in Radiance the first letter counts: scripts have -w- and -frozen.
+            match word.get(..2).unwrap_or(word) {
                 "-i" => arguments.octree = Some(value()?.clone()),
                 "-b" => {
                     let mut number = || number::<f64>(word, value()?);
@@ -126,7 +131,6 @@ impl Arguments {
                 "-r" => arguments.build.resolution = number(word, value()?)?,
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
-                "--allow-commands" => arguments.commands = Commands::Allowed,
                 _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
             }
         }
@@ -140,7 +144,7 @@ impl Arguments {
     fn read_scene(&self, inputs: Vec<Input>, is_frozen: bool) -> Result<Read, Failure> {
         let options = ReadOptions {
             primitives: if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No },
-            unused: UnusedModifiers::Skip,
+            purpose: Purpose::Octree,
             ..ReadOptions::default()
         };
         let read = read(inputs, self.commands, &options);

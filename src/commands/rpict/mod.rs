@@ -5,7 +5,7 @@ mod options;
 mod output;
 mod sequence;
 
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
@@ -177,7 +177,7 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     if options.format != OutputFormat::Pixels {
         header.push_variable("NCOMP", "3");
     }

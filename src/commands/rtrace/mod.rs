@@ -6,7 +6,7 @@ mod options;
 mod record;
 mod tree;
 
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output::write_standard_output;
@@ -167,7 +167,7 @@ fn start(options: &Options) -> Vec<u8> {
 
 fn header(options: &Options) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     if options.tree.is_none() {
         header.push_variable("NCOMP", &options.numbers().to_string());
     }
