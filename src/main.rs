@@ -18,6 +18,7 @@ mod plugins;
 mod progress;
 mod ray_input;
 mod render_args;
+mod shown_options;
 mod switch;
 mod view_args;
 

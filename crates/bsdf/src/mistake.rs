@@ -94,7 +94,9 @@ impl Mistake {
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Mistake::NoXml { .. } | Mistake::Xml { .. } => Some("a BSDF file is XML as genBSDF, WINDOW or pabopto2bsdf write it"),
+            Mistake::NoXml { .. } | Mistake::Xml { .. } => {
+                Some("a BSDF file is XML as genBSDF, WINDOW or pabopto2bsdf write it")
+            }
             Mistake::Missing { element: "Visible", .. } => Some("colour is read only beside visible data"),
             Mistake::Count { .. } => Some("a matrix has a number for each pair of the directions of its two bases"),
             _ => None,

@@ -141,9 +141,7 @@ impl SyntaxError {
 
 fn hint(construct: &str) -> &'static str {
     match construct {
-        "a variable" | "a command in back-quotes" => {
-            "; if it is meant literally, put it in single quotes"
-        }
+        "a variable" | "a command in back-quotes" => "; if it is meant literally, put it in single quotes",
         _ => "",
     }
 }

@@ -84,8 +84,9 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
             "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
             "-e" => options.definitions.push(Definition::Text(words.value(option, "definitions")?.to_owned())),
             "-f" => options.definitions.push(Definition::File(words.value(option, "a file")?.to_owned())),
-            "-w" => {}
-            "-h" => options.history = options.history.other(),
+            // As in Radiance the first letter counts: scripts have -w- and -h-.
+            _ if option.starts_with("-w") => {}
+            _ if option.starts_with("-h") => options.history = options.history.other(),
             "-ff" => options.floats = true,
             "-fc" => options.floats = false,
             _ => return Err(words.unknown(option, "-h -w -ff -fc -x -y -f or -e")),

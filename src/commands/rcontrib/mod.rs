@@ -13,7 +13,6 @@ mod tracked;
 
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, plan_changed, use_threads};
-use crate::output::write_standard_output;
 use crate::ray_input::{InputRay, RayReader};
 use bins::Bins;
 use options::{Options, Wanted};
@@ -31,9 +30,6 @@ pub(crate) fn run(words: &[String]) -> Outcome {
 /// Runs it on rays from elsewhere, in the form that the words say.
 pub(crate) fn run_on(words: &[String], input: impl Read) -> Outcome {
     let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
     use_threads(options.threads)?;
     let bins = options.bins()?;
     let mut render = options.render.clone();

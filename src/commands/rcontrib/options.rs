@@ -1,12 +1,15 @@
 //! The options of `rcontrib`, as Radiance writes them.
 
 use super::bins::{BinRequest, Bins, Functions};
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
 use crate::failure::{Failure, reason};
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
@@ -53,7 +56,10 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// Seconds between reports, which none are made of (`-t`).
+    pub(super) report: u64,
     effort: Option<Effort>,
     functions: Functions,
     /// What holds for the modifiers that are named next.
@@ -90,7 +96,8 @@ impl Default for Options {
             reading: Reading::default(),
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rcontrib),
+            report: 0,
             effort: None,
             functions: Functions::new(),
             next_output: None,
@@ -103,10 +110,10 @@ impl Options {
     /// Reads the words, of which the first is the program's name.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
-        if options.print_defaults {
-            return Ok(options);
-        }
+        (options.command, options.scenes) = options_before_scenes(words, |words| {
+            options.shown.note(words);
+            options.take(words)
+        })?;
         options.check()?;
         Ok(options)
     }
@@ -162,7 +169,7 @@ impl Options {
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
-            "-t" => drop(number::<u64>(words, word, "a number of seconds")?),
+            "-t" => self.report = number(words, word, "a number of seconds")?,
             "-o" => self.next_output = Some(number(words, word, "a file for what follows")?),
             "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
             "-b" => self.next_bin.expression = Some(number(words, word, "an expression for the bin")?),
@@ -174,10 +181,8 @@ impl Options {
             "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,
             "-m" => self.track(number(words, word, "the name of a modifier")?)?,
             "-M" => self.track_all(&number::<String>(words, word, "a file of modifiers' names")?)?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ => return Ok(0),
         }
         Ok(2)

@@ -1,6 +1,8 @@
 //! The options of `rpict`, as Radiance writes them.
 
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
@@ -8,6 +10,7 @@ use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::view_args;
 use radsight_frame::{Effort, MAX_SAMPLES};
@@ -88,8 +91,8 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
 }
 
 impl Default for Options {
@@ -131,7 +134,7 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rpict),
         }
     }
 }
@@ -140,7 +143,7 @@ impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words)?;
-        if let Some(file) = options.control_file.as_deref().filter(|_| !options.print_defaults)
+        if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
             options = Options::parse_once(&kept)?;
@@ -157,7 +160,10 @@ impl Options {
 
     fn parse_once(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        (options.command, options.scenes) = options_before_scenes(words, |words| {
+            options.shown.note(words);
+            options.take(words)
+        })?;
         Ok(options)
     }
 
@@ -231,10 +237,8 @@ impl Options {
                 self.control_file = Some(number(words, word, "a control file")?);
             }
             "-S" => self.first_frame = number(words, word, "the number of a frame")?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             "-pRGB" | "-pXYZ" | "-pc" => {
                 let (color, used) = OutputColor::from_option(words)?.unwrap_or((OutputColor::Rgb, 1));
                 self.color = color;

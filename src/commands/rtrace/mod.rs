@@ -9,7 +9,6 @@ mod tree;
 use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
-use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
 pub(crate) use answers::RayAnswers;
@@ -30,9 +29,6 @@ const RECORDS_AT_A_TIME: usize = 1 << 10;
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String]) -> Outcome {
     let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
     if let Some(path) = &options.error_file {
         say_in(path)?;
     }

@@ -1,7 +1,9 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use super::defaults;
 use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
@@ -9,6 +11,7 @@ use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
@@ -39,8 +42,10 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// The letters after `-o`.
+    pub(super) letters: String,
 }
 
 /// Rays that none exceeds for an asked error.
@@ -148,7 +153,8 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rtrace),
+            letters: "v".to_owned(),
         }
     }
 }
@@ -157,9 +163,6 @@ impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words)?;
-        if options.print_defaults {
-            return Ok(options);
-        }
         if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
@@ -175,7 +178,10 @@ impl Options {
 
     fn parse_once(words: &[String]) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        (options.command, options.scenes) = options_before_scenes(words, |words| {
+            options.shown.note(words);
+            options.take(words)
+        })?;
         Ok(options)
     }
 
@@ -251,10 +257,8 @@ impl Options {
                 let file: String = number(words, word, "a file of modifiers' names")?;
                 self.tree_ends.name(word, names_in_file(word, &file)?);
             }
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ if control_file::is_option(word) => {
                 self.control_file = Some(number(words, word, "a control file")?);
             }
@@ -309,6 +313,7 @@ impl Options {
     }
 
     fn fields(&mut self, word: &str) -> Result<(), Failure> {
+        word[2..].clone_into(&mut self.letters);
         self.output.clear();
         self.tree = None;
         let mut rays = ToldRays::All;
