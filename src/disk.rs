@@ -101,12 +101,17 @@ impl Loader for DiskLoader {
         file_names_like(pattern)
     }
 
-    fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
-        let is_mksource = argv.first().is_some_and(|name| Path::new(name).file_name() == Some("mksource".as_ref()));
-        is_mksource.then(|| match mksource::make(argv) {
-            Ok(output) => Ok(output.standard_output),
-            Err(error) => Err(LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
-        })
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        let made = match Path::new(argv.first()?).file_name()?.to_str()? {
+            "mksource" => mksource::make(argv),
+            // Generators such as replmarks -e run it.
+            "xform" => radsight_parse::xform(argv, &standard_input.unwrap_or_default(), self),
+            _ => return None,
+        };
+        Some(
+            made.map(|output| output.standard_output)
+                .map_err(|error| LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
+        )
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
