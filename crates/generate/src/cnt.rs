@@ -36,7 +36,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut text = Text::default();
     text.expect_room(lines, 2.0 * limits.len() as f64 + 1.0)?;
     if is_shuffled {
-        for line in shuffled(lines as u64, invocation.loader.shuffle_seed()) {
+        for line in shuffled(lines as u32, invocation.loader.shuffle_seed()) {
             write_line(&mut text, &limits, line)?;
         }
         return Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() });
@@ -55,9 +55,9 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 }
 
 /// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer Programming" 2, 3.4.2 P).
-fn shuffled(count: u64, seed: u64) -> Vec<u64> {
+fn shuffled(count: u32, seed: u64) -> Vec<u32> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut numbers: Vec<u64> = (0..count).collect();
+    let mut numbers: Vec<u32> = (0..count).collect();
     for last in (1..numbers.len()).rev() {
         // The product's upper half is a number up to `last`, each as likely but for 2⁻⁶⁴ of its share.
         let chosen = (u128::from(random.next_u64()) * (last as u128 + 1)) >> 64;
@@ -67,10 +67,10 @@ fn shuffled(count: u64, seed: u64) -> Vec<u64> {
 }
 
 /// The line of a number, which counts the lines in their order.
-fn write_line(text: &mut Text, limits: &[usize], mut line: u64) -> Result<(), Error> {
-    let mut counters = vec![0; limits.len()];
+fn write_line(text: &mut Text, limits: &[usize], line: u32) -> Result<(), Error> {
+    let (mut counters, mut rest) = (vec![0; limits.len()], line as usize);
     for (counter, limit) in counters.iter_mut().zip(limits).rev() {
-        (*counter, line) = (line % *limit as u64, line / *limit as u64);
+        (*counter, rest) = (rest % limit, rest / limit);
     }
     for counter in counters {
         write!(text, "\t{counter}")?;

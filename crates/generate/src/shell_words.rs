@@ -393,6 +393,8 @@ fn pattern(text: &str, wildcards: &[usize]) -> Option<String> {
     let mut pattern = String::with_capacity(text.len());
     for (at, character) in text.char_indices() {
         match character {
+            // In sh two stars are one; elsewhere they would go down into all folders.
+            '*' if wildcards.contains(&at) && at > 0 && wildcards.contains(&(at - 1)) && pattern.ends_with('*') => {}
             _ if !WILDCARDS.contains(&character) || wildcards.contains(&at) => pattern.push(character),
             _ => pattern.extend(['[', character, ']']),
         }

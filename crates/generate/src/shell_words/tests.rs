@@ -99,4 +99,6 @@ fn a_pattern_becomes_the_files_that_it_matches_and_else_stays() {
     assert_eq!(after("genrev m tube t*0.994 0.05 32"), ["genrev", "m", "tube", "t*0.994", "0.05", "32"]);
     assert_eq!(after("gensurf a b 'x[1]' a[1 [ ]"), ["gensurf", "a", "b", "x[1]", "a[1", "[", "]"]);
     assert_eq!(after("xform '['*.rad"), ["xform", "[*.rad"]);
+    assert_eq!(after("xform **.rad **/e.rad"), ["xform", "a.rad", "b.rad", "d/e.rad"]);
+    assert_eq!(after("xform '*'*.rad"), ["xform", "**.rad"]);
 }

@@ -51,7 +51,8 @@ pub(super) struct Reader<'a> {
     pub(super) replacements: Vec<BrdfReplacement>,
     /// Which of the replacements found their material, by index.
     pub(super) replaced: HashSet<usize>,
-    /// The modifier being lowered is of a kind that cannot be read yet, which nothing excuses.
+    /// Nothing excuses what is wrong with the modifier being lowered: it is of a kind that cannot be read yet, or its
+    /// file was never written.
     pub(super) is_inexcusable: bool,
     /// A limit was hit: nothing more is read.
     pub(super) is_stopped: bool,
