@@ -195,6 +195,18 @@ fn headers_have_the_local_date_and_that_of_greenwich() {
 }
 
 #[test]
+fn a_tiff_keeps_the_date_of_its_picture() {
+    let folder = folder();
+    folder.file("a.hdr", picture(&folder));
+    run_in(&folder, &["ra_tiff", "a.hdr", "a.tif"], "").done();
+    let back = run_in(&folder, &["ra_tiff", "-r", "a.tif"], "").done();
+    let date = |bytes: &[u8]| header(bytes).into_iter().find(|line| line.starts_with("CAPDATE="));
+    let expected = date(&run_in(&folder, &["pfilt", "-1", "a.hdr"], "").done());
+    assert!(expected.is_some());
+    assert_eq!(date(&back), expected);
+}
+
+#[test]
 fn version_stands_anywhere_among_the_options() {
     let folder = folder();
     for words in [
