@@ -3,11 +3,12 @@
 use crate::commands::mksource;
 use crate::failure::reason;
 use crate::trust::{Trust, shell};
-use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+use radsight_loader::{AS_IN_SHELL, FileKind, LoadError, Loaded, Loader};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
+use std::time::SystemTime;
 
 pub(crate) use crate::trust::Commands;
 
@@ -16,6 +17,7 @@ pub(crate) use crate::trust::Commands;
 pub(crate) struct DiskLoader {
     folders: Vec<PathBuf>,
     commands: Commands,
+    shuffle_seed: u64,
 }
 
 impl DiskLoader {
@@ -27,7 +29,13 @@ impl DiskLoader {
                 .collect(),
             None => vec![PathBuf::from(".")],
         };
-        DiskLoader { folders, commands }
+        DiskLoader { folders, commands, shuffle_seed: 0 }
+    }
+
+    /// The same for a program that a user typed: what it shuffles is in another order each time.
+    pub(crate) fn shuffling(self) -> DiskLoader {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        DiskLoader { shuffle_seed: since.as_nanos() as u64, ..self }
     }
 
     /// Where a name is looked for: names that say where they are only there, others in each folder.
@@ -81,12 +89,25 @@ impl Loader for DiskLoader {
         Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: self.searched(name) })
     }
 
-    fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
-        let is_mksource = argv.first().is_some_and(|name| Path::new(name).file_name() == Some("mksource".as_ref()));
-        is_mksource.then(|| match mksource::make(argv, &Trust::default()) {
-            Ok(output) => Ok(output.standard_output),
-            Err(error) => Err(LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
-        })
+    fn shuffle_seed(&self) -> u64 {
+        self.shuffle_seed
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        file_names_like(pattern)
+    }
+
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        let made = match Path::new(argv.first()?).file_name()?.to_str()? {
+            "mksource" => mksource::make(argv, &Trust::default()),
+            // Generators such as replmarks -e run it.
+            "xform" => radsight_parse::xform(argv, &standard_input.unwrap_or_default(), self),
+            _ => return None,
+        };
+        Some(
+            made.map(|output| output.standard_output)
+                .map_err(|error| LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
+        )
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
@@ -111,4 +132,12 @@ impl Loader for DiskLoader {
         }
         if output.status.success() { Ok(output.stdout) } else { Err(failed(output.status.to_string())) }
     }
+}
+
+/// Files of the working folder that a pattern matches, as `sh` finds them.
+fn file_names_like(pattern: &str) -> Vec<String> {
+    let Ok(paths) = glob::glob_with(pattern, AS_IN_SHELL) else { return Vec::new() };
+    let prefix = if pattern.starts_with("./") { "./" } else { "" };
+    let name = |path: PathBuf| path.to_str().map(|name| format!("{prefix}{}", name.trim_start_matches("./")));
+    paths.filter_map(Result::ok).filter_map(name).collect()
 }

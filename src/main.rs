@@ -19,6 +19,7 @@ mod plugins;
 mod progress;
 mod ray_input;
 mod render_args;
+mod shown_options;
 mod switch;
 mod trust;
 mod view_args;

@@ -191,18 +191,6 @@ pub(crate) fn take_irradiance(words: &[String], options: &mut RenderOptions) -> 
     1
 }
 
-/// The options as they stand, for `-defaults`.
-pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
-    let sign = if options.back_faces == BackFaces::Visible { '+' } else { '-' };
-    vec![
-        format!("-bv{sign}\t\t\t\t# back face visibility"),
-        format!("-dr {:<9}\t\t\t# direct relays", options.mirror_relays),
-        format!("-st {:<9}\t\t\t# specular threshold", options.highlight_threshold),
-        format!("-ab {:<9}\t\t\t# ambient bounces", options.ambient_bounces),
-        format!("--seed {}\t\t\t# sample sequence", options.seed),
-    ]
-}
-
 /// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
 /// may cause, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {

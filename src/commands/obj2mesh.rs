@@ -15,7 +15,7 @@ use radsight_generate::WavefrontMesh;
 use radsight_ir::{Cube, Scene, Shape, Surface};
 use radsight_loader::{FileKind, Loader};
 use radsight_octree::{BuildOptions, Built};
-use radsight_parse::{Input, KeepPrimitives, ReadOptions, UnusedModifiers};
+use radsight_parse::{Input, KeepPrimitives, Purpose, ReadOptions};
 use radsight_picture::Header;
 use std::collections::HashMap;
 
@@ -111,7 +111,7 @@ impl Request {
     /// The modifiers of all material files.
     fn objects(&self) -> Result<Vec<Object<'static>>, Failure> {
         let options =
-            ReadOptions { primitives: KeepPrimitives::Yes, unused: UnusedModifiers::Skip, ..ReadOptions::default() };
+            ReadOptions { primitives: KeepPrimitives::Yes, purpose: Purpose::Octree, ..ReadOptions::default() };
         let read = read(self.materials.clone(), Commands::Refused, &options);
         if read.has_errors() {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));

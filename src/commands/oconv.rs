@@ -8,7 +8,7 @@ use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
 use radsight_octree::BuildOptions;
-use radsight_parse::{Input, KeepPrimitives, Read, ReadOptions, UnusedModifiers, bounds, cube};
+use radsight_parse::{Input, KeepPrimitives, Purpose, Read, ReadOptions, bounds, cube};
 use radsight_picture::Header;
 
 /// How much a given cube grows on each side, scene units; as in Radiance.
@@ -120,7 +120,8 @@ impl Arguments {
             let mut value = || {
                 rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
             };
-            match word.as_str() {
+            // As in Radiance the first letter counts: scripts have -w- and -frozen.
+            match word.get(..2).unwrap_or(word) {
                 "-i" => arguments.octree = Some(value()?.clone()),
                 "-b" => {
                     let mut number = || number::<f64>(word, value()?);
@@ -144,7 +145,7 @@ impl Arguments {
     fn read_scene(&self, inputs: Vec<Input>, is_frozen: bool) -> Result<Read, Failure> {
         let options = ReadOptions {
             primitives: if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No },
-            unused: UnusedModifiers::Skip,
+            purpose: Purpose::Octree,
             ..ReadOptions::default()
         };
         let read = read(inputs, self.trust.commands(), &options);

@@ -1,13 +1,14 @@
 //! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
 
 use crate::disk::DiskLoader;
-use crate::failure::{Failure, Outcome, reason, say};
+use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
 use crate::output::{write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
+use glam::DVec3;
 use radsight_generate::{Error, Output, StandardInput, padded};
 use radsight_loader::LoadError;
-use radsight_parse::{ReadOptions, bounds, xform};
+use radsight_parse::{Purpose, ReadOptions, bounds, xform};
 use std::cell::OnceCell;
 use std::io::{IsTerminal, Read, stdin};
 
@@ -41,7 +42,7 @@ pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
     // Commands among the inputs of rlam are words of the command line.
     let commands = if name == "rlam" { trust.own_commands() } else { trust.commands() };
     let input = Piped::default();
-    let loader = DiskLoader::new(commands);
+    let loader = DiskLoader::new(commands).shuffling();
     let made = match name {
         "xform" => xform(&argv, &input, &loader),
         _ => radsight_generate::run(&argv, &input, &loader),
@@ -95,25 +96,39 @@ fn holds(file: &str, bytes: &[u8]) -> bool {
     std::fs::symlink_metadata(file).is_ok_and(is_file) && std::fs::read(file).is_ok_and(|found| found == bytes)
 }
 
+/// The numbers that real `getbbox` begins with, and prints of a scene without surfaces.
+const NO_BOUNDS: f64 = 1e10;
+
 fn getbbox(words: &[String], trust: &Trust) -> Outcome {
-    let header = words.first().is_none_or(|word| word != "-h");
-    let files: Vec<String> = words.iter().filter(|word| *word != "-h" && *word != "-w").cloned().collect();
-    if let Some(option) = files.iter().find(|word| word.starts_with('-') && *word != "-") {
-        return Err(Failure::usage(format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files")));
+    // As in Radiance the first letter of an option counts.
+    let is_option = |word: &&String| word.starts_with('-') && word.len() > 1;
+    let (mut has_header, mut is_quiet) = (true, false);
+    for option in words.iter().take_while(is_option) {
+        match option.as_bytes()[1] {
+            b'h' => has_header = false,
+            b'w' => is_quiet = true,
+            _ => {
+                let message = format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files");
+                return Err(Failure::usage(message));
+            }
+        }
     }
+    let files: Vec<String> = words.iter().skip_while(is_option).cloned().collect();
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &ReadOptions::default());
+    let options = ReadOptions { purpose: Purpose::Places, ..ReadOptions::default() };
+    let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &options);
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }
-    let Some(bounds) = bounds(&read.scene) else {
-        return Err(Failure::input("getbbox: the scene has no surface with a place"));
-    };
+    if !is_quiet {
+        say(&render(&read.diagnostics, &read.sources));
+    }
+    let (low, high) = bounds(&read.scene)
+        .map_or((DVec3::splat(NO_BOUNDS), DVec3::splat(-NO_BOUNDS)), |bounds| (bounds.low, bounds.high));
     let mut text = String::new();
-    if header {
+    if has_header {
         text.push_str("     xmin      xmax      ymin      ymax      zmin      zmax\n");
     }
-    let (low, high) = (bounds.low, bounds.high);
     let columns = [low.x, high.x, low.y, high.y, low.z, high.z].map(|value| padded(value, 9, 6).to_string());
     text.push_str(&columns.join(" "));
     text.push('\n');

@@ -5,7 +5,7 @@
 //! moment, as `gendaymtx` writes it; with `-n` it is text without a header. `-o` with a number in the name (`%04d`) makes a file of each moment. `-N -m` change nothing.
 
 use super::input::{format, read_bytes, read_factor, read_matrix, wrong};
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
@@ -162,7 +162,7 @@ impl Request {
     fn begin(&self, frame: Option<usize>) -> Header {
         let mut header = Header::new("RADIANCE");
         header.push_command(self.command.iter().map(String::as_str));
-        header.push_variable("GMT", &format!(" {}", greenwich_time()));
+        push_date(&mut header);
         if let Some(frame) = frame {
             header.push_variable("FRAME", &frame.to_string());
         }

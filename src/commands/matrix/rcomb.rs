@@ -5,7 +5,7 @@
 //! `-s` and `-c` change the matrix that follows, after the last one the result, which `-m` multiplies by a matrix, `-mt` by a transposed one.
 
 use super::input::{Change, format, read_matrix, result_format, wrong};
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
@@ -147,6 +147,6 @@ fn header(request: &Request, words: &Words<'_>, inputs: &[Matrix]) -> Header {
         }
     }
     header.push_command(words.all());
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     header
 }

@@ -11,7 +11,6 @@ mod parameters;
 
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planner, conclude_all, expanded_scene_text, read_valid_scene, use_threads};
-use crate::output::write_standard_output;
 use crate::trust::{Refusal, Trust};
 use lights::LightFinder;
 use options::Options;
@@ -34,9 +33,6 @@ const TINY: f64 = 1e-6;
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let options = Options::parse(words, trust)?;
-    if options.print_defaults {
-        return write_standard_output(options.defaults().as_bytes());
-    }
     use_threads(options.threads)?;
     let (scene, sources) = read_valid_scene(&options.scenes, &options.reading)?;
     let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources);

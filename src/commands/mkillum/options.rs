@@ -5,7 +5,8 @@ use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
-use crate::render_args::{self, number, take_definition, take_irradiance, take_own};
+use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::trust::Trust;
 use radsight_frame::Effort;
 use radsight_render::{Gathering, PathLimit, RenderOptions};
@@ -22,8 +23,8 @@ pub(super) struct Options {
     pub(super) inputs: Vec<String>,
     /// The words up to the inputs, as the header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    shown: ShownOptions,
 }
 
 /// Paths of each ray, unless another number is asked for: rays that look around bring each direction of a window about as much noise.
@@ -38,7 +39,8 @@ impl TakesOptions for Options {
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.take_one(words)
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
@@ -64,13 +66,10 @@ impl Options {
             scenes: Vec::new(),
             inputs: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Mkillum),
         };
         (options.command, options.scenes) =
             options_before_scenes(CommandWords::new(words, trust.origin()), &mut options)?;
-        if options.print_defaults {
-            return Ok(options);
-        }
         if let Some(place) = options.scenes.iter().position(|word| word == "<") {
             options.inputs = options.scenes.split_off(place + 1);
             options.scenes.pop();
@@ -94,8 +93,8 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
-        let mut used = render_args::take_one(words, &mut self.render)?;
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
+        let mut used = take_one(words, &mut self.render)?;
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
         }
@@ -115,7 +114,7 @@ impl Options {
         let word = words[0].as_str();
         match word {
             "-w" => self.reading.no_warnings = true,
-            "-defaults" => self.print_defaults = true,
+            "-defaults" => return Err(Failure::answer(self.defaults())),
             "-n" => {
                 self.threads = Some(number(words, word, "a number of threads")?);
                 return Ok(2);
@@ -131,7 +130,7 @@ impl Options {
     }
 
     /// The options as they stand, for `-defaults`.
-    pub(super) fn defaults(&self) -> String {
+    fn defaults(&self) -> String {
         let parameters = Parameters::default();
         let colors = match parameters.colors {
             Colors::Nothing => "c=n\t\t\t\t# color none",
@@ -151,7 +150,8 @@ impl Options {
             format!("s={}\t\t\t\t# samples per direction", parameters.samples),
             format!("b={:.6}\t\t\t# minimum average brightness", parameters.least_brightness),
         ];
-        lines.extend(render_args::defaults(&self.render));
+        lines.extend(self.shown.lines());
+        lines.push(format!("--seed {:<6}\t\t\t# sample sequence", self.render.seed));
         lines.join("\n") + "\n"
     }
 }

@@ -1,5 +1,6 @@
 //! Pictures from files and pipes.
 
+use crate::clock::push_date;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_file;
@@ -151,7 +152,9 @@ fn shown(path: &str) -> &str {
 
 /// The header of a new picture.
 pub(super) fn dated_header() -> Header {
-    Header::new("RADIANCE")
+    let mut header = Header::new("RADIANCE");
+    push_date(&mut header);
+    header
 }
 
 /// Opens a file, standard input (`-`), or what a command (`!…`) writes.

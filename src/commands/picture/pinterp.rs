@@ -267,7 +267,10 @@ fn header(words: &Words<'_>, request: &Request, sources: &[Source], (view, shape
         History::Copied.push(&mut header, &source.name, &nested);
     }
     header.push_command(words.all());
-    header.push_variable("VIEW", &view.options().to_full_string());
+    // As in Radiance the view is told where it is not all in the command.
+    if request.blurs || words.all().contains(&"-vf") {
+        header.push_variable("VIEW", &view.options().to_full_string());
+    }
     let aspect = view.aspect() * shape;
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));

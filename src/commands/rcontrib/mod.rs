@@ -14,7 +14,6 @@ mod tracked;
 use crate::expand::CommandWords;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, plan_changed, use_threads};
-use crate::output::write_standard_output;
 use crate::ray_input::{InputRay, RayReader};
 use crate::trust::{Existing, Trust};
 use bins::Bins;
@@ -41,9 +40,6 @@ pub(crate) fn run_on(words: CommandWords, trust: &Trust, existing: Existing<'sta
 }
 
 fn run_with(options: Options, input: impl Read) -> Outcome {
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
     use_threads(options.threads)?;
     let bins = options.bins()?;
     let mut render = options.render.clone();

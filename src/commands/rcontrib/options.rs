@@ -1,12 +1,15 @@
 //! The options of `rcontrib`, as Radiance writes them.
 
 use super::bins::{BinRequest, Bins, Functions};
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::{Failure, reason};
 use crate::output_format::OutputFormat;
-use crate::render_args::{self, names_in, number, take_irradiance, take_own};
+use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, Origin, Trust};
 use radsight_frame::Effort;
@@ -66,7 +69,10 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// Seconds between reports, which none are made of (`-t`).
+    pub(super) report: u64,
     effort: Option<Effort>,
     functions: Functions,
     /// What holds for the modifiers that are named next.
@@ -104,7 +110,8 @@ impl Default for Options {
             reading: Reading::default(),
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rcontrib),
+            report: 0,
             effort: None,
             functions: Functions::new(),
             next_output: None,
@@ -119,7 +126,8 @@ impl TakesOptions for Options {
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.take_one(words)
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
@@ -129,9 +137,6 @@ impl Options {
         let mut options = Options::default();
         options.reading.trust = trust.clone();
         (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
-        if options.print_defaults {
-            return Ok(options);
-        }
         options.check()?;
         Ok(options)
     }
@@ -153,11 +158,11 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         // Some options of rendering begin with the same letter as these.
         let mut used = self.take_named(words)?;
         if used == 0 {
-            used = render_args::take_one(words, &mut self.render)?;
+            used = take_one(words, &mut self.render)?;
         }
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
@@ -187,7 +192,7 @@ impl Options {
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
-            "-t" => drop(number::<u64>(words, word, "a number of seconds")?),
+            "-t" => self.report = number(words, word, "a number of seconds")?,
             "-o" => {
                 let text = number(words, word, "a file for what follows")?;
                 self.next_output = Some(OutputPattern { text, origin: self.reading.trust.word_origin() });
@@ -202,10 +207,8 @@ impl Options {
             "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,
             "-m" => self.track(number(words, word, "the name of a modifier")?, self.reading.trust.word_origin())?,
             "-M" => self.track_all(&number::<String>(words, word, "a file of modifiers' names")?)?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ => return Ok(0),
         }
         Ok(2)

@@ -2,7 +2,7 @@
 
 use super::bins::Bins;
 use super::options::{Options, OutputPattern, Tracked};
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
@@ -338,7 +338,7 @@ fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     if let Some(receiver) = options.reading.trust.project() {
         header.push_variable(PROJECT, &format!(" {receiver}"));
     }
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     header.push_variable("NCOMP", &options.components().to_string());
     if options.components() > 3 {
         let splits = options.render.sampling.splits_nm().map(|split| split.to_string());

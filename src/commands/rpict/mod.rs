@@ -3,23 +3,23 @@
 mod defaults;
 mod options;
 mod output;
+mod report;
 mod sequence;
 
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
-use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Start};
-use radsight_frame::{Estimate, Frame, Lens};
+use radsight_frame::{Effort, Estimate, Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
+use report::Report;
 use sequence::Sequence;
-use std::time::{Duration, Instant};
 
 /// A picture needs memory for each of its pixels until it is done.
 const MOST_PIXELS: usize = 1 << 27;
@@ -27,9 +27,6 @@ const MOST_PIXELS: usize = 1 << 27;
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let options = Options::parse(words, trust)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
     if let Some(path) = &options.error_file {
         say_in(path)?;
     }
@@ -147,13 +144,22 @@ impl Picture {
                 writer.write_depths(&frame.depths(row..block.end))?;
             }
             row = block.end;
-            report.tell(row as f64 / rows as f64);
+            report.tell(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
         }
         if options.effort.is_some() && !options.reading.no_warnings {
             frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
         }
         Ok(())
     }
+}
+
+/// How many rays went through so many pixels that are done.
+fn rays_through(pixels: usize, frame: &Frame<'_>, options: &Options) -> f64 {
+    let of_each = match options.pixel_effort() {
+        Effort::Samples(samples) => f64::from(samples),
+        Effort::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
+    };
+    of_each * pixels as f64
 }
 
 /// What came of an error that was asked for.
@@ -184,7 +190,7 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     if options.format != OutputFormat::Pixels {
         header.push_variable("NCOMP", "3");
     }
@@ -197,34 +203,4 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     };
     options.format.end_header(&mut header, pixels.name());
     header
-}
-
-/// Says now and then how far the picture is.
-struct Report {
-    every: Duration,
-    begun: Instant,
-    told: Instant,
-}
-
-impl Report {
-    fn new(seconds: u64) -> Report {
-        let now = Instant::now();
-        let report = Report { every: Duration::from_secs(seconds), begun: now, told: now };
-        report.say(0.0);
-        report
-    }
-
-    fn tell(&mut self, share: f64) {
-        if share >= 1.0 || self.told.elapsed() >= self.every {
-            self.told = Instant::now();
-            self.say(share);
-        }
-    }
-
-    fn say(&self, share: f64) {
-        if !self.every.is_zero() {
-            let hours = self.begun.elapsed().as_secs_f64() / 3600.0;
-            say(&format!("rpict: {:.2}% after {hours:.5} hours\n", 100.0 * share));
-        }
-    }
 }

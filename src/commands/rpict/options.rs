@@ -1,6 +1,8 @@
 //! The options of `rpict`, as Radiance writes them.
 
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
@@ -8,6 +10,7 @@ use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
@@ -89,8 +92,8 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
 }
 
 impl Default for Options {
@@ -132,7 +135,7 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rpict),
         }
     }
 }
@@ -143,7 +146,8 @@ impl TakesOptions for Options {
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.take_one(words)
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
@@ -151,7 +155,7 @@ impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words, trust.clone())?;
-        if let Some(file) = options.control_file.as_deref().filter(|_| !options.print_defaults)
+        if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
@@ -217,7 +221,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         const TAKERS: [Taker; 8] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
@@ -245,10 +249,8 @@ impl Options {
                 self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
             }
             "-S" => self.first_frame = number(words, word, "the number of a frame")?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             "-pRGB" | "-pXYZ" | "-pc" => {
                 let (color, used) = OutputColor::from_option(words)?.unwrap_or((OutputColor::Rgb, 1));
                 self.color = color;

@@ -1,7 +1,9 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use super::defaults;
 use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
@@ -9,6 +11,7 @@ use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use radsight_frame::Effort;
@@ -40,8 +43,10 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// The letters after `-o`.
+    pub(super) letters: String,
 }
 
 /// Rays that none exceeds for an asked error.
@@ -149,7 +154,8 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rtrace),
+            letters: "v".to_owned(),
         }
     }
 }
@@ -160,7 +166,8 @@ impl TakesOptions for Options {
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.take_one(words)
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
@@ -168,9 +175,6 @@ impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words, trust.clone())?;
-        if options.print_defaults {
-            return Ok(options);
-        }
         if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
@@ -230,7 +234,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = self.take_highlight_samples(words)?;
         if used == 0 {
             used = take_one(words, &mut self.render)?;
@@ -267,10 +271,8 @@ impl Options {
                 let file: String = number(words, word, "a file of modifiers' names")?;
                 self.tree_ends.name(word, names_in_file(word, &file)?);
             }
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ if control_file::is_option(word) => {
                 let file: String = number(words, word, "a control file")?;
                 self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
@@ -326,6 +328,7 @@ impl Options {
     }
 
     fn fields(&mut self, word: &str) -> Result<(), Failure> {
+        word[2..].clone_into(&mut self.letters);
         self.output.clear();
         self.tree = None;
         let mut rays = ToldRays::All;

@@ -2,7 +2,7 @@
 
 use super::materials::Lowered;
 use super::reader::{Here, Reader};
-use super::{Tolerance, UnusedModifiers};
+use super::{Purpose, Tolerance, UnusedModifiers};
 use crate::Kind;
 use crate::signature::{Count, signature};
 use crate::syntax::{Alias, Primitive, Word, words};
@@ -162,8 +162,7 @@ impl Reader<'_> {
             _ => {
                 let found = self.modifiers.find(name);
                 if found.is_none() {
-                    let error = self.modifiers.undefined(name, span);
-                    self.log.push(error);
+                    self.tell_undefined(name, span, Severity::Error);
                 }
                 found
             }
@@ -218,8 +217,7 @@ impl Reader<'_> {
         let target_name = alias.text(alias.target);
         let target_span = here.span(alias.target.place());
         let Some(target) = self.modifiers.find(&target_name) else {
-            let error = self.modifiers.undefined(&target_name, target_span);
-            return self.log.push(error);
+            return self.tell_undefined(&target_name, target_span, Severity::Error);
         };
         if !self.is_good_name(&name, here.span(alias.name.place())) {
             return;
@@ -287,13 +285,20 @@ impl Reader<'_> {
         if let Some(handle) = self.modifiers.find(word.text.as_bytes()) {
             return Reference::To(handle);
         }
-        let mut diagnostic = self.modifiers.undefined(word.text.as_bytes(), word.span);
         // Radiance goes on without it in these types.
-        if matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter) {
-            diagnostic.severity = Severity::Warning;
-        }
-        self.log.push(diagnostic);
+        let is_needless = matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter);
+        let severity = if is_needless { Severity::Warning } else { Severity::Error };
+        self.tell_undefined(word.text.as_bytes(), word.span, severity);
         Reference::Undefined
+    }
+
+    /// Says that a name means nothing, where that matters.
+    fn tell_undefined(&mut self, name: &[u8], span: Span, severity: Severity) {
+        if self.options.purpose != Purpose::Places {
+            let mut diagnostic = self.modifiers.undefined(name, span);
+            diagnostic.severity = severity;
+            self.log.push(diagnostic);
+        }
     }
 
     /// Says where a name was defined later than it was used.
@@ -312,9 +317,10 @@ impl Reader<'_> {
     pub(super) fn lower_modifiers(&mut self) {
         self.explain_forward_references();
         let raws = std::mem::take(&mut self.modifiers.raws);
-        let used = match self.options.unused {
-            UnusedModifiers::Lower => vec![true; raws.len()],
-            UnusedModifiers::Skip => self.used(&raws),
+        let used = match (self.options.purpose, self.options.unused) {
+            (Purpose::Octree | Purpose::Places, _) => vec![false; raws.len()],
+            (Purpose::Render, UnusedModifiers::Lower) => vec![true; raws.len()],
+            (Purpose::Render, UnusedModifiers::Skip) => self.used(&raws),
         };
         let replaced = self.find_replaced(&raws);
         let mut handles: Vec<Option<ModifierHandle>> = vec![None; raws.len()];
@@ -349,14 +355,14 @@ impl Reader<'_> {
     /// What one modifier does; where that is wrong and tolerated, it is said to be unusable.
     fn lower_modifier(&mut self, raw: &Raw, at: &Lowered<'_>) -> Option<ModifierKind> {
         let messages = self.log.diagnostics.len();
-        self.is_unsupported = false;
+        self.is_inexcusable = false;
         let kind = if self.check_counts(raw, Severity::Error) {
             self.check_ranges(raw);
             self.lower_kind(raw, at)
         } else {
             None
         };
-        if kind.is_some() || self.is_unsupported || self.options.tolerance == Tolerance::Strict {
+        if kind.is_some() || self.is_inexcusable || self.options.tolerance == Tolerance::Strict {
             return kind;
         }
         let reason = self.log.tolerate_since(messages).unwrap_or_else(|| "a file it needs cannot be read".to_owned());
