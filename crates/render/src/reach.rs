@@ -192,12 +192,15 @@ fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64
     }
     let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
     axes.extend(body.plane.map(|(normal, _)| normal));
+    axes.extend(source.plane.map(|(normal, _)| normal));
+    let stands_between = |other: &&Body| {
+        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance))
+    };
     let blockers: Vec<MemberId> = bodies
         .iter()
         .filter(|other| other.surface != light.surface)
         .filter(|other| other.member != body.member || body.plane.is_none())
-        .filter(|other| !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance)))
-        .filter(|other| !is_beside(body, source, other, [tolerance, touch]))
+        .filter(stands_between)
         .map(|other| other.member)
         .collect();
     match blockers.len() {
@@ -217,19 +220,16 @@ fn separated(axis: DVec3, body: &Body, source: &Body, other: &Body, tolerance: f
     high - low > 4.0 * tolerance && (other_high <= low + tolerance || other_low >= high - tolerance)
 }
 
-/// Whether a flat light has the other body behind it, or in its plane but not on it.
-fn is_beside(body: &Body, source: &Body, other: &Body, [tolerance, touch]: [f64; 2]) -> bool {
-    let Some((normal, _)) = source.plane else { return false };
-    separated(normal, body, source, other, tolerance) && !lies_on(source, other, touch)
-}
-
-/// Whether two bodies touch in more than an edge, as far as the boxes around them tell.
+/// Whether a body touches a flat light in more than an edge, as far as the boxes around them tell.
 fn lies_on(source: &Body, other: &Body, touch: f64) -> bool {
-    let overlaps = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+    let overlap = |axis: DVec3| {
         let (a, b) = (source.range(axis), other.range(axis));
         a.1.min(b.1) - a.0.max(b.0)
-    });
-    overlaps.iter().all(|overlap| *overlap >= -touch)
+    };
+    let Some((normal, _)) = source.plane else { return false };
+    let overlaps = [DVec3::X, DVec3::Y, DVec3::Z].map(overlap);
+    overlap(normal) >= -touch
+        && overlaps.iter().all(|overlap| *overlap >= -touch)
         && overlaps.iter().filter(|overlap| **overlap > touch).count() > 1
 }
 
