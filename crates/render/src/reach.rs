@@ -78,7 +78,10 @@ impl Reach {
         let receivers = bodies
             .iter()
             .map(|body| Receiver {
-                between: lights.iter().map(|light| between(body, light, &bodies, [tolerance, geometry.tolerance()])).collect(),
+                between: lights
+                    .iter()
+                    .map(|light| between(body, light, &bodies, [tolerance, geometry.tolerance()]))
+                    .collect(),
                 sees_only_lights: !unsampled_light && sees_only_lights(body, &bodies, lights, tolerance),
                 lights_suffice: lights_are_small(body, lights),
             })

@@ -342,19 +342,17 @@ impl DirectSampler<'_> {
         let scratch = &mut tracer.workspace.scratch;
         // What lies on the target may hide it.
         let tolerance = plan.geometry.tolerance();
-        let mut passed = Passed::default();
+        let mut passed = plan.see_through.then(Passed::default);
+        let mut is_blocked = false;
         let mut block = |crossing: ray::Crossing| {
             if crossing.primitive == target {
                 return false;
             }
             if crossing.distance > distance - tolerance {
-                let hides = plan.geometry.chosen_near(&plan.scene, ray, from, distance) != Some(target);
-                if hides {
-                    through = [0.0; BANDS];
-                }
-                return hides;
+                is_blocked = plan.geometry.chosen_near(&plan.scene, ray, from, distance) != Some(target);
+                return is_blocked;
             }
-            let open = if plan.see_through {
+            let open = if let Some(passed) = &mut passed {
                 let hit = plan.geometry.hit(&plan.scene, &plan.shader_table, ray, crossing);
                 let shader = plan.shader_at(hit.shader);
                 passed.add(crossing.distance, tolerance);
@@ -362,12 +360,15 @@ impl DirectSampler<'_> {
             } else {
                 None
             };
-            through = product(through, open.unwrap_or([0.0; BANDS]));
-            open.is_none()
+            match open {
+                Some(open) => through = product(through, open),
+                None => is_blocked = true,
+            }
+            is_blocked
         };
         let end = distance + tolerance;
         match between {
-            Between::Dark => through = [0.0; BANDS],
+            Between::Dark => is_blocked = true,
             Between::Nothing => {}
             Between::Few(list) => {
                 let frame = RayFrame::new(ray);
@@ -381,7 +382,14 @@ impl DirectSampler<'_> {
                 plan.geometry.any_between(&plan.scene, ray, from, end, block);
             }
         }
-        if passed.is_tied { self.one_by_one(tracer, ray, from, distance) } else { through }
+        // What is opaque blocks, even where Radiance has a mixture that lies on it let the ray through.
+        if is_blocked {
+            return [0.0; BANDS];
+        }
+        match passed {
+            Some(Passed { is_tied: true, .. }) => self.one_by_one(tracer, ray, from, distance),
+            _ => through,
+        }
     }
 
     /// [`DirectSampler::segment`] where surfaces that let light through lie on each other: only one of them is there for the ray.
