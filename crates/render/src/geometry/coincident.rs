@@ -6,12 +6,13 @@
 //! an instance has already chosen among its own surfaces. It takes the place of what stands after it in the scene only where it is
 //! really nearer; what stands before it has to win by the rule.
 //!
-//! The rays' search only notices that hits are equally near; the choice is made here, once per such ray.
+//! The rays' search only notes which hits are equally near; the choice is made here, once per such ray.
 
 use super::{Geometry, Limits, RayFrame, mesh, surface_point};
 use crate::ray::{Crossing, MemberId, PrimitiveId, Ray};
 use glam::DVec3;
-use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Scene, Shape, SurfaceHandle, ValidScene};
+use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Scene, Shape, ValidScene};
+use std::cmp::Reverse;
 
 /// Hits no farther apart than this are equally near, scene units: Radiance's `FTINY`.
 const TOLERANCE: f64 = 1e-6;
@@ -53,30 +54,23 @@ struct Standing {
     modifier: (u32, usize),
 }
 
+/// Notes a hit that is about as near as the best one.
+#[cold]
+pub(super) fn note(ties: &mut Vec<Crossing>, best: Option<Crossing>, hit: Crossing) {
+    if ties.is_empty() {
+        ties.extend(best);
+    }
+    ties.push(hit);
+}
+
 impl Geometry {
-    /// Which of the hits within the limits, which are all about as near as the first, the ray meets.
+    /// Which of hits that are about as near as the first the ray meets, of those before `farthest`.
     #[cold]
-    pub(super) fn choose(
-        &self,
-        scene: &Scene,
-        ray: &Ray,
-        from: Option<PrimitiveId>,
-        limits: Limits,
-    ) -> Option<Crossing> {
-        let frame = RayFrame::new(ray);
-        let mut found: Vec<(SurfaceHandle, Crossing)> = Vec::new();
-        self.hierarchy.visit(ray, limits.farthest, |index| {
-            let member = MemberId(index);
-            if let Some(crossing) = self.crossing(scene, member, ray, &frame, from, &limits) {
-                found.push((self.surface_of(member), crossing));
-            }
-            limits.farthest
-        });
+    pub(super) fn choose(&self, scene: &Scene, ray: &Ray, mut hits: Vec<Crossing>, farthest: f64) -> Option<Crossing> {
+        hits.retain(|hit| hit.distance < farthest);
         // Radiance tries those first that stand last in the scene.
-        found.sort_unstable_by_key(|(surface, _)| std::cmp::Reverse(surface.index()));
-        let mut found = found.into_iter().map(|(_, crossing)| crossing);
-        let first = found.next()?;
-        Some(found.fold(first, |best, next| if self.displaces(scene, ray, best, next) { next } else { best }))
+        hits.sort_unstable_by_key(|hit| Reverse(self.surface_of(self.member_of(hit.primitive).0).index()));
+        hits.into_iter().reduce(|best, next| if self.displaces(scene, ray, best, next) { next } else { best })
     }
 
     /// Whether `next`, which stands before `best` in the scene, takes its place.
@@ -101,7 +95,13 @@ impl Geometry {
     ) -> Option<PrimitiveId> {
         let nearest = (distance - self.tolerance).max(self.nearest);
         let limits = Limits { nearest, farthest: distance + self.tolerance };
-        self.choose(scene, ray, from, limits).map(|crossing| crossing.primitive)
+        let frame = RayFrame::new(ray);
+        let mut hits = Vec::new();
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            hits.extend(self.crossing(scene, MemberId(index), ray, &frame, from, &limits));
+            limits.farthest
+        });
+        self.choose(scene, ray, hits, limits.farthest).map(|crossing| crossing.primitive)
     }
 
     /// Hits no farther apart than this are equally near, scene units.

@@ -283,14 +283,17 @@ impl Geometry {
     fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let mut best: Option<Crossing> = None;
-        let mut is_tied = false;
+        let mut ties = Vec::new();
         // What is farther than the best hit by less than the tolerance is looked at still.
         let mut tied_from = f64::INFINITY;
         self.hierarchy.visit(ray, limits.farthest, |index| {
             if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
-                is_tied = crossing.distance >= tied_from;
-                let nearest = best.map_or(f64::INFINITY, |best| best.distance);
-                if crossing.distance < nearest {
+                if crossing.distance < tied_from {
+                    ties.clear();
+                } else {
+                    coincident::note(&mut ties, best, crossing);
+                }
+                if crossing.distance < best.map_or(f64::INFINITY, |best| best.distance) {
                     best = Some(crossing);
                     tied_from = crossing.distance - self.tolerance;
                     limits.farthest = crossing.distance + self.tolerance;
@@ -298,7 +301,7 @@ impl Geometry {
             }
             limits.farthest
         });
-        if is_tied { self.choose(scene, ray, from, limits) } else { best }
+        if ties.is_empty() { best } else { self.choose(scene, ray, ties, limits.farthest) }
     }
 
     /// Where a ray first crosses a member before `farthest`.
