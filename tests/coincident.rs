@@ -342,6 +342,37 @@ fn round_surfaces_meshes_and_instances_win_where_they_do_in_radiance() {
     assert!(compare(is_wanted) > 4000);
 }
 
+/// What a floor shows that is lit through what lies on each other in a plane above it, the lamp over that.
+fn floor_below(panes: &str) -> f64 {
+    let square = |half: f64, height: f64| {
+        let corner = |x: f64, y: f64| format!("{} {} {height} ", half * x, half * y);
+        format!("0 0 12 {}\n", [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)].concat())
+    };
+    let mut text =
+        "void plastic P 0 0 5 .5 .5 .5 0 0\nvoid mixfunc X 4 P void .3 . 0 0\nvoid plastic Q 0 0 5 .5 .5 .5 0 0
+        void glass G 0 0 3 .5 .5 .5\nvoid light L 0 0 3 9 9 9\n"
+            .to_owned();
+    text += &format!("L polygon lamp {}P polygon floor {}", square(0.2, 3.0), square(5.0, 0.0));
+    for (number, modifier) in panes.chars().enumerate() {
+        text += &format!("{modifier} polygon pane{number} {}", square(4.0, 2.0));
+    }
+    let down = [DVec3::new(0.1, 0.2, 1.0), -DVec3::Z];
+    ours(text, &MemoryLoader::default(), [down; 3])[0].1
+}
+
+#[test]
+fn shadow_rays_pass_what_lies_under_a_mixture_as_in_radiance() {
+    let mixed = floor_below("X");
+    assert!((mixed / floor_below("") - 0.7).abs() < 0.02);
+    // Defined later than P and earlier than Q.
+    for panes in ["XP", "PX", "XG", "GX", "PXG", "XX"] {
+        assert!((floor_below(panes) / mixed - 1.0).abs() < 0.02, "{panes}");
+    }
+    for panes in ["XQ", "QX", "QXP", "PG", "P"] {
+        assert_eq!(floor_below(panes), 0.0, "{panes}");
+    }
+}
+
 #[test]
 fn the_references_are_what_real_rtrace_says() {
     let Some(radiance) = Radiance::find() else { return };

@@ -362,6 +362,9 @@ impl DirectSampler<'_> {
             };
             match open {
                 Some(open) => through = product(through, open),
+                None if plan.is_veiled(ray, from, &crossing) => {
+                    passed.get_or_insert_default().is_tied = true;
+                }
                 None => is_blocked = true,
             }
             is_blocked
@@ -382,7 +385,6 @@ impl DirectSampler<'_> {
                 plan.geometry.any_between(&plan.scene, ray, from, end, block);
             }
         }
-        // What is opaque blocks, even where Radiance has a mixture that lies on it let the ray through.
         if is_blocked {
             return [0.0; BANDS];
         }

@@ -11,7 +11,7 @@
 use super::{Geometry, Limits, RayFrame, mesh, surface_point};
 use crate::ray::{Crossing, MemberId, PrimitiveId, Ray};
 use glam::DVec3;
-use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Scene, Shape, ValidScene};
+use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Scene, Shape, SurfaceHandle, ValidScene};
 use std::cmp::Reverse;
 
 /// Hits no farther apart than this are equally near, scene units: Radiance's `FTINY`.
@@ -107,6 +107,11 @@ impl Geometry {
     /// Hits no farther apart than this are equally near, scene units.
     pub(crate) fn tolerance(&self) -> f64 {
         self.tolerance
+    }
+
+    /// Whether a surface without others in it is opaque to the rule.
+    pub(crate) fn counts_as_opaque(&self, scene: &Scene, surface: SurfaceHandle) -> bool {
+        substance(scene, scene.surfaces[surface].modifier) == Substance::Opaque
     }
 
     /// Whether a ray that starts on the surface `from` crosses right there another one that lies on it: Radiance never meets that.
