@@ -33,6 +33,8 @@ pub(super) struct Raw {
     pub(super) transform: Transform,
     /// The modifiers that string arguments name, in order.
     pub(super) references: Vec<Reference>,
+    /// The name of what an alias stands for.
+    pub(super) original: Option<NameId>,
 }
 
 impl Raw {
@@ -208,10 +210,12 @@ impl Reader<'_> {
             counts: primitive.counts.map(|count| here.span(count.place())),
             transform: if primitive.kind.takes_transform_words() { placement.transform } else { Transform::IDENTITY },
             references: Vec::new(),
+            original: None,
         }
     }
 
-    /// Another name. With the same modifier as its target it is the target; else it is a copy under its own modifier.
+    /// Another name: a copy under its own modifier, or under that of its target. It has a place of its own in the order of modifiers,
+    /// which decides between surfaces that lie on each other.
     pub(super) fn define_alias(&mut self, alias: &Alias<'_>, here: Here<'_>) {
         let name = alias.text(alias.name);
         let target_name = alias.text(alias.target);
@@ -224,17 +228,15 @@ impl Reader<'_> {
         }
         let modifier = alias.text(alias.modifier);
         let parent = match &*modifier {
-            b"inherit" => return self.modifiers.set(&name, target),
+            b"inherit" => self.modifiers.raws[target.0 as usize].parent,
             other => self.parent(other, here.span(alias.modifier.place())),
         };
         let original = &self.modifiers.raws[target.0 as usize];
-        if original.parent == parent {
-            return self.modifiers.set(&name, target);
-        }
         let raw = Raw {
             name: self.scene.names.add(&String::from_utf8_lossy(&name)),
             span: here.span(alias.modifier.start..alias.target.end),
             parent,
+            original: Some(original.original.unwrap_or(original.name)),
             ..original.clone()
         };
         let handle = self.modifiers.add(raw);
@@ -345,6 +347,9 @@ impl Reader<'_> {
                 let modifier = raw.parent.and_then(at);
                 self.scene.modifiers.add(Modifier { name: raw.name, span: Some(raw.span), modifier, kind })
             });
+            if let (Some(handle), Some(original)) = (handles[index], raw.original) {
+                self.scene.originals.insert(handle, original);
+            }
         }
         for (surface, raw) in self.scene.surfaces.items_mut().iter_mut().zip(&self.surface_modifiers) {
             surface.modifier = raw.and_then(|raw| handles[raw.0 as usize]);
@@ -398,7 +403,9 @@ impl Reader<'_> {
             let mut names = HashSet::new();
             for (index, raw) in raws.iter().enumerate() {
                 let name = self.scene.names.get(raw.name);
-                if name == replacement.material && raw.kind.role() == crate::Role::Material {
+                let original = raw.original.map(|original| self.scene.names.get(original));
+                let is_meant = name == replacement.material || original == Some(&replacement.material);
+                if is_meant && raw.kind.role() == crate::Role::Material {
                     replaced.insert(index, at);
                     self.replaced.insert(at);
                 } else if raw.kind.role() == crate::Role::Material {
