@@ -94,9 +94,27 @@ impl<const BANDS: usize> Contributions<BANDS> {
     /// the radiance from there.
     pub(crate) fn close(&mut self, radiance: [f64; BANDS], waiting: usize) {
         while let Some(open) = self.open.pop_if(|open| waiting < open.waiting) {
-            let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
-            self.push(open.modifier, &open.encounter, value);
+            self.close_one(&open, radiance);
         }
+    }
+
+    /// How many surfaces wait for what comes from there.
+    pub(crate) fn open(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Tells what the ray has brought to all but the first `open` of them.
+    pub(crate) fn close_until(&mut self, open: usize, radiance: [f64; BANDS]) {
+        while self.open.len() > open
+            && let Some(last) = self.open.pop()
+        {
+            self.close_one(&last, radiance);
+        }
+    }
+
+    fn close_one(&mut self, open: &Open<BANDS>, radiance: [f64; BANDS]) {
+        let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
+        self.push(open.modifier, &open.encounter, value);
     }
 
     fn push(&mut self, modifier: u32, encounter: &Encounter, value: [f64; BANDS]) {

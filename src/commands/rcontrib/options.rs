@@ -10,7 +10,7 @@ use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
 use std::collections::HashSet;
 
 /// Whose radiance counts.
@@ -64,7 +64,7 @@ pub(super) struct Options {
 impl Default for Options {
     fn default() -> Self {
         // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
-        let gathering = Gathering { accuracy: 0.0, divisions: 350, ..Gathering::default() };
+        let gathering = Gathering { accuracy: 0.0, divisions: 350, unshared: Unshared::Split, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 1,
@@ -124,6 +124,9 @@ impl Options {
             self.size = [0, 0];
         }
         self.render.gathering.accuracy = 0.0;
+        if self.effort.is_some() {
+            self.render.gathering.unshared = Unshared::DrawOne;
+        }
         Ok(())
     }
 
@@ -248,12 +251,19 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// Paths that are followed for each ray.
+    /// How often each ray is followed: once, where it splits into as many as are asked for, else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
             Some(Effort::Samples(samples)) => u64::from(samples),
-            _ if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
             _ => 1,
+        }
+    }
+
+    /// About how many paths come of a ray.
+    pub(super) fn paths(&self) -> u64 {
+        match self.effort {
+            None if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
+            _ => self.samples(),
         }
     }
 
