@@ -138,9 +138,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         }
     }
 
-    /// What the last ray owes.
-    pub(crate) fn take_contributions(&mut self) -> Vec<Contribution> {
-        let Some(contributions) = &mut self.contributions else { return Vec::new() };
+    /// Tells what the last ray owes.
+    pub(crate) fn take_contributions(&mut self, visit: impl FnMut(Contribution)) {
+        let Some(contributions) = &mut self.contributions else { return };
         // Nothing waits any more, not even what began before the first ray.
         contributions.open.iter_mut().for_each(|open| open.waiting += 1);
         contributions.close(self.radiance, 0);
@@ -157,7 +157,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             value: values(debt.value),
             encounter: debt.encounter,
         };
-        contributions.settled.drain(..).map(told).collect()
+        contributions.settled.drain(..).map(told).for_each(visit);
     }
 }
 

@@ -4,7 +4,7 @@ use crate::bands::spread;
 use crate::beyond::{Beyond, chance_of_second, strongest};
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
-use crate::light_tree::Reception;
+use crate::light_tree::{Places, Reception};
 use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
@@ -309,7 +309,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             peak,
             floor: (from_anywhere + beyond) * FRAC_1_PI,
             draws,
-            places_per_sr: 0.0,
+            places: Places::ONE,
         }
     }
 

@@ -180,12 +180,12 @@ fn add_path(
     (number, ray): (u64, &Ray),
     sums: &mut [f64],
 ) {
-    for contribution in worker.contributions(number, ray) {
+    worker.contributions(number, ray, |contribution| {
         if let Some(bin) = bins.of(&contribution, scratch) {
             let value = contribution.value.as_slice();
             for (sum, band) in sums[bin * value.len()..].iter_mut().zip(value) {
                 *sum += f64::from(*band);
             }
         }
-    }
+    });
 }

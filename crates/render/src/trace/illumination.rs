@@ -51,7 +51,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let set = self.next_set;
         self.next_set += if self.splits { 3 } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
-        reception.places_per_sr = self.places_per_sr(segment);
+        reception.places = self.places(segment, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
         let mut outlook = if follow_diffuse { point.outlook(self.plan, at) } else { None };

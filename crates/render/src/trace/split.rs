@@ -17,6 +17,7 @@
 
 use super::Tracer;
 use super::segment::Segment;
+use crate::light_tree::Places;
 use crate::options::{Quantity, RenderOptions};
 use crate::surface_light::LitPoint;
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -47,6 +48,10 @@ impl Branches {
 
 /// Radiance samples the middle of each square into which it divides a light. Places drawn at random, which do not bend shadows, take more.
 const PLACES_IN_A_SQUARE: f64 = 2.0;
+
+/// For so many branches another place is sampled on each light, up to so many.
+const BRANCHES_FOR_A_PLACE: f64 = 32.0;
+const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
 
 /// A ray that splits, to be taken up again after its branches.
 pub(super) struct Trunk {
@@ -121,11 +126,16 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         if self.splits { highlight.min(1) } else { highlight }
     }
 
-    /// How many places on a light are sampled for each steradian that it fills at a point: some in each of the squares whose side is the
-    /// asked share of the distance (`-ds`), fewer for a ray of less weight.
-    pub(super) fn places_per_sr(&self, segment: &Segment<BANDS>) -> f64 {
+    /// How many places on a light are sampled at a point: some in each of the squares whose side is the asked share of the distance
+    /// (`-ds`), fewer for a ray of less weight. Each branch samples all lights again, so that some more here cost little beside them.
+    pub(super) fn places(&self, segment: &Segment<BANDS>, branches: Branches) -> Places {
         let side = self.plan.options.source_sampling;
-        if self.splits && side > 0.0 { PLACES_IN_A_SQUARE * self.weight(segment) / (side * side) } else { 0.0 }
+        if !self.splits {
+            return Places::ONE;
+        }
+        let per_sr = if side > 0.0 { PLACES_IN_A_SQUARE * self.weight(segment) / (side * side) } else { 0.0 };
+        let least = (f64::from(branches.diffuse) / BRANCHES_FOR_A_PLACE).clamp(1.0, MOST_PLACES_FOR_BRANCHES);
+        Places { per_sr, least: least.floor() }
     }
 
     /// Begins with the branches of the ray in hand, which take their points where it would take `set`.
