@@ -54,7 +54,7 @@ fn near(found: f64, expected: f64, share: f64) {
 fn sky_coefficients_are_projected_solid_angles() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{FAR}"));
-    let words = "-h -I+ -ab 1 -ad 16384 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
+    let words = "-h -I+ -ab 1 -ad 16384 -lw 1e-6 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
     let record = &numbers(&run(&folder, words, "0 0 0 0 0 1\n").done())[0];
     assert_eq!(record.len(), 3 * 146);
     let total: f64 = record.iter().step_by(3).sum();

@@ -67,6 +67,8 @@ pub(crate) struct DirectSampler<'o> {
     pub(crate) normal: DVec3,
     /// Whether the path to it has a drawn ray.
     pub(crate) drawn: bool,
+    /// The unit normal of a matte point, which takes no light from behind it.
+    pub(crate) facing: Option<DVec3>,
 }
 
 /// A light and its place in the plan's list.
@@ -132,7 +134,7 @@ impl DirectSampler<'_> {
         let mut drawn: (u32, [f64; 4]) = (u32::MAX, [0.0; 4]);
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&Between::Anything, |receiver| &receiver.between[index]);
-            if *between == Between::Dark || light.misses(self.point) {
+            if *between == Between::Dark || light.misses(self.point) || self.faces_away(light) {
                 continue;
             }
             // Two lights share a set of four dimensions.
@@ -151,6 +153,17 @@ impl DirectSampler<'_> {
                 let u = sampler.branch(DimensionSet::render(set), place, places).take(DimensionSet::render(half as u32));
                 visit(tracer, NumberedLight { index, light, places }, between, [u[0], u[1]]);
             }
+        }
+    }
+
+    /// Whether all of a distant light is behind a matte point. Skies are made of hundreds of suns, half of them behind each wall.
+    fn faces_away(&self, light: &Light) -> bool {
+        match (self.facing, &light.form) {
+            (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
+                let (half, above) = (*half_angle_sin_squared_half, normal.dot(*direction));
+                half < 0.5 && above < 0.0 && above * above > 4.0 * half * (1.0 - half)
+            }
+            _ => false,
         }
     }
 

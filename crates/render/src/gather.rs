@@ -202,6 +202,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cuts: [cut; 2],
             normal: place.normal,
             drawn: true,
+            facing: Some(place.normal),
         };
         PI * direct.sample(self, &white).iter().sum::<f64>() / BANDS as f64
     }

@@ -324,6 +324,12 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
         own || self.beyond.is_some_and(|beyond| beyond.lobe.is_some() && !through_left_out)
     }
 
+    /// The unit normal of a point that is matte on the viewer's side and lets nothing through.
+    pub(crate) fn facing(&self) -> Option<DVec3> {
+        let is_matte = matches!(self.highlight, Highlight::None) && self.beyond.is_none();
+        is_matte.then_some(self.diffuse_normal)
+    }
+
     /// What the highlights of both sides send on, about.
     pub(crate) fn highlight_strength(&self) -> f64 {
         let through = self.beyond.and_then(|beyond| beyond.lobe).map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));

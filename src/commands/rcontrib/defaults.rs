@@ -18,7 +18,7 @@ pub(super) fn text(options: &Options) -> String {
         format!("-ld{}\t\t\t\t# limit distance", if options.limits_distance { "+" } else { "-" }),
         format!("-h{}\t\t\t\t# output header", if options.header { "+" } else { "-" }),
         "-faa\t\t\t\t# format input/output = ascii/ascii".to_owned(),
-        format!("-ad {:<9}\t\t\t# paths for each ray", options.render.gathering.divisions),
+        format!("-ad {:<9}\t\t\t# ambient divisions", options.render.gathering.divisions),
     ];
     lines.extend(render_args::defaults(&options.render));
     lines.join("\n") + "\n"

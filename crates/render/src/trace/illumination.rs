@@ -71,6 +71,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cuts: [segment.cut, segment.cut_beyond],
             normal: point.normal,
             drawn: segment.link.is_some(),
+            facing: point.facing(),
         };
         if let Some(tree) = &mut self.tree {
             tree.light(segment.throughput, segment.node);
