@@ -5,7 +5,7 @@ use crate::light::{Light, LightId};
 use crate::light_form::{LightForm, LightSample};
 use crate::light_tree::{Cut, LightTree, Reception};
 use crate::openings::Outlook;
-use crate::options::Unshared;
+use crate::options::{Quantity, RenderOptions, Unshared};
 use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
 use crate::reach::Between;
@@ -41,8 +41,15 @@ pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     let real = plan.lights.partition_point(|light| light.relays.is_empty());
     let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
     let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
-    let first = if plan.options.gathering.unshared == Unshared::Split { SPLIT_THRIFT } else { THRIFT[0] };
+    let first = if splits_first(&plan.options) { SPLIT_THRIFT } else { THRIFT[0] };
     [first, THRIFT[1]].map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
+}
+
+/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface: at sensors, and where it splits.
+fn splits_first(options: &RenderOptions) -> bool {
+    let is_sensor = options.quantity != Quantity::Radiance;
+    let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;
+    options.gathering.unshared == Unshared::Split && (is_sensor || splits)
 }
 
 /// The direct light at one point.
@@ -150,7 +157,8 @@ impl DirectSampler<'_> {
             }
             let sampler = tracer.sampler;
             for place in 0..places {
-                let u = sampler.branch(DimensionSet::render(set), place, places).take(DimensionSet::render(half as u32));
+                let u =
+                    sampler.branch(DimensionSet::render(set), place, places).take(DimensionSet::render(half as u32));
                 visit(tracer, NumberedLight { index, light, places }, between, [u[0], u[1]]);
             }
         }

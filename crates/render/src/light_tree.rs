@@ -468,7 +468,8 @@ mod tests {
     }
 
     fn receptions() -> [Reception; 2] {
-        let matte = Reception { normal: DVec3::Z, diffuse: 0.3, peak: Peak::NONE, floor: 0.0, draws: 1, places: Places::ONE };
+        let matte =
+            Reception { normal: DVec3::Z, diffuse: 0.3, peak: Peak::NONE, floor: 0.0, draws: 1, places: Places::ONE };
         let peak = Peak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
         [matte, Reception { peak, floor: 0.01, ..matte }]
     }

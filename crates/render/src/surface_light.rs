@@ -332,7 +332,8 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
 
     /// What the highlights of both sides send on, about.
     pub(crate) fn highlight_strength(&self) -> f64 {
-        let through = self.beyond.and_then(|beyond| beyond.lobe).map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
+        let through =
+            self.beyond.and_then(|beyond| beyond.lobe).map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
         self.highlight.strength() + through
     }
 

@@ -71,7 +71,10 @@ impl RaySampler {
     #[must_use]
     pub fn branch(&self, set: DimensionSet, branch: u32, branches: u32) -> Self {
         let seed = mix(self.seed ^ mix(BRANCH_SEED ^ u64::from(set.0)));
-        RaySampler::new(seed, self.ray.wrapping_mul(u64::from(branches.next_power_of_two())).wrapping_add(branch.into()))
+        RaySampler::new(
+            seed,
+            self.ray.wrapping_mul(u64::from(branches.next_power_of_two())).wrapping_add(branch.into()),
+        )
     }
 
     /// Four coordinates of the point.
@@ -136,7 +139,8 @@ mod tests {
     #[test]
     fn rays_that_split_elsewhere_take_other_points() {
         let of = |set| {
-            let points = (0..8).map(|branch| RaySampler::new(5, 7).branch(set, branch, 8).take(DimensionSet::CAMERA)[0]);
+            let points =
+                (0..8).map(|branch| RaySampler::new(5, 7).branch(set, branch, 8).take(DimensionSet::CAMERA)[0]);
             points.collect::<Vec<_>>()
         };
         assert_ne!(of(DimensionSet::render(0)), of(DimensionSet::render(1)));

@@ -49,7 +49,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         };
         let branches = if self.splits { self.branches(segment, point, asked) } else { asked };
         let set = self.next_set;
-        self.next_set += if self.splits { 3 } else { branches.highlight.max(1) };
+        // A ray that does not split takes its points as those of pictures do.
+        let is_split = self.splits && branches.are_several();
+        self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
         reception.places = self.places(segment, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
@@ -87,14 +89,14 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             light = sum(light, gathered);
         }
         self.add(segment, product(segment.throughput, light));
-        if branches.highlight > 1 && self.splits {
+        if branches.highlight > 1 && is_split {
             self.split_highlight(segment, &direct, point, (set, branches.highlight));
         } else {
             self.draw_highlight(segment, &direct, point, (set, branches.highlight));
         }
         match branches.diffuse {
             0 => {}
-            1 => self.draw_diffuse(segment, &direct, point, set + u32::from(self.splits)),
+            1 => self.draw_diffuse(segment, &direct, point, set + u32::from(is_split)),
             rays => self.split_diffuse(segment, &direct, point, (set + 1, rays)),
         }
     }
@@ -164,9 +166,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let share = f64::from(rays);
         let part = Segment { split: segment.split * share, ..*segment };
         let next_set = self.next_set;
-        let (outward, chance) = direct.outlook.map_or((0, 0.0), |outlook| {
-            ((outlook.chance * share).round() as u32, outlook.chance)
-        });
+        let (outward, chance) =
+            direct.outlook.map_or((0, 0.0), |outlook| ((outlook.chance * share).round() as u32, outlook.chance));
         for (set, group, choices) in [(set, outward, [0.0, chance]), (set + 1, rays - outward, [chance, 1.0])] {
             let trunk = self.split(set);
             for branch in 0..group {

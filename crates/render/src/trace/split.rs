@@ -40,6 +40,14 @@ pub(super) struct Branches {
 const OUTWARD_SHARE: f64 = 0.125;
 
 impl Branches {
+    /// Sets of points that a ray takes for branches: one for those into the highlight, and two for the others.
+    pub(super) const SETS: u32 = 3;
+
+    /// Whether the ray goes on in more than one way from any component.
+    pub(super) fn are_several(self) -> bool {
+        self.diffuse > 1 || self.highlight > 1
+    }
+
     /// How many diffuse branches are sent towards openings, where any are seen.
     pub(super) fn outward(self) -> u32 {
         (OUTWARD_SHARE * f64::from(self.diffuse)).ceil() as u32
@@ -47,11 +55,15 @@ impl Branches {
 }
 
 /// Radiance samples the middle of each square into which it divides a light. Places drawn at random, which do not bend shadows, take more.
-const PLACES_IN_A_SQUARE: f64 = 2.0;
+const PLACES_IN_A_SQUARE: f64 = 4.0;
 
 /// For so many branches another place is sampled on each light, up to so many.
 const BRANCHES_FOR_A_PLACE: f64 = 32.0;
 const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
+
+/// A sensor samples few lights in more places than one, since it may stand where a light is half hidden.
+const FEW_LIGHTS: usize = 4;
+const PLACES_ON_FEW_LIGHTS: f64 = 4.0;
 
 /// A ray that splits, to be taken up again after its branches.
 pub(super) struct Trunk {
@@ -95,12 +107,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     }
 
     /// Into how many rays a ray splits; `asked` are those that rays get that do not split.
-    pub(super) fn branches(
-        &self,
-        segment: &Segment<BANDS>,
-        point: &LitPoint<'_, BANDS>,
-        asked: Branches,
-    ) -> Branches {
+    pub(super) fn branches(&self, segment: &Segment<BANDS>, point: &LitPoint<'_, BANDS>, asked: Branches) -> Branches {
         let options = &self.plan.options;
         let weight = self.weight(segment);
         let diffuse = if asked.diffuse > 0 && !point.is_retroreflector() {
@@ -128,14 +135,19 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 
     /// How many places on a light are sampled at a point: some in each of the squares whose side is the asked share of the distance
     /// (`-ds`), fewer for a ray of less weight. Each branch samples all lights again, so that some more here cost little beside them.
+    ///
+    /// Rays of radiance that do not split get one: who sends many averages them, and they draw what the rays of a picture would.
     pub(super) fn places(&self, segment: &Segment<BANDS>, branches: Branches) -> Places {
-        let side = self.plan.options.source_sampling;
-        if !self.splits {
+        let options = &self.plan.options;
+        let is_sensor = options.quantity != Quantity::Radiance && segment.link.is_none();
+        if !self.splits || !(is_sensor || branches.diffuse > 1) {
             return Places::ONE;
         }
+        let side = options.source_sampling;
         let per_sr = if side > 0.0 { PLACES_IN_A_SQUARE * self.weight(segment) / (side * side) } else { 0.0 };
-        let least = (f64::from(branches.diffuse) / BRANCHES_FOR_A_PLACE).clamp(1.0, MOST_PLACES_FOR_BRANCHES);
-        Places { per_sr, least: least.floor() }
+        let for_branches = (f64::from(branches.diffuse) / BRANCHES_FOR_A_PLACE).min(MOST_PLACES_FOR_BRANCHES).floor();
+        let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { PLACES_ON_FEW_LIGHTS } else { 1.0 };
+        Places { per_sr, least: for_branches.max(for_few) }
     }
 
     /// Begins with the branches of the ray in hand, which take their points where it would take `set`.
