@@ -13,6 +13,9 @@ use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
 use std::collections::HashSet;
 
+/// Into no more branches does a ray split at once.
+const MOST_BRANCHES: f64 = 16_384.0;
+
 /// Whose radiance counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wanted {
@@ -55,6 +58,8 @@ pub(super) struct Options {
     pub(super) command: Vec<String>,
     pub(super) print_defaults: bool,
     effort: Option<Effort>,
+    /// How often a ray is followed that splits.
+    rounds: u64,
     functions: Functions,
     /// What holds for the modifiers that are named next.
     next_output: Option<String>,
@@ -92,6 +97,7 @@ impl Default for Options {
             command: Vec::new(),
             print_defaults: false,
             effort: None,
+            rounds: 1,
             functions: Functions::new(),
             next_output: None,
             next_bin: BinRequest::default(),
@@ -126,8 +132,21 @@ impl Options {
         self.render.gathering.accuracy = 0.0;
         if self.effort.is_some() {
             self.render.gathering.unshared = Unshared::DrawOne;
+        } else if self.render.ambient_bounces > 0 {
+            self.share_branches();
         }
         Ok(())
+    }
+
+    /// Follows each ray several times where it would split into very many: threads share these, and what they owe fits into memory.
+    /// No white surface splits a ray into more than 0.8 over the least weight.
+    fn share_branches(&mut self) {
+        let divisions = f64::from(self.render.gathering.divisions.max(1));
+        let most = divisions.min(0.8 / self.render.least_weight).max(1.0);
+        self.rounds = (most / MOST_BRANCHES).ceil() as u64;
+        if self.rounds > 1 {
+            self.render.gathering.divisions = (most / self.rounds as f64).ceil() as u32;
+        }
     }
 
     /// Takes one option; gives how many words it used.
@@ -251,18 +270,18 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// How often each ray is followed: once, where it splits into as many as are asked for, else along so many paths.
+    /// How often each ray is followed: mostly once, where it splits into as many as are asked for, else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
             Some(Effort::Samples(samples)) => u64::from(samples),
-            _ => 1,
+            _ => self.rounds,
         }
     }
 
     /// About how many paths come of a ray.
     pub(super) fn paths(&self) -> u64 {
         match self.effort {
-            None if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
+            None if self.render.ambient_bounces > 0 => self.rounds * u64::from(self.render.gathering.divisions.max(1)),
             _ => self.samples(),
         }
     }

@@ -136,6 +136,7 @@ impl Records {
     /// Splits rays into pieces that do not cross the border of a record.
     fn work(&self, rays: usize) -> Vec<Work> {
         let rays_a_piece = (PATHS_AT_A_TIME / self.paths).max(1);
+        let samples_a_piece = (PATHS_AT_A_TIME * self.samples / self.paths).max(1);
         let mut pieces = Vec::new();
         let (mut at, mut in_record) = (0, self.rays);
         while at < rays {
@@ -143,7 +144,7 @@ impl Records {
             let count = rays_a_piece.min(left).min((rays - at) as u64);
             let mut sample = 0;
             while sample < self.samples {
-                let end = (sample + PATHS_AT_A_TIME).min(self.samples);
+                let end = (sample + samples_a_piece).min(self.samples);
                 let finished = if end == self.samples { count } else { 0 };
                 pieces.push(Work { rays: at..at + count as usize, samples: sample..end, finished });
                 sample = end;

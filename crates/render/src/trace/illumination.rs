@@ -50,7 +50,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let branches = if self.splits { self.branches(segment, point, asked) } else { asked };
         let set = self.next_set;
         // A ray that does not split takes its points as those of pictures do.
-        let is_split = self.splits && branches.are_several();
+        let is_split = branches != asked;
         self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
         reception.places = self.places(segment, branches);
@@ -64,7 +64,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let direct = DirectSampler {
             point: at,
             primitive,
-            highlight_draws: if shared { self.shared_draws(branches.highlight) } else { 0 },
+            highlight_draws: if shared { branches.shared_highlight(is_split) } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
             outlook: outlook.as_ref(),
             reception,

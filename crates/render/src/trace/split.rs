@@ -43,9 +43,12 @@ impl Branches {
     /// Sets of points that a ray takes for branches: one for those into the highlight, and two for the others.
     pub(super) const SETS: u32 = 3;
 
-    /// Whether the ray goes on in more than one way from any component.
-    pub(super) fn are_several(self) -> bool {
-        self.diffuse > 1 || self.highlight > 1
+    /// How many of the rays into the highlight count where they share the work with places on lights.
+    ///
+    /// Branches count as one. By the balance heuristic many rays would take a share of a small light that they hardly ever find, which is
+    /// noise in what light sampling knows well.
+    pub(super) fn shared_highlight(self, is_split: bool) -> u32 {
+        if is_split { self.highlight.min(1) } else { self.highlight }
     }
 
     /// How many diffuse branches are sent towards openings, where any are seen.
@@ -123,14 +126,6 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             asked.highlight
         };
         Branches { diffuse, highlight }
-    }
-
-    /// How many of the rays that are drawn from a highlight count where they share the work with places on lights.
-    ///
-    /// Branches count as one. By the balance heuristic many rays would take a share of a small light that they hardly ever find, which is
-    /// noise in what light sampling knows well.
-    pub(super) fn shared_draws(&self, highlight: u32) -> u32 {
-        if self.splits { highlight.min(1) } else { highlight }
     }
 
     /// How many places on a light are sampled at a point: some in each of the squares whose side is the asked share of the distance
