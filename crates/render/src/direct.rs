@@ -26,7 +26,8 @@ struct Thrift {
 /// about the least error for the time.
 const THRIFT: [Thrift; 2] = [Thrift { all: 24, draws: 8 }, Thrift { all: 12, draws: 4 }];
 
-/// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn there.
+/// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn
+/// there.
 const SPLIT_THRIFT: Thrift = Thrift { all: 128, draws: 64 };
 
 /// So many images of lights count as one light: from most places most of them are not seen.
@@ -45,7 +46,8 @@ pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     [first, THRIFT[1]].map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }
 
-/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface: at sensors, and where it splits.
+/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface:
+/// at sensors, and where it splits.
 fn splits_first(options: &RenderOptions) -> bool {
     let is_sensor = options.quantity != Quantity::Radiance;
     let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;
@@ -164,7 +166,8 @@ impl DirectSampler<'_> {
         }
     }
 
-    /// Whether all of a distant light is behind a matte point. Skies are made of hundreds of suns, half of them behind each wall.
+    /// Whether all of a distant light is behind a matte point. Skies are made of hundreds of suns,
+    /// half of them behind each wall.
     fn faces_away(&self, light: &Light) -> bool {
         match (self.facing, &light.form) {
             (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {

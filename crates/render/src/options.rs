@@ -17,8 +17,9 @@ pub struct RenderOptions {
     /// Rough highlights of no more than this share are not looked into for anything but sources: their share joins the diffuse
     /// component (`-st`). Default 0, which draws from all.
     pub highlight_threshold: f64,
-    /// Size of a light over its distance from which a ray that counts by itself ([`Unshared::Split`]) samples more than one place on it
-    /// (`-ds`); 0 always samples one. Default 0.2, as in Radiance.
+    /// Size of a light over its distance from which a ray that counts by itself
+    /// ([`Unshared::Split`]) samples more than one place on it (`-ds`); 0 always samples one.
+    /// Default 0.2, as in Radiance.
     pub source_sampling: f64,
     /// How many rays look into the highlight at the first surface (`-ss`); fewer where it counts less, one at least, 16 at most. Default 1.
     pub highlight_samples: f64,
@@ -137,7 +138,8 @@ impl Gathering {
 pub enum Unshared {
     /// Draws one ray: for pictures, whose pixels are means over many.
     DrawOne,
-    /// Splits into as many rays as `-ad` gives to a ray of its weight: for single rays, whose value counts by itself.
+    /// Splits into as many rays as `-ad` gives to a ray of its weight: for single rays, whose value
+    /// counts by itself.
     Split,
 }
 

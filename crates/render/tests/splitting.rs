@@ -114,7 +114,8 @@ fn splitting_finds_what_single_paths_find() {
     assert!((one - other).abs() < allowed && allowed < 0.03 * one, "{one} ± {one_error}, {other} ± {other_error}");
 }
 
-/// Balanced against a thousand branches, one of which in a thousand times finds it, the sun would be a noisy light.
+/// Balanced against a thousand branches, one of which in a thousand times finds it, the sun would
+/// be a noisy light.
 #[test]
 fn branches_take_no_part_of_a_small_light() {
     let mut scene = floor_under_sky();

@@ -66,8 +66,9 @@ impl RaySampler {
 
     /// The point of one of `branches` rays into which this ray splits where it would take `set`.
     ///
-    /// Branches walk along a sequence of their own, a block of a power of two for each ray, as the rays of a pixel do: the branches of
-    /// one ray are evenly spread, and so are those of neighbouring rays together.
+    /// Branches walk along a sequence of their own, a block of a power of two for each ray, as the
+    /// rays of a pixel do: the branches of one ray are evenly spread, and so are those of
+    /// neighbouring rays together.
     #[must_use]
     pub fn branch(&self, set: DimensionSet, branch: u32, branches: u32) -> Self {
         let seed = mix(self.seed ^ mix(BRANCH_SEED ^ u64::from(set.0)));

@@ -138,8 +138,9 @@ impl Options {
         Ok(())
     }
 
-    /// Follows each ray several times where it would split into very many: threads share these, and what they owe fits into memory.
-    /// No white surface splits a ray into more than 0.8 over the least weight.
+    /// Follows each ray several times where it would split into very many: threads share these, and
+    /// what they owe fits into memory. No white surface splits a ray into more than 0.8 over the
+    /// least weight.
     fn share_branches(&mut self) {
         let divisions = f64::from(self.render.gathering.divisions.max(1));
         let most = divisions.min(0.8 / self.render.least_weight).max(1.0);
@@ -270,7 +271,8 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// How often each ray is followed: mostly once, where it splits into as many as are asked for, else along so many paths.
+    /// How often each ray is followed: mostly once, where it splits into as many as are asked for,
+    /// else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
             Some(Effort::Samples(samples)) => u64::from(samples),

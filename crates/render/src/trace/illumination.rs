@@ -154,8 +154,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         }
     }
 
-    /// Sends rays on from the diffuse component and follows one after the other: first those towards openings, then the others, each
-    /// group spread evenly by itself.
+    /// Sends rays on from the diffuse component and follows one after the other: first those
+    /// towards openings, then the others, each group spread evenly by itself.
     fn split_diffuse(
         &mut self,
         segment: &Segment<BANDS>,

@@ -23,8 +23,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
     /// path is as weak as it would be if its rays were not favoured. `lobe` is from what the next ray is drawn, if it is.
     ///
-    /// The least weight (`-lw`) is compared with what a ray carries, as in Radiance: one of many into which a ray has split carries little.
-    /// What `PathLimit::Cut` throws away is weak by what surfaces have taken from it, not by splitting, which would lose light.
+    /// The least weight (`-lw`) is compared with what a ray carries, as in Radiance: one of many
+    /// into which a ray has split carries little. What `PathLimit::Cut` throws away is weak by what
+    /// surfaces have taken from it, not by splitting, which would lose light.
     pub(crate) fn go_on(
         &mut self,
         (throughput, favour): ([f64; BANDS], f64),

@@ -1,19 +1,24 @@
 //! Path splitting: into how many rays a ray splits at a surface.
 //!
-//! A ray whose value counts by itself ([`Unshared::Split`]) is not the mean of many paths from its beginning: it splits where light is
-//! scattered. What lies before is followed once, and the branches are spread evenly over the hemisphere.
+//! A ray whose value counts by itself ([`Unshared::Split`]) is not the mean of many paths from its
+//! beginning: it splits where light is scattered. What lies before is followed once, and the
+//! branches are spread evenly over the hemisphere.
 //!
-//! How many there are follows the meaning of Radiance's options (`samp_hemi` in `ambcomp.c`). With the weight w of the ray, the share of it
-//! that the surface scatters ρ, and the least weight l (`-lw`), the diffuse component gets
+//! How many there are follows the meaning of Radiance's options (`samp_hemi` in `ambcomp.c`). With
+//! the weight w of the ray, the share of it that the surface scatters ρ, and the least weight l
+//! (`-lw`), the diffuse component gets
 //!
 //! n = round(√(a·min(w, 0.8 ρ w / (a l))))², a = `-ad`,
 //!
-//! so that no branch begins below the least weight; where irradiance is shared (`-aa` above 0) the second bound does not hold and n is 64 at
-//! least. Super-samples (`-as`) add s·w rays where that is 4√n or more. Each branch weighs ρ w / n: it splits no further unless a is much
-//! larger than n, and below the least weight it goes on by Russian roulette.
+//! so that no branch begins below the least weight; where irradiance is shared (`-aa` above 0) the
+//! second bound does not hold, and n is 64 at least at the first diffuse surface. Super-samples
+//! (`-as`) add s·w rays where that is 4√n or more. Each branch weighs ρ w / n: it splits no further
+//! unless a is much larger than n, and below the least weight it goes on by Russian roulette.
 //!
-//! Radiance looks into a highlight along one ray (`-ss`), which itself splits into a·ρ rays at the next surface. Here it is √(a ρ) rays,
-//! which split into as many each: about as much work, without the noise of a single direction.
+//! Radiance looks into a highlight along one ray (`-ss`), which itself splits into a·ρ rays at the
+//! next surface. Here it is √(a ρ) rays, which split into as many each: about as much work, without
+//! the noise of a single direction. What it sees of shared irradiance costs nothing more, so that
+//! one ray is left there.
 
 use super::Tracer;
 use super::segment::Segment;
@@ -36,17 +41,20 @@ pub(super) struct Branches {
     pub(super) highlight: u32,
 }
 
-/// The share of many branches that is sent towards openings: these find what is bright there, the others the rest.
+/// The share of many branches that is sent towards openings: these find what is bright there, the
+/// others the rest.
 const OUTWARD_SHARE: f64 = 0.125;
 
 impl Branches {
-    /// Sets of points that a ray takes for branches: one for those into the highlight, and two for the others.
+    /// Sets of points that a ray takes for branches: one for those into the highlight, and two for
+    /// the others.
     pub(super) const SETS: u32 = 3;
 
-    /// How many of the rays into the highlight count where they share the work with places on lights.
+    /// How many of the rays into the highlight count where they share the work with places on
+    /// lights.
     ///
-    /// Branches count as one. By the balance heuristic many rays would take a share of a small light that they hardly ever find, which is
-    /// noise in what light sampling knows well.
+    /// Branches count as one. By the balance heuristic many rays would take a share of a small
+    /// light that they hardly ever find, which is noise in what light sampling knows well.
     pub(super) fn shared_highlight(self, is_split: bool) -> u32 {
         if is_split { self.highlight.min(1) } else { self.highlight }
     }
@@ -57,14 +65,16 @@ impl Branches {
     }
 }
 
-/// Radiance samples the middle of each square into which it divides a light. Places drawn at random, which do not bend shadows, take more.
+/// Radiance samples the middle of each square into which it divides a light. Places drawn at
+/// random, which do not bend shadows, take more.
 const PLACES_IN_A_SQUARE: f64 = 4.0;
 
 /// For so many branches another place is sampled on each light, up to so many.
 const BRANCHES_FOR_A_PLACE: f64 = 32.0;
 const MOST_PLACES_FOR_BRANCHES: f64 = 16.0;
 
-/// A sensor samples few lights in more places than one, since it may stand where a light is half hidden.
+/// A sensor samples few lights in more places than one, since it may stand where a light is half
+/// hidden.
 const FEW_LIGHTS: usize = 4;
 const PLACES_ON_FEW_LIGHTS: f64 = 4.0;
 
@@ -78,22 +88,24 @@ pub(super) struct Trunk {
     open: usize,
 }
 
-/// How many rays a diffuse component gets of a ray of weight `weight`, of which it scatters the share `reflectance`.
-fn hemisphere_rays(options: &RenderOptions, weight: f64, reflectance: f64) -> u32 {
+/// How many rays a diffuse component gets of a ray of weight `weight`, of which it scatters the
+/// share `reflectance`. `least_side` squared is the least number.
+fn hemisphere_rays(options: &RenderOptions, weight: f64, reflectance: f64, least_side: f64) -> u32 {
     let gathering = &options.gathering;
     let divisions = f64::from(gathering.divisions);
-    let (wanted, least) = if gathering.accuracy > 0.0 {
-        (divisions * weight, LEAST_SIDE)
+    let wanted = if gathering.accuracy > 0.0 {
+        divisions * weight
     } else {
-        ((divisions * weight).min(most_above_least_weight(options, weight * reflectance)), 1.0)
+        (divisions * weight).min(most_above_least_weight(options, weight * reflectance))
     };
-    let side = wanted.sqrt().round().max(least);
+    let side = wanted.sqrt().round().max(least_side);
     let super_samples = (f64::from(gathering.super_samples) * (wanted / divisions.max(1.0))).round();
     let is_worth_it = side > LEAST_SIDE && super_samples >= 4.0 * side;
     (side * side + if is_worth_it { super_samples } else { 0.0 }) as u32
 }
 
-/// How many rays can share a weight without any that begins below the least weight; infinite where there is none.
+/// How many rays can share a weight without any that begins below the least weight; infinite where
+/// there is none.
 fn most_above_least_weight(options: &RenderOptions, weight: f64) -> f64 {
     MARGIN * weight / options.least_weight.max(f64::MIN_POSITIVE)
 }
@@ -113,12 +125,15 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     pub(super) fn branches(&self, segment: &Segment<BANDS>, point: &LitPoint<'_, BANDS>, asked: Branches) -> Branches {
         let options = &self.plan.options;
         let weight = self.weight(segment);
+        let shares = options.gathering.accuracy > 0.0;
         let diffuse = if asked.diffuse > 0 && !point.is_retroreflector() {
-            hemisphere_rays(options, weight, mean(&point.ambient_reflectance()))
+            let is_first = segment.ambient_bounces == options.ambient_bounces;
+            let least_side = if shares && is_first { LEAST_SIDE } else { 1.0 };
+            hemisphere_rays(options, weight, mean(&point.ambient_reflectance()), least_side)
         } else {
             asked.diffuse
         };
-        let highlight = if asked.highlight > 0 && segment.ambient_bounces > 0 {
+        let highlight = if asked.highlight > 0 && segment.ambient_bounces > 0 && !shares {
             let carried = weight * point.highlight_strength().min(1.0);
             let wanted = (f64::from(options.gathering.divisions) * carried).sqrt();
             (wanted.min(most_above_least_weight(options, carried)) as u32).max(asked.highlight)
@@ -128,10 +143,12 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         Branches { diffuse, highlight }
     }
 
-    /// How many places on a light are sampled at a point: some in each of the squares whose side is the asked share of the distance
-    /// (`-ds`), fewer for a ray of less weight. Each branch samples all lights again, so that some more here cost little beside them.
+    /// How many places on a light are sampled at a point: some in each of the squares whose side is
+    /// the asked share of the distance (`-ds`), fewer for a ray of less weight. Each branch samples
+    /// all lights again, so that some more here cost little beside them.
     ///
-    /// Rays of radiance that do not split get one: who sends many averages them, and they draw what the rays of a picture would.
+    /// Rays of radiance that do not split get one: who sends many averages them, and they draw what
+    /// the rays of a picture would.
     pub(super) fn places(&self, segment: &Segment<BANDS>, branches: Branches) -> Places {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && segment.link.is_none();
@@ -145,7 +162,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         Places { per_sr, least: for_branches.max(for_few) }
     }
 
-    /// Begins with the branches of the ray in hand, which take their points where it would take `set`.
+    /// Begins with the branches of the ray in hand, which take their points where it would take
+    /// `set`.
     pub(super) fn split(&mut self, set: u32) -> Trunk {
         Trunk {
             sampler: self.sampler,
@@ -194,14 +212,14 @@ mod tests {
 
     #[test]
     fn a_first_ray_splits_into_as_many_as_were_asked_for() {
-        assert_eq!(hemisphere_rays(&options(1024, 0, 0.0, 1e-5), 1.0, 0.5), 1024);
-        assert_eq!(hemisphere_rays(&options(700, 0, 0.0, 3e-6), 1.0, 0.5), 26 * 26);
+        assert_eq!(hemisphere_rays(&options(1024, 0, 0.0, 1e-5), 1.0, 0.5, 1.0), 1024);
+        assert_eq!(hemisphere_rays(&options(700, 0, 0.0, 3e-6), 1.0, 0.5, 1.0), 26 * 26);
     }
 
     #[test]
     fn no_branch_begins_below_the_least_weight() {
         for (least_weight, reflectance) in [(2e-3, 0.5), (1e-4, 0.2), (1e-2, 0.9)] {
-            let rays = hemisphere_rays(&options(30_000, 0, 0.0, least_weight), 1.0, reflectance);
+            let rays = hemisphere_rays(&options(30_000, 0, 0.0, least_weight), 1.0, reflectance, 1.0);
             assert!(rays < 30_000 && reflectance / f64::from(rays) >= least_weight, "{rays} rays");
         }
     }
@@ -209,19 +227,19 @@ mod tests {
     #[test]
     fn a_branch_does_not_split_again() {
         let options = options(1024, 512, 0.0, 1e-6);
-        assert_eq!(hemisphere_rays(&options, 0.7 / 1024.0, 0.7), 1);
-        assert_eq!(hemisphere_rays(&options, 0.25, 0.7), 256 + 128);
+        assert_eq!(hemisphere_rays(&options, 0.7 / 1024.0, 0.7, 1.0), 1);
+        assert_eq!(hemisphere_rays(&options, 0.25, 0.7, 1.0), 256 + 128);
     }
 
     #[test]
     fn super_samples_are_added_where_they_are_many() {
-        assert_eq!(hemisphere_rays(&options(1024, 512, 0.0, 1e-6), 1.0, 0.7), 1024 + 512);
-        assert_eq!(hemisphere_rays(&options(1024, 100, 0.0, 1e-6), 1.0, 0.7), 1024);
+        assert_eq!(hemisphere_rays(&options(1024, 512, 0.0, 1e-6), 1.0, 0.7, 1.0), 1024 + 512);
+        assert_eq!(hemisphere_rays(&options(1024, 100, 0.0, 1e-6), 1.0, 0.7, 1.0), 1024);
     }
 
     #[test]
     fn shared_irradiance_has_its_rays_whatever_the_weight() {
-        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1.0, 0.1), 1024);
-        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1e-3, 0.1), 64);
+        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1.0, 0.1, LEAST_SIDE), 1024);
+        assert_eq!(hemisphere_rays(&options(1024, 0, 0.1, 1e-2), 1e-3, 0.1, LEAST_SIDE), 64);
     }
 }
