@@ -1,6 +1,6 @@
 //! Path splitting: into how many rays a ray splits at a surface.
 //!
-//! A ray whose value counts by itself ([`Unshared::Split`]) is not the mean of many paths from its
+//! A ray whose value counts by itself (`Unshared::Split`) is not the mean of many paths from its
 //! beginning: it splits where light is scattered. What lies before is followed once, and the
 //! branches are spread evenly over the hemisphere.
 //!
