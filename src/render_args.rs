@@ -15,7 +15,7 @@ use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, R
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
-const WITHOUT_EFFECT: [&str; 6] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss"];
+const WITHOUT_EFFECT: [&str; 5] = ["-dj", "-dt", "-dc", "-dp", "-ss"];
 
 /// The weight of Radiance's ambient value among gathered ones: ours stands only where nothing is gathered.
 const AMBIENT_WEIGHT: &str = "-aw";
@@ -67,6 +67,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         }
         "-as" => {
             options.gathering.super_samples = number(words, word, "a number of rays, 0 or more")?;
+            Ok(2)
+        }
+        "-ds" => {
+            options.source_sampling = number(words, word, "a size over a distance, 0 or more")?;
             Ok(2)
         }
         "-st" => {

@@ -54,7 +54,7 @@ fn near(found: f64, expected: f64, share: f64) {
 fn sky_coefficients_are_projected_solid_angles() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{FAR}"));
-    let words = "-h -I+ -ab 1 -ad 16384 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
+    let words = "-h -I+ -ab 1 -ad 16384 -lw 1e-6 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
     let record = &numbers(&run(&folder, words, "0 0 0 0 0 1\n").done())[0];
     assert_eq!(record.len(), 3 * 146);
     let total: f64 = record.iter().step_by(3).sum();
@@ -106,6 +106,8 @@ fn records_do_not_depend_on_threads_and_add_up() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{ROOM}"));
     let rays = "1 1 .8 0 0 1\n2 2 1 0 0 1\n3 4 .8 0 0 1\n";
+    let many = "-h -I+ -ab 1 -ad 40000 -lw 1e-6 -m skyglow scene.rad";
+    assert_eq!(run(&folder, many, rays).done(), run(&folder, &format!("-n 1 {many}"), rays).done());
     let words = "-h -I+ -ab 2 -ad 3000 -m skyglow -m sun scene.rad";
     let records = run(&folder, words, rays).done();
     assert_eq!(records, run(&folder, &format!("-n 1 {words}"), rays).done());

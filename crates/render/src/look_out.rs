@@ -13,10 +13,7 @@ use radsight_irradiance::{Gathered, Hit, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Of rays that are drawn one by one.
-const OUTWARD_CHANCE: f64 = 0.5;
-
-/// Of rays that look around together: so many more.
+/// Of rays that look around together, so many more are sent towards openings.
 const OUTWARD_SHARE: f64 = 0.25;
 
 /// Rays towards openings are numbered apart from the others.
@@ -33,7 +30,7 @@ const MOST_BRIGHT: u64 = 1 << 12;
 impl Outlook<'_> {
     /// The density of a single ray that is drawn by the cosine, with `diffuse_density`, or towards an opening, 1/sr.
     pub(crate) fn mixed_density(&self, direction: DVec3, diffuse_density: f64) -> f64 {
-        OUTWARD_CHANCE * self.density(direction) + (1.0 - OUTWARD_CHANCE) * diffuse_density
+        self.chance * self.density(direction) + (1.0 - self.chance) * diffuse_density
     }
 }
 
@@ -46,8 +43,8 @@ impl<const BANDS: usize> LitPoint<'_, BANDS> {
 
     /// Draws from the diffuse component or towards an opening.
     pub(crate) fn draw_outward(&self, outlook: &Outlook<'_>, u: [f64; 4]) -> Option<Drawn<BANDS>> {
-        let direction = if u[0] < OUTWARD_CHANCE {
-            outlook.draw([u[0] / OUTWARD_CHANCE, u[2], u[3]])?
+        let direction = if u[0] < outlook.chance {
+            outlook.draw([u[0] / outlook.chance, u[2], u[3]])?
         } else {
             self.draw_diffuse(u[2], u[3])?.direction
         };

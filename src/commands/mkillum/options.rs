@@ -126,7 +126,8 @@ impl Options {
 
     /// How many paths each ray stands for.
     pub(super) fn effort(&self) -> Effort {
-        self.effort.unwrap_or(Effort::Samples(USUAL_PATHS))
+        let paths = if self.render.ambient_bounces > 0 { USUAL_PATHS } else { 1 };
+        self.effort.unwrap_or(Effort::Samples(paths))
     }
 
     /// The options as they stand, for `-defaults`.

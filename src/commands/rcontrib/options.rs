@@ -14,8 +14,11 @@ use crate::switch::switched;
 use crate::trust::{Existing, Origin, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
 use std::collections::HashSet;
+
+/// Into no more branches does a ray split at once.
+const MOST_BRANCHES: f64 = 16_384.0;
 
 /// Whose radiance counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +77,8 @@ pub(super) struct Options {
     /// Seconds between reports, which none are made of (`-t`).
     pub(super) report: u64,
     effort: Option<Effort>,
+    /// How often a ray is followed that splits.
+    rounds: u64,
     functions: Functions,
     /// What holds for the modifiers that are named next.
     next_output: Option<OutputPattern>,
@@ -83,7 +88,7 @@ pub(super) struct Options {
 impl Default for Options {
     fn default() -> Self {
         // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
-        let gathering = Gathering { accuracy: 0.0, divisions: 350, ..Gathering::default() };
+        let gathering = Gathering { accuracy: 0.0, divisions: 350, unshared: Unshared::Split, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 1,
@@ -113,6 +118,7 @@ impl Default for Options {
             shown: ShownOptions::new(Program::Rcontrib),
             report: 0,
             effort: None,
+            rounds: 1,
             functions: Functions::new(),
             next_output: None,
             next_bin: BinRequest::default(),
@@ -154,7 +160,24 @@ impl Options {
             self.size = [0, 0];
         }
         self.render.gathering.accuracy = 0.0;
+        if self.effort.is_some() {
+            self.render.gathering.unshared = Unshared::DrawOne;
+        } else if self.render.ambient_bounces > 0 {
+            self.share_branches();
+        }
         Ok(())
+    }
+
+    /// Follows each ray several times where it would split into very many: threads share these, and
+    /// what they owe fits into memory. No white surface splits a ray into more than 0.8 over the
+    /// least weight.
+    fn share_branches(&mut self) {
+        let divisions = f64::from(self.render.gathering.divisions.max(1));
+        let most = divisions.min(0.8 / self.render.least_weight).max(1.0);
+        self.rounds = (most / MOST_BRANCHES).ceil() as u64;
+        if self.rounds > 1 {
+            self.render.gathering.divisions = (most / self.rounds as f64).ceil() as u32;
+        }
     }
 
     /// Takes one option; gives how many words it used.
@@ -281,12 +304,20 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// Paths that are followed for each ray.
+    /// How often each ray is followed: mostly once, where it splits into as many as are asked for,
+    /// else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
             Some(Effort::Samples(samples)) => u64::from(samples),
-            _ if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
-            _ => 1,
+            _ => self.rounds,
+        }
+    }
+
+    /// About how many paths come of a ray.
+    pub(super) fn paths(&self) -> u64 {
+        match self.effort {
+            None if self.render.ambient_bounces > 0 => self.rounds * u64::from(self.render.gathering.divisions.max(1)),
+            _ => self.samples(),
         }
     }
 

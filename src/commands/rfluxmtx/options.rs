@@ -193,7 +193,7 @@ impl Options {
     pub(super) fn sampling_words(&self, bins: u64) -> Vec<String> {
         let mut words = vec![format!("-fd{}", self.formats[1])];
         if !self.says_paths {
-            words.extend(["--samples".to_owned(), self.paths().to_string()]);
+            words.extend(["-ad".to_owned(), self.paths().to_string()]);
         }
         words.extend(["-c".to_owned(), self.samples.to_string(), "-y".to_owned(), bins.to_string()]);
         words

@@ -133,7 +133,7 @@ impl Default for Options {
             resolution: 256,
             divisions: 1024,
             super_samples: 512,
-            unshared: Unshared::LookAround,
+            unshared: Unshared::Split,
             ..Gathering::default()
         };
         Options {
@@ -359,12 +359,9 @@ impl Options {
         Ok(())
     }
 
-    /// How often each ray is traced: a ray of a stream once, since its sender averages, but irradiance until it is known well.
+    /// How often each ray is traced: once, unless more is asked for.
     pub(super) fn effort(&self) -> Effort {
-        self.asked_effort.unwrap_or(match self.render.quantity {
-            Quantity::Radiance => Effort::Samples(1),
-            _ => Effort::Error { error: 0.02, most: MOST_SAMPLES },
-        })
+        self.asked_effort.unwrap_or(Effort::Samples(1))
     }
 
     /// Whether rays end where their direction does, and tell so.
