@@ -27,6 +27,29 @@ pub struct Hit<const BANDS: usize> {
     pub irradiance: [f64; BANDS],
 }
 
+/// Where a smaller share of the rays than this leads to the sky, the sky is seen through openings.
+const MOST_SKY: f64 = 0.3;
+
+/// An opening is in the plane of the surface beside it, unless that is so many times as far away as the surface.
+const FARTHEST_OPENING: f64 = 3.0;
+
+impl<const BANDS: usize> Hit<BANDS> {
+    /// Light from the sky through an opening changes with the place as if the opening emitted it. The opening is about in
+    /// the plane of the nearest hit beside the ray. `None` where the ray does not lead to the sky or there is no such plane.
+    fn through_opening(&self, hits: &[Hit<BANDS>]) -> Option<Hit<BANDS>> {
+        if self.distance.is_finite() {
+            return None;
+        }
+        let walls = hits.iter().filter(|hit| hit.distance.is_finite() && hit.normal.is_some());
+        let nearness = |hit: &&Hit<BANDS>| hit.direction.dot(self.direction);
+        let beside = walls.max_by(|one, two| nearness(one).total_cmp(&nearness(two)))?;
+        let normal = beside.normal?;
+        let distance = beside.distance * beside.direction.dot(normal) / self.direction.dot(normal);
+        let is_before = self.direction.dot(normal) < 0.0 && distance < FARTHEST_OPENING * beside.distance;
+        is_before.then_some(Hit { distance, normal: Some(normal), ..*self })
+    }
+}
+
 /// Points that stand for all hits of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Emitters<const BANDS: usize> {
@@ -84,12 +107,15 @@ impl<const BANDS: usize> Emitters<BANDS> {
             return Self::UNKNOWN;
         }
         let mut emitters = Emitters { is_known: true, ..Self::UNKNOWN };
+        let distant = hits.iter().filter(|hit| !hit.distance.is_finite()).count();
+        let is_enclosed = (distant as f64) < MOST_SKY * hits.len() as f64;
         let (mut chosen, mut sum) = (0, 0.0);
         for hit in hits {
             let contribution = mean(&hit.irradiance);
             sum += contribution;
             while chosen < COUNT && (chosen as f64 + offset) * step < sum {
-                emitters.points[chosen] = Emitter::new(position, hit, step / contribution);
+                let through = if is_enclosed { hit.through_opening(hits) } else { None };
+                emitters.points[chosen] = Emitter::new(position, &through.unwrap_or(*hit), step / contribution);
                 chosen += 1;
             }
         }

@@ -76,6 +76,11 @@ const NOISIER: f64 = 8.0;
 /// The share, one in so many, of the rays that may be spent on it.
 const SHARE_BEYOND: usize = 4;
 
+/// So many points are few: each gets so many times the rays that are asked for, as paths of one ray a bounce. Radiance
+/// takes about as long, since it sends as many rays on from every place that these find. More points share as many rays.
+const FEW_POINTS: f64 = 16.0;
+const RAYS_OF_A_SENSOR: f64 = 8.0;
+
 /// Looks there are numbered apart.
 const FIRST_LOOK_BEYOND: u64 = 1 << 40;
 
@@ -156,6 +161,8 @@ struct Level<const BANDS: usize> {
     budget: usize,
     /// Looks so far: each has random numbers of its own.
     looks: u64,
+    /// Rays that each of the newest records traces by itself at least, whatever its neighbours have traced.
+    least_own_rays: f64,
     /// How many times as many rays as others each of the newest records deserves ([`favours`]).
     favours: Vec<f64>,
 }
@@ -205,6 +212,7 @@ impl<const BANDS: usize> Level<BANDS> {
             rays: 0,
             budget: 0,
             looks: first_look,
+            least_own_rays: 0.0,
             favours: Vec::new(),
         }
     }
@@ -229,6 +237,7 @@ impl<const BANDS: usize> Level<BANDS> {
         survey: impl Fn(&Cache<BANDS>, &[usize], &Survey<BANDS>) -> Vec<Survey<BANDS>>,
     ) {
         let before = self.cache.len();
+        self.least_own_rays = least_own_rays(plan.options.gathering.rays(), count);
         let surveys = if plan.has_caustics { SURVEYS_FOR_CAUSTICS } else { SURVEYS };
         for round in 0..surveys {
             if round > 0 {
@@ -351,6 +360,7 @@ impl<const BANDS: usize> Level<BANDS> {
         let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
         let wanted = favour * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
+        let missing = missing.max(self.least_own_rays - record.rays());
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
     }
 
@@ -416,6 +426,12 @@ fn favours(served: &[f64], evenness: f64) -> Vec<f64> {
     let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
     let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
     roots().map(|root| scale * root).collect()
+}
+
+/// Rays that a record traces by itself at least, where so many rays are asked for (`-ad`, `-as`) and so many points in all want
+/// irradiance. Few points are sensors, whose values are read one by one and which have hardly a neighbour to share with.
+fn least_own_rays(asked: usize, points: usize) -> f64 {
+    RAYS_OF_A_SENSOR * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
 }
 
 /// What these rays want of the irradiance in the cache, of what is asked.
