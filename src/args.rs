@@ -1,8 +1,8 @@
 //! The command line, as typed.
 
 use crate::failure::Outcome;
-use crate::trust::Trust;
 use crate::plugin_guard::PluginGuard;
+use crate::trust::Trust;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -92,16 +92,7 @@ impl<'s> Models<'s> {
         let (trust, guard) = (options.trust.clone(), options.guard.clone());
         let searched = if trust.may_load_beside_scenes() { all } else { folders[0].clone() };
         let registry = guard.place(Registry::new(searched, check));
-        Models {
-            registry,
-            guard,
-            trust,
-            folders,
-            sources,
-            folder,
-            said: RefCell::default(),
-            made: RefCell::default(),
-        }
+        Models { registry, guard, trust, folders, sources, folder, said: RefCell::default(), made: RefCell::default() }
     }
 
     /// A library beside the scene is no more than another input, until the command line says

@@ -89,12 +89,8 @@ const LANES: usize = 8;
 impl<const BANDS: usize> Emitters<BANDS> {
     /// None.
     pub(crate) const UNKNOWN: Self = Emitters {
-        points: [Emitter {
-            place: DVec3::ZERO,
-            is_distant: false,
-            normal: DVec3::ZERO,
-            irradiance: [0.0; BANDS],
-        }; COUNT],
+        points: [Emitter { place: DVec3::ZERO, is_distant: false, normal: DVec3::ZERO, irradiance: [0.0; BANDS] };
+            COUNT],
         is_known: false,
     };
 
@@ -273,9 +269,7 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
 
     /// How it changes around a point, by differences over a length `step` along two tangents.
     pub(crate) fn change(&self, position: DVec3, [x, y, normal]: [DVec3; 3], step: f64) -> [Change; BANDS] {
-        let at = |along: f64, across: f64| {
-            self.irradiance(position + x * (along * step) + y * (across * step), normal)
-        };
+        let at = |along: f64, across: f64| self.irradiance(position + x * (along * step) + y * (across * step), normal);
         let [middle, right, left, up, down, aslant] =
             [(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0)].map(|(x, y)| at(x, y));
         std::array::from_fn(|band| {
@@ -289,5 +283,81 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
                 ],
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Gathered, Hemisphere, Limits};
+
+    const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0, explained: 1.0 };
+
+    /// A record at a point of the plane z = 0 below a small lamp at height 2 that faces down.
+    fn below_lamp(position: DVec3) -> (Record<1>, f64) {
+        let lamp = DVec3::new(0.0, 0.0, 2.0);
+        let way = lamp - position;
+        let distance = way.length();
+        let cosine = way.z / distance;
+        let irradiance = cosine * cosine / (distance * distance);
+        let hemisphere = Hemisphere::with_divisions(12);
+        let seen = vec![Gathered { radiance: [0.0], distance }; hemisphere.len()];
+        let hit = Hit { direction: way / distance, distance, normal: Some(-DVec3::Z), irradiance: [irradiance] };
+        let record = Record::new(position, DVec3::Z, &hemisphere, &seen, &LIMITS).with_hits(&[hit], 0.5);
+        (record, irradiance)
+    }
+
+    #[test]
+    fn emitters_change_as_the_inverse_square_law_says() {
+        let (record, here) = below_lamp(DVec3::ZERO);
+        let model = EmitterModel::new(DVec3::ZERO, [(&record, 1.0)].into_iter(), 0.05);
+        for x in [0.0, 0.3, 0.7] {
+            let [found] = model.irradiance(DVec3::new(x, 0.0, 0.0), DVec3::Z);
+            let expected = below_lamp(DVec3::new(x, 0.0, 0.0)).1;
+            assert!((found / expected - 1.0).abs() < 2e-3, "{found} at {x}, expected {expected}");
+        }
+        let [change] = model.change(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z], 0.05);
+        // E = h²/(h² + x²)² has the second derivative -4/h⁴ at x = 0.
+        let [xx, yy, xy] = change.curvature;
+        assert!((xx + 0.25).abs() < 5e-3 && (yy + 0.25).abs() < 5e-3 && xy.abs() < 5e-3, "{change:?}");
+        assert!((here - 0.25).abs() < 1e-12 && change.slope.iter().all(|slope| slope.abs() < 1e-4), "{change:?}");
+    }
+
+    #[test]
+    fn chosen_hits_keep_the_irradiance_of_all() {
+        let hit = |index: i32| {
+            let direction = DVec3::new(f64::from(index) - 50.0, 10.0, 40.0).normalize();
+            Hit { direction, distance: 3.0, normal: None, irradiance: [f64::from(index % 7), 1.0, 0.0] }
+        };
+        let hits: Vec<Hit<3>> = (0..100).map(hit).collect();
+        for step in 0..10 {
+            let emitters = Emitters::new(DVec3::ZERO, &hits, f64::from(step) / 10.0);
+            let total = |hits: &[Hit<3>]| hits.iter().map(|hit| mean(&hit.irradiance)).sum::<f64>();
+            let kept: f64 = emitters.points.iter().map(|point| mean(&point.irradiance.map(f64::from))).sum();
+            assert!(emitters.is_known && (kept / total(&hits) - 1.0).abs() < 1e-5, "{kept}");
+        }
+        assert_eq!(Emitters::new(DVec3::ZERO, &[], 0.5), Emitters::<3>::UNKNOWN);
+        let dark = Hit { irradiance: [0.0; 3], ..hits[0] };
+        assert_eq!(Emitters::new(DVec3::ZERO, &[dark], 0.5), Emitters::UNKNOWN);
+    }
+
+    #[test]
+    fn sky_through_a_hole_is_in_the_plane_of_the_wall() {
+        let toward = |x: f64, z: f64| DVec3::new(x, 2.0, z).normalize();
+        let wall = |x: f64, z: f64| {
+            let direction = toward(x, z);
+            Hit { direction, distance: 2.0 / direction.y, normal: Some(-DVec3::Y), irradiance: [0.0] }
+        };
+        let sky =
+            |x: f64, z: f64| Hit { direction: toward(x, z), distance: f64::INFINITY, normal: None, irradiance: [1.0] };
+        let mut hits: Vec<Hit<1>> = (-4..=4).map(|x| wall(0.5 * f64::from(x), 0.2)).collect();
+        hits.push(sky(0.1, 0.5));
+        let through = hits[9].through_opening(&hits).expect("a wall is beside the hole");
+        assert!((through.distance * through.direction.y - 2.0).abs() < 1e-9 && through.normal == Some(-DVec3::Y));
+        assert!(hits[0].through_opening(&hits).is_none(), "a wall is no opening");
+        // Most of what is seen is sky: it is at infinity.
+        let open: Vec<_> = hits[..2].iter().copied().chain((0..9).map(|x| sky(0.1 * f64::from(x), 1.0))).collect();
+        assert!(Emitters::new(DVec3::ZERO, &open, 0.5).points.iter().all(|point| point.is_distant));
+        assert!(Emitters::new(DVec3::ZERO, &hits, 0.5).points.iter().all(|point| !point.is_distant));
     }
 }

@@ -194,8 +194,7 @@ impl Target {
             Allowed::StandardOutput => Ok(Target::StandardOutput),
             Allowed::File(name) => Target::open_file(name, overwrites),
             Allowed::Command(command, permit) => {
-                let child =
-                    shell(*permit, command).stdin(Stdio::piped()).stdout(standard_output::for_child()).spawn();
+                let child = shell(*permit, command).stdin(Stdio::piped()).stdout(standard_output::for_child()).spawn();
                 let child = child.map_err(|error| {
                     Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error)))
                 })?;
