@@ -529,7 +529,17 @@ fn scattered(count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{favours, scattered};
+    use super::{favours, least_own_rays, scattered};
+
+    #[test]
+    fn sensors_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
+        for points in [1, 9, 16] {
+            assert!(least_own_rays(2304, points) > 2304.0, "{points} points");
+        }
+        assert!(least_own_rays(1000, 100_000) < 2.0);
+        // However many points there are, the rays of all of them are no more than those of a few.
+        assert!((1..1000).all(|points| points as f64 * least_own_rays(100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
+    }
 
     #[test]
     fn scattered_indices_are_all_there_and_spread() {
