@@ -83,6 +83,10 @@ const LEAST_COSINE: f32 = 0.05;
 /// than neighbouring records can tell.
 const SOFTENING: f32 = 0.09;
 
+/// Within the reach of a record its irradiance changes by no more than these shares by a slope and by a curvature.
+const STEEPEST_SLOPE: f64 = 1.0;
+const GREATEST_BEND: f64 = 0.25;
+
 /// Sums are made in so many parts, which vector instructions add at once.
 const LANES: usize = 8;
 
@@ -177,6 +181,23 @@ pub(crate) struct Change {
     pub(crate) slope: [f64; 2],
     /// Second derivatives: xx, yy, xy.
     pub(crate) curvature: [f64; 3],
+}
+
+impl Change {
+    /// The share of it that changes an irradiance over a length `reach` by no more than is likely.
+    pub(crate) fn believed(&self, irradiance: f64, reach: f64) -> f64 {
+        let [x, y] = self.slope;
+        let [xx, yy, xy] = self.curvature;
+        let by_slope = x.hypot(y) * reach;
+        let by_curvature = 0.5 * (xx.abs().max(yy.abs()) + xy.abs()) * reach * reach;
+        let most = (by_slope / STEEPEST_SLOPE).max(by_curvature / GREATEST_BEND);
+        if most > irradiance { (irradiance / most).max(0.0) } else { 1.0 }
+    }
+
+    /// A share of it.
+    pub(crate) fn scaled(&self, share: f64) -> Change {
+        Change { slope: self.slope.map(|slope| slope * share), curvature: self.curvature.map(|bend| bend * share) }
+    }
 }
 
 impl<const BANDS: usize> EmitterModel<BANDS> {

@@ -93,7 +93,7 @@ impl<const BANDS: usize> Fit<BANDS> {
                 })
             })
             .collect();
-        let trend = Trend::new(record, &mut neighbours, radius);
+        let trend = Trend::new(record, &mut neighbours, radius, record.reach(limits));
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
             let (mut fit, misfit) = Fit::over(record, (&neighbours, &trend), share, limits);
@@ -270,7 +270,7 @@ struct Trend<const BANDS: usize> {
 
 impl<const BANDS: usize> Trend<BANDS> {
     /// From the neighbours of a record, which then know what it takes from their irradiance.
-    fn new(record: &Record<BANDS>, neighbours: &mut [Neighbour<'_, BANDS>], radius: f64) -> Self {
+    fn new(record: &Record<BANDS>, neighbours: &mut [Neighbour<'_, BANDS>], radius: f64, reach: f64) -> Self {
         let weight = |neighbour: &Neighbour<'_, BANDS>| neighbour.weight(1.0);
         let total: f64 = neighbours.iter().map(weight).sum();
         let average = |of: &dyn Fn(&Record<BANDS>) -> DVec3| {
@@ -284,6 +284,11 @@ impl<const BANDS: usize> Trend<BANDS> {
             radius,
         );
         let changes = model.change(record.position, frame, DIFFERENCE * radius);
+        let irradiance =
+            neighbours.iter().map(|other| weight(other) * mean(&other.record.irradiance)).sum::<f64>() / total;
+        // In a crease emitters are so near that the model says too much: then less of it counts.
+        let share = changes.iter().map(|change| change.believed(irradiance, reach)).fold(1.0, f64::min);
+        let changes = changes.map(|change| change.scaled(share));
         let trend = Trend {
             rotation: std::array::from_fn(|band| average(&|other| other.gradients.rotation[band])),
             gradient: std::array::from_fn(|band| average(&|other| other.gradients.translation[band])),
@@ -295,7 +300,7 @@ impl<const BANDS: usize> Trend<BANDS> {
             let turn = neighbour.record.normal.cross(record.normal);
             let there = model.irradiance(neighbour.record.position, normal);
             for band in 0..BANDS {
-                neighbour.moved[band] += turn.dot(trend.rotation[band]) - (there[band] - here[band]);
+                neighbour.moved[band] += turn.dot(trend.rotation[band]) - share * (there[band] - here[band]);
             }
         }
         trend
