@@ -2,11 +2,12 @@
 
 use crate::commands::mksource;
 use crate::failure::reason;
+use crate::read_once;
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::fs;
-use std::io::Write;
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 
 /// Whether `!` commands that are not known may be run by a shell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,26 +64,61 @@ impl DiskLoader {
     }
 }
 
+impl DiskLoader {
+    /// The first place where there is something of this name.
+    fn find(&self, name: &str) -> Result<Option<PathBuf>, LoadError> {
+        for candidate in self.candidates(name) {
+            match fs::metadata(&candidate) {
+                Ok(found) if found.is_dir() => {
+                    let path = candidate.display().to_string();
+                    return Err(LoadError::Unreadable { path, reason: "it is a folder".to_owned() });
+                }
+                Ok(_) => return Ok(Some(candidate)),
+                Err(_) => {}
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> LoadError {
+    let path = path.display().to_string();
+    match error.kind() {
+        io::ErrorKind::InvalidInput => LoadError::OwnOutput { path },
+        _ => LoadError::Unreadable { path, reason: reason(error) },
+    }
+}
+
 impl Loader for DiskLoader {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
-        for candidate in self.candidates(name) {
-            let found = match fs::metadata(&candidate) {
-                Ok(found) => found,
-                Err(_) => continue,
-            };
-            let path = candidate.display().to_string();
-            if found.is_dir() {
-                return Err(LoadError::Unreadable { path, reason: "it is a folder".to_owned() });
-            }
-            return match fs::read(&candidate) {
-                Ok(bytes) => Ok(Loaded { path, bytes }),
-                Err(error) => Err(LoadError::Unreadable { path, reason: reason(&error) }),
-            };
+        if let Some(path) = self.find(name)? {
+            let bytes = read_once::owned(&path).map_err(|error| unreadable(&path, &error))?;
+            return Ok(Loaded { path: path.display().to_string(), bytes });
         }
         if let Some(text) = radsight_cal::library::file(name).filter(|_| kind == FileKind::Function) {
             return Ok(Loaded { path: format!("<{name} of radsight>"), bytes: text.as_bytes().to_vec() });
         }
         Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: self.searched(name) })
+    }
+
+    fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
+        match self.find(name)? {
+            Some(path) => match read_once::open(&path) {
+                Ok(file) => Ok(Box::new(file)),
+                Err(error) => Err(unreadable(&path, &error)),
+            },
+            None => Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes))),
+        }
+    }
+
+    fn open_command(&self, command: &str) -> Result<Box<dyn Read>, LoadError> {
+        if self.commands == Commands::Refused {
+            return Err(LoadError::CommandRefused { command: command.to_owned() });
+        }
+        let started = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let child = started
+            .map_err(|error| LoadError::CommandFailed { command: command.to_owned(), reason: reason(&error) })?;
+        Ok(Box::new(CommandOutput { child }))
     }
 
     fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
@@ -115,5 +151,31 @@ impl Loader for DiskLoader {
             let _ = writer.join();
         }
         if output.status.success() { Ok(output.stdout) } else { Err(failed(output.status.to_string())) }
+    }
+}
+
+/// What a command writes, while it writes it. That it failed is an error at the end.
+struct CommandOutput {
+    child: Child,
+}
+
+impl Read for CommandOutput {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.child.stdout.as_mut().map_or(Ok(0), |output| output.read(buffer))?;
+        if read == 0 && !buffer.is_empty() {
+            let status = self.child.wait()?;
+            if !status.success() {
+                return Err(io::Error::other(status.to_string()));
+            }
+        }
+        Ok(read)
+    }
+}
+
+impl Drop for CommandOutput {
+    fn drop(&mut self) {
+        // Nobody wants the rest: the command ends at its next write.
+        drop(self.child.stdout.take());
+        let _ = self.child.wait();
     }
 }

@@ -3,6 +3,8 @@
 //! As in Radiance, only where an option could stand, and what a file or variable holds may stand for others again.
 
 use crate::failure::{Failure, reason};
+use crate::read_once;
+use std::path::Path;
 
 /// More words than any command line needs.
 const MOST_WORDS: usize = 1 << 16;
@@ -34,7 +36,7 @@ fn expand_at(words: &mut Vec<String>, at: usize) -> Result<(), Failure> {
     for _ in 0..MOST_EXPANSIONS {
         let Some(word) = words.get(at) else { return Ok(()) };
         let text = if let Some(path) = word.strip_prefix('@').filter(|path| !path.is_empty()) {
-            std::fs::read(path)
+            read_once::owned(Path::new(path))
                 .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
                 .map_err(|error| Failure::usage(format!("cannot expand \"{word}\": {}", reason(&error))))?
         } else if let Some(name) = word.strip_prefix('$').filter(|name| !name.is_empty()) {

@@ -1,5 +1,6 @@
 //! How the program ends when it cannot do what was asked.
 
+use crate::output::append;
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use std::fs::File;
 use std::io::{self, Write};
@@ -69,6 +70,15 @@ impl Failure {
         Failure::fault(format!("cannot write {what}: {}", reason(error)))
     }
 
+    /// A read that failed. An input that is an output, too, is a mistake of the command line.
+    pub(crate) fn read(what: &str, error: &io::Error) -> Failure {
+        let message = format!("cannot read {what}: {}", reason(error));
+        match error.kind() {
+            io::ErrorKind::InvalidInput => Failure::usage(message),
+            _ => Failure::input(message),
+        }
+    }
+
     /// What is to be said.
     pub(crate) fn message(&self) -> &str {
         self.message.trim_end()
@@ -115,9 +125,7 @@ static ELSEWHERE: OnceLock<File> = OnceLock::new();
 
 /// Sends all messages from now on to the end of a file (Radiance's `-e`).
 pub(crate) fn say_in(path: &str) -> Outcome {
-    let file = File::options().create(true).append(true).open(path);
-    let file = file.map_err(|error| Failure::write(&format!("\"{path}\""), &error))?;
-    let _ = ELSEWHERE.set(file);
+    let _ = ELSEWHERE.set(append(path)?);
     Ok(())
 }
 

@@ -17,6 +17,7 @@ mod output_format;
 mod plugins;
 mod progress;
 mod ray_input;
+mod read_once;
 mod render_args;
 mod switch;
 mod view_args;

@@ -5,7 +5,6 @@
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
-use crate::text::Text;
 use crate::{Error, Invocation, Output};
 
 const USAGE: &str = "cnt N0 [N1 ..]";
@@ -29,7 +28,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
     }
     let lines = limits.iter().map(|limit| *limit as f64).product::<f64>();
-    let mut text = Text::default();
+    let mut text = invocation.text();
     text.expect_room(lines, 2.0 * limits.len() as f64 + 1.0)?;
     let mut counters = vec![0; limits.len()];
     loop {
@@ -41,5 +40,5 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         counters[place] += 1;
         counters[place + 1..].fill(0);
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }

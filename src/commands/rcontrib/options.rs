@@ -4,7 +4,8 @@ use super::bins::{BinRequest, Bins, Functions};
 use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::options_before_scenes;
-use crate::failure::{Failure, reason};
+use crate::failure::Failure;
+use crate::input::read_file;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
 use crate::switch::switched;
@@ -229,8 +230,7 @@ impl Options {
     }
 
     fn track_all(&mut self, file: &str) -> Result<(), Failure> {
-        let bytes = std::fs::read(file)
-            .map_err(|error| Failure::input(format!("cannot read modifiers \"{file}\": {}", reason(&error))))?;
+        let bytes = read_file(file, "modifiers")?;
         let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
         for name in names_in(&bytes) {
             if name == "void" || !known.insert(name.clone()) {

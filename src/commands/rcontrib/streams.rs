@@ -6,14 +6,14 @@ use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
-use crate::output::beside;
+use crate::output::{Output, file_path, standard_output};
 use crate::output_format::OutputFormat;
+use radsight_output::ClosedFile;
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
-use std::fs::{self, File};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 /// Bytes that all files together hold back.
@@ -35,10 +35,12 @@ struct Stream {
 
 enum Target {
     StandardOutput,
-    /// Written aside, so that the file appears when it is whole. Opened only to add to it: there may be more than can be open at once.
+    /// A pipe or a device.
+    Stream(Output),
+    /// A file that appears when it is whole; `None` when it has.
     File {
         name: String,
-        aside: PathBuf,
+        file: Option<ClosedFile>,
     },
     /// `None` when it has ended.
     Command {
@@ -81,11 +83,11 @@ impl<'o> Streams<'o> {
         Ok(streams)
     }
 
-    /// Goes on with files that hold records already, in the places where they are written aside.
-    pub(super) fn go_on(options: &'o Options, layout: Layout) -> Streams<'o> {
+    /// Goes on with files that hold records already, one for each planned stream.
+    pub(super) fn go_on(options: &'o Options, layout: Layout, files: Vec<ClosedFile>) -> Streams<'o> {
         let names = layout.planned.into_iter().filter_map(|planned| planned.name);
-        let target = |name: String| Target::File { aside: aside(Path::new(&name)), name };
-        let streams = names.map(|name| Stream { target: target(name), held: Vec::new() }).collect();
+        let target = |(name, file)| Target::File { name, file: Some(file) };
+        let streams = names.zip(files).map(|found| Stream { target: target(found), held: Vec::new() }).collect();
         Streams { options, streams, of_bin: layout.of_bin, held: 0 }
     }
 
@@ -120,12 +122,12 @@ impl<'o> Streams<'o> {
 impl Drop for Streams<'_> {
     fn drop(&mut self) {
         // What was to be gone on with is not lost when the input was wrong.
-        if self.options.recovers {
+        if !self.options.recovers {
             return;
         }
         for stream in &mut self.streams {
-            if let Target::File { aside, .. } = &stream.target {
-                let _ = fs::remove_file(aside);
+            if let Target::File { file, .. } = &mut stream.target {
+                file.take().map(ClosedFile::keep);
             }
         }
     }
@@ -139,12 +141,12 @@ impl Stream {
         }
         let (written, what) = match &mut self.target {
             Target::StandardOutput => {
-                let mut out = io::stdout().lock();
+                let mut out = standard_output();
                 (out.write_all(&held).and_then(|()| out.flush()), "standard output".to_owned())
             }
-            Target::File { name, aside } => {
-                let file = File::options().append(true).open(aside);
-                (file.and_then(|mut file| file.write_all(&held)), format!("\"{name}\""))
+            Target::Stream(output) => return output.put(&held),
+            Target::File { name, file } => {
+                (file.as_ref().map_or(Ok(()), |file| file.append(&held)), format!("\"{name}\""))
             }
             Target::Command { name, child } => {
                 let input = child.as_mut().and_then(|child| child.stdin.as_mut());
@@ -157,9 +159,10 @@ impl Stream {
 
     fn finish(&mut self) -> Outcome {
         match &mut self.target {
-            Target::StandardOutput => Ok(()),
-            Target::File { name, aside } => {
-                fs::rename(aside, &*name).map_err(|error| Failure::write(&format!("\"{name}\""), &error))
+            Target::StandardOutput | Target::Stream(_) => Ok(()),
+            Target::File { name, file } => {
+                let committed = file.take().map_or(Ok(()), ClosedFile::commit);
+                committed.map_err(|error| Failure::write(&format!("\"{name}\""), &error))
             }
             Target::Command { name, child } => {
                 let Some(mut child) = child.take() else { return Ok(()) };
@@ -182,13 +185,16 @@ impl Target {
                 .map_err(|error| Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error))))?;
             return Ok(Target::Command { name: command.to_owned(), child: Some(child) });
         }
-        let path = PathBuf::from(name);
-        if path.exists() && !overwrites {
+        if Path::new(name).exists() && !overwrites {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
-        let aside = aside(&path);
-        File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
-        Ok(Target::File { name: name.to_owned(), aside })
+        match file_path(name)? {
+            None => Output::create(name).map(Target::Stream),
+            Some(path) => {
+                let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+                Ok(Target::File { name: name.to_owned(), file: Some(file) })
+            }
+        }
     }
 }
 
@@ -234,11 +240,6 @@ impl Layout {
         }
         Ok(Layout { planned, of_bin })
     }
-}
-
-/// Where a file is written until it is whole: a place that a later run finds.
-pub(super) fn aside(path: &Path) -> PathBuf {
-    beside(path, "part")
 }
 
 impl Planned {

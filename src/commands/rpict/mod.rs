@@ -13,7 +13,7 @@ use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::view_args;
 use options::Options;
-use output::{PictureWriter, Recovered, Start};
+use output::{PictureWriter, Recovered, Replaces, Start};
 use radsight_frame::{Estimate, Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
@@ -110,12 +110,12 @@ impl Picture {
         let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
-        let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref() };
-        let replaces = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
-        let mut writer = PictureWriter::begin(self.output.as_deref(), replaces, &start)?
-            .with_depths(self.depths.as_deref(), done * columns)?;
+        let goes_over = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
+        let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
+        let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref(), replaces };
+        let mut writer = PictureWriter::begin(self.output.as_deref(), self.depths.as_deref(), &start)?;
         if done == rows {
-            return Ok(());
+            return writer.finish();
         }
         let mut report = Report::new(options.report);
         let mut frame = Frame::new(renderer, self.lens, options.pixel_effort());
@@ -138,13 +138,12 @@ impl Picture {
                     numbers => line.iter().for_each(|pixel| numbers.put(&pixel.map(f64::from), &mut bytes)),
                 }
             }
-            writer.write(&bytes)?;
-            if writer.wants_depths() {
-                writer.write_depths(&frame.depths(row..block.end))?;
-            }
+            let depths = if writer.wants_depths() { frame.depths(row..block.end) } else { Vec::new() };
+            writer.write(block.end - row, &bytes, &depths)?;
             row = block.end;
             report.tell(row as f64 / rows as f64);
         }
+        writer.finish()?;
         if options.effort.is_some() && !options.reading.no_warnings {
             frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
         }

@@ -9,7 +9,7 @@ mod tree;
 use crate::clock::greenwich_time;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
-use crate::output::write_standard_output;
+use crate::output::{standard_output, write_standard_output};
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
 pub(crate) use answers::RayAnswers;
@@ -45,7 +45,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
 
 fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
     let failed = |error: io::Error| Failure::write("standard output", &error);
-    let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    let mut out = BufWriter::with_capacity(1 << 16, standard_output());
     out.write_all(&start(options)).map_err(failed)?;
     let pace = Pace::new(options);
     let mut left = pace.total;
