@@ -53,7 +53,9 @@ impl Failure {
         if error.use_stderr() {
             return Failure { kind: FailureKind::Usage, message: error.to_string() };
         }
-        let _ = error.print();
+        if let Err(error) = error.print().and_then(|()| io::stdout().flush()) {
+            return Failure::write("standard output", &error);
+        }
         Failure { kind: FailureKind::Success, message: String::new() }
     }
 

@@ -3,7 +3,7 @@
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs};
-use crate::output::write_standard_output;
+use crate::output::write_file;
 use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
@@ -14,8 +14,7 @@ use radsight_picture::Header;
 /// How much a given cube grows on each side, scene units; as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
 
-const USAGE: &str =
-    "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [--allow-commands] [- | scene ...]";
+const USAGE: &str = "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [-o file] [--allow-commands] [- | scene ...]";
 
 /// What the command line says.
 struct Arguments {
@@ -28,6 +27,8 @@ struct Arguments {
     is_frozen: bool,
     /// `-w`
     is_quiet: bool,
+    /// `-o`, ours alone: a file that appears whole; `-` for standard output.
+    output: String,
     commands: Commands,
     files: Vec<String>,
 }
@@ -75,7 +76,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         content,
     };
     let bytes = octree.write(&built.tree).map_err(|error| Failure::input(format!("oconv: {error}")))?;
-    write_standard_output(&bytes)
+    write_file(&arguments.output, &bytes)
 }
 
 /// What is kept of the octree of `-i`.
@@ -106,6 +107,7 @@ impl Arguments {
             build: BuildOptions::default(),
             is_frozen: false,
             is_quiet: false,
+            output: "-".to_owned(),
             commands: Commands::Refused,
             files: Vec::new(),
         };
@@ -126,6 +128,7 @@ impl Arguments {
                 "-r" => arguments.build.resolution = number(word, value()?)?,
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
+                "-o" => arguments.output = value()?.clone(),
                 "--allow-commands" => arguments.commands = Commands::Allowed,
                 _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
             }

@@ -355,6 +355,10 @@ impl Collation {
                 Some(_) => format!("{} bytes are left behind {rows} × {columns} records", found.bytes_behind),
                 None => format!("there are {} records, {rows} × {columns} are expected", found.records),
             },
+            None if found.records % columns.max(1) > 0 => {
+                let (count, rows) = (found.records, found.records / columns);
+                return Err(format!("there are {count} records, {rows} × {columns} are expected").into());
+            }
             None if found.records % plan.output.columns.max(1) > 0 => {
                 let (columns, count) = (plan.output.columns, found.records);
                 return Err(format!(
@@ -495,7 +499,7 @@ impl Plan {
                 (output.records() == count).then_some(Plan { input, output, wanted })
             }
             // A header tells how many rows there are.
-            None if options.writes_header || output.rows > 0 || input.columns != output.columns => None,
+            None if options.writes_header || output.rows > 0 || input.rows > 0 => None,
             None => Some(Plan { input, output, wanted }),
         }
     }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 type Action = Box<dyn FnOnce() + Send>;
@@ -18,8 +19,10 @@ struct State {
     is_watching: bool,
     /// Whether the first signal is only noted, and which one came.
     is_postponed: bool,
-    asked: Option<i32>,
 }
+
+/// The signal that was noted; 0 for none.
+static ASKED: AtomicI32 = AtomicI32::new(0);
 
 static STATE: Mutex<State> = Mutex::new(State {
     next: 0,
@@ -27,7 +30,6 @@ static STATE: Mutex<State> = Mutex::new(State {
     actions: BTreeMap::new(),
     is_watching: false,
     is_postponed: false,
-    asked: None,
 });
 
 fn state() -> MutexGuard<'static, State> {
@@ -99,18 +101,18 @@ pub fn postpone() -> Postponed {
     Postponed(())
 }
 
-impl Postponed {
-    /// Whether a signal came.
-    #[must_use]
-    pub fn is_asked(&self) -> bool {
-        state().asked.is_some()
-    }
+/// Whether a signal was noted.
+#[must_use]
+pub fn is_asked() -> bool {
+    ASKED.load(Ordering::Relaxed) != 0
+}
 
-    /// Ends the program by the signal that came; does nothing if none did.
+impl Postponed {
+    /// Ends the program by the signal that was noted; does nothing if none was.
     pub fn end(self) {
-        let asked = state().asked;
-        if let Some(signal) = asked {
-            end_by(signal);
+        let asked = ASKED.load(Ordering::Relaxed);
+        if asked != 0 {
+            end_by(asked);
         }
     }
 }
@@ -175,9 +177,9 @@ fn watch(_state: &mut State) {}
 
 #[cfg(unix)]
 fn take(signal: i32) {
-    let mut now = state();
-    if now.is_postponed && now.asked.is_none() {
-        now.asked = Some(signal);
+    let now = state();
+    if now.is_postponed && !is_asked() {
+        ASKED.store(signal, Ordering::Relaxed);
         return;
     }
     drop(now);
