@@ -135,9 +135,12 @@ fn refuse_inputs(name: &str, path: &Path) -> Outcome {
         Some(input) if input == name => {
             Err(Failure::usage(format!("\"{name}\" is read and written, expected another name for the output")))
         }
-        Some(input) => Err(Failure::usage(format!(
-            "\"{name}\" is to be written, but it is the same file as \"{input}\", which is read"
-        ))),
+        Some(input) => {
+            let input = if input == "standard input" { input } else { format!("\"{input}\"") };
+            Err(Failure::usage(format!(
+                "\"{name}\" is to be written, but it is the same file as {input}, which is read"
+            )))
+        }
         None => Ok(()),
     }
 }

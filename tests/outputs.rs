@@ -279,6 +279,9 @@ fn an_output_that_is_an_input_is_refused() {
         assert_eq!(run.code, 2, "{script}: {}", run.messages);
         assert!(run.messages.contains("standard output goes to the same file"), "{script}: {}", run.messages);
     }
+    let run = shell(&folder, "rsplit -f many.txt < many.txt");
+    assert_eq!(run.code, 2, "{}", run.messages);
+    assert!(run.messages.contains("the same file as standard input"), "{}", run.messages);
     let after: Vec<Vec<u8>> = folder.names().iter().map(|name| folder.read(name)).collect();
     assert!(before == after, "no file has changed");
 }

@@ -563,26 +563,27 @@ fn pass_words(
     let (mut found, mut number) = (Found::default(), 0);
     while let Some(range) = input.line(text)? {
         number += 1;
-        let mut word_count = 0;
-        for word in words(input.bytes(range)) {
-            let is_wanted = plan.wanted.is_none_or(|wanted| found.records < wanted);
-            if is_wanted {
-                text.push_bytes(if word_count % components > 0 { b" " } else { b"" })?;
-                if checks {
-                    check_number(word)?;
-                }
-                text.push_bytes(word)?;
-            }
-            word_count += 1;
-            if word_count % components == 0 {
-                found.records += 1;
-                if is_wanted {
-                    text.push_bytes(if found.records % plan.output.columns > 0 { b"\t" } else { b"\n" })?;
-                }
-            }
+        let line = input.bytes(range);
+        let left = words(line).count() % components;
+        if left > 0 {
+            return Err(broken(number, left, components));
         }
-        if word_count % components > 0 {
-            return Err(broken(number, word_count % components, components));
+        for (place, word) in words(line).enumerate() {
+            let is_last = place % components == components - 1;
+            let is_wanted = plan.wanted.is_none_or(|wanted| found.records < wanted);
+            found.records += usize::from(is_last);
+            if !is_wanted {
+                continue;
+            }
+            if checks {
+                check_number(word)?;
+            }
+            text.push_bytes(word)?;
+            text.push_bytes(match (is_last, found.records % plan.output.columns) {
+                (false, _) => b" ",
+                (true, 0) => b"\n",
+                (true, _) => b"\t",
+            })?;
         }
     }
     Ok(found)

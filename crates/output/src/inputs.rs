@@ -22,11 +22,15 @@ pub fn remember(path: &Path, file: &File) {
     }
 }
 
-/// The name under which this file was read, if it was.
+/// The name under which this file was read, if it was. Standard input counts as read.
 #[must_use]
 pub fn name_of(path: &Path) -> Option<String> {
     let wanted = fs::metadata(path).ok().and_then(|found| identity(path, &found))?;
-    READ.lock().unwrap_or_else(PoisonError::into_inner).get(&wanted).cloned()
+    let named = READ.lock().unwrap_or_else(PoisonError::into_inner).get(&wanted).cloned();
+    named.or_else(|| {
+        let input = standard_input().ok().and_then(|found| identity(Path::new("-"), &found));
+        (input == Some(wanted)).then(|| "standard input".to_owned())
+    })
 }
 
 /// Whether a file is the one that standard output goes to.
