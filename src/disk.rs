@@ -1,6 +1,6 @@
 //! Files of the disk, searched as Radiance searches them.
 
-use crate::commands::mksource;
+use crate::commands::{mksource, radiance_programs};
 use crate::failure::reason;
 use crate::read_once;
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
@@ -115,7 +115,8 @@ impl Loader for DiskLoader {
         if self.commands == Commands::Refused {
             return Err(LoadError::CommandRefused { command: command.to_owned() });
         }
-        let started = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let script = own_programs() + command;
+        let started = Command::new("sh").args(["-c", &script]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
         let child = started
             .map_err(|error| LoadError::CommandFailed { command: command.to_owned(), reason: reason(&error) })?;
         Ok(Box::new(CommandOutput { child }))
@@ -152,6 +153,15 @@ impl Loader for DiskLoader {
         }
         if output.status.success() { Ok(output.stdout) } else { Err(failed(output.status.to_string())) }
     }
+}
+
+/// Definitions for a shell, so that the programs of Radiance's that a command calls are ours, as they are where it runs in process.
+fn own_programs() -> String {
+    let Some(own) = std::env::current_exe().ok().and_then(|path| path.to_str().map(str::to_owned)) else {
+        return String::new();
+    };
+    let own = own.replace('\'', "'\\''");
+    radiance_programs().map(|name| format!("{name}() {{ '{own}' {name} \"$@\"; }}\n")).collect()
 }
 
 /// What a command writes, while it writes it. That it failed is an error at the end.

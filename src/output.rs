@@ -114,6 +114,7 @@ fn failed(name: &str, error: &io::Error) -> Failure {
 fn place(name: &str) -> Result<Place, Failure> {
     let place = Place::of(name).map_err(|error| match error.kind() {
         io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
+        io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
         _ => failed(name, &error),
     })?;
     if let Place::File(path) = &place {

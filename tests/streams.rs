@@ -202,6 +202,7 @@ fn text_programs_answer_each_line_as_it_comes() {
         (&["total", "-2"], ["1 2\n3 4\n", "5 6\n7 8\n"], ["4\t6", "12\t14"]),
         (&["rlam", "-", "letters"], ["1\n", "2\n"], ["1\ta", "2\tb"]),
         (&["rlam", "letters", "!cat letters", "-"], ["1\n", "2\n"], ["a\ta\t1", "b\tb\t2"]),
+        (&["rlam", "-in", "2", "!cnt 150000000 | rcalc -e '$1=$1*2'", "-"], ["1\n", "2\n"], ["0\t1", "2\t2"]),
         (&["rcollate", "-h", "-fa1", "-ic", "2", "-oc", "1"], ["1 2\n", "3 4\n"], ["1", "3"]),
         (&["rcollate", "-h", "-fa1", "-oc", "4"], ["1 2\n3 4\n", "5 6 7 8\n"], ["1\t2\t3\t4", "5\t6\t7\t8"]),
     ] {

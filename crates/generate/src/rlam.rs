@@ -6,7 +6,6 @@
 
 use crate::arguments::Arguments;
 use crate::number_text::leading_integer;
-use crate::shell_words::{self, Stage};
 use crate::supply::Supply;
 use crate::text::Text;
 use crate::{Error, Invocation, Output, pipeline};
@@ -111,26 +110,15 @@ fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation
     Ok(streams.len() - 1)
 }
 
-/// What a command writes, as it comes where no program of this crate is in it.
+/// What a command writes: as it comes where the caller may run it, else all of it from the programs of this crate.
 fn command_output<'a>(command: &str, invocation: &Invocation<'a>) -> Result<Box<dyn Read + 'a>, Error> {
-    if !mentions_own_program(command) {
-        match invocation.loader.open_command(command) {
-            Err(LoadError::CommandRefused { .. }) => {}
-            opened => return Ok(opened?),
+    match invocation.loader.open_command(command) {
+        Err(LoadError::CommandRefused { .. }) => {
+            let made = pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?;
+            Ok(Box::new(Cursor::new(made.standard_output)))
         }
+        opened => Ok(opened?),
     }
-    let made = pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?;
-    Ok(Box::new(Cursor::new(made.standard_output)))
-}
-
-/// Whether a command line has a program of this crate, which may not be there for a shell.
-fn mentions_own_program(command: &str) -> bool {
-    let Ok(script) = shell_words::split(command) else { return false };
-    let is_own = |stage: &Stage| match stage {
-        Stage::Command(command) => command.words.first().is_some_and(|word| crate::knows(&word.text)),
-        Stage::Group { .. } => true,
-    };
-    script.pipelines.iter().any(|pipeline| pipeline.stages.iter().any(is_own))
 }
 
 /// Writes one record of each input that still has one; `false` if none has.
