@@ -530,7 +530,7 @@ fn copy_lines(input: &mut Supply<'_>, text: &mut Text, components: usize) -> Res
         number += 1;
         let line = input.bytes(range);
         let words = words(line).count();
-        if words % components > 0 {
+        if !words.is_multiple_of(components) {
             return Err(broken(number, words % components, components));
         }
         text.push_bytes(line)?;
