@@ -22,8 +22,11 @@ enum Sink {
 impl Output {
     /// Opens what a name of the command line leads to; `-` is standard output. A file will go over one of its name.
     pub(crate) fn create(name: &str) -> Result<Output, Failure> {
-        let place = place(name)?;
-        let opened = match &place {
+        Output::open(name, &place(name)?)
+    }
+
+    fn open(name: &str, place: &Place) -> Result<Output, Failure> {
+        let opened = match place {
             Place::StandardOutput => Ok(Sink::Standard),
             Place::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
             Place::File(path) => WholeFile::create(path).map(Sink::Whole),
@@ -112,15 +115,19 @@ fn failed(name: &str, error: &io::Error) -> Failure {
 
 /// Where a name leads, if it may be written there.
 fn place(name: &str) -> Result<Place, Failure> {
-    let place = Place::of(name).map_err(|error| match error.kind() {
-        io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
-        io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
-        _ => failed(name, &error),
-    })?;
+    let place = any_place(name)?;
     if let Place::File(path) = &place {
         refuse_inputs(name, path)?;
     }
     Ok(place)
+}
+
+fn any_place(name: &str) -> Result<Place, Failure> {
+    Place::of(name).map_err(|error| match error.kind() {
+        io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
+        io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
+        _ => failed(name, &error),
+    })
 }
 
 /// The file that a name leads to; `None` for a pipe, a device or standard output.
@@ -149,6 +156,13 @@ fn refuse_inputs(name: &str, path: &Path) -> Outcome {
 /// Writes a file whole; a device or pipe is written directly. `-` is standard output.
 pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
     let mut output = Output::create(name)?;
+    output.put(bytes)?;
+    output.commit()
+}
+
+/// The same, over a file that was read: only where the user has asked for that.
+pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
+    let mut output = Output::open(name, &any_place(name)?)?;
     output.put(bytes)?;
     output.commit()
 }

@@ -286,6 +286,21 @@ fn an_output_that_is_an_input_is_refused() {
     assert!(before == after, "no file has changed");
 }
 
+#[test]
+fn mkillum_replaces_data_that_its_scene_reads_when_asked() {
+    let folder = Folder::new();
+    let outside = "void glow sky 0 0 4 1 1 1 0\nsky source up 0 0 4 0 0 1 180\nvoid glass pane 0 0 3 .9 .9 .9\n";
+    folder.file("outside.rad", outside);
+    let surface = "pane polygon w 0 0 12 .5 0 1 .5 0 2.5 3.5 0 2.5 3.5 0 1\n";
+    folder.file("windows.rad", format!("#@mkillum m=win f=win d=24 s=16 c=a\n{surface}"));
+    let again =
+        |scenes: &str| shell(&folder, &format!("mkillum {scenes} < windows.rad > made.rad && mv made.rad one.rad"));
+    again("outside.rad").done();
+    assert!(folder.names().contains(&"win.dat".to_owned()), "{:?}", folder.names());
+    again("outside.rad one.rad").done();
+    assert!(!folder.names().contains(&"win1.dat".to_owned()), "{:?}", folder.names());
+}
+
 /// Runs a program of ours with the redirections of a shell.
 fn shell(folder: &Folder, script: &str) -> Run {
     let mut command = Command::new("bash");

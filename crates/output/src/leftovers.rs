@@ -45,8 +45,13 @@ pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666))
     };
+    let before = fs::metadata(target).ok();
+    if before.is_some() {
+        // A file that is protected from writing is not replaced either.
+        File::options().write(true).open(target)?;
+    }
     let file = builder.tempfile_in(folder(target))?;
-    if let Ok(before) = fs::metadata(target) {
+    if let Some(before) = before {
         // Whoever may not set the mode may still write.
         let _ = file.as_file().set_permissions(before.permissions());
     }
