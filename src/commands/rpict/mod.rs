@@ -62,6 +62,7 @@ struct Picture {
     output: Option<String>,
     depths: Option<String>,
     recovered: Option<Recovered>,
+    replaces: Replaces,
 }
 
 impl Picture {
@@ -73,12 +74,15 @@ impl Picture {
     ) -> Result<Picture, Failure> {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
         let named = |name: &Option<String>| name.as_ref().map(|name| sequence::numbered(name, number));
-        let recover = match &options.recover {
-            // A number says at which frame to go on.
-            Some(name) if frame.is_some() && name.parse::<i64>().is_ok() => None,
-            name => named(name),
+        let output = named(&options.output);
+        let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
+            // A number says at which frame to go on, and that with what there is of it.
+            Some(recovered) => output.clone().filter(|_| recovered == number),
+            None => named(&options.recover),
         };
         let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
+        let goes_over = recovered.is_some() && recover == output;
+        let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
         let ([columns, rows], aspect);
         if let Some(recovered) = &recovered {
             if let Ok(Some(seen)) = ViewOptions::from_header(&recovered.header) {
@@ -102,7 +106,7 @@ impl Picture {
             lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
         }
         let header = header(options, &lens, number);
-        Ok(Picture { lens, header, output: named(&options.output), depths: named(&options.depths), recovered })
+        Ok(Picture { lens, header, output, depths: named(&options.depths), recovered, replaces })
     }
 
     /// Renders from the first row that is not done and writes row by row.
@@ -110,9 +114,8 @@ impl Picture {
         let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
-        let goes_over = self.recovered.is_some() && self.output.is_some() && options.recover == options.output;
-        let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
-        let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref(), replaces };
+        let recovered = self.recovered.as_ref();
+        let start = Start { header: &self.header, resolution, recovered, replaces: self.replaces };
         let mut writer = PictureWriter::begin(self.output.as_deref(), self.depths.as_deref(), &start)?;
         if done == rows {
             return writer.finish();
