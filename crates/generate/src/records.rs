@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::arguments::Arguments;
-use crate::number_text::leading_number;
+use crate::number_text::{leading_number, short_decimal};
 use crate::supply::Supply;
 use crate::text::{Text, is_space};
 
@@ -162,6 +162,9 @@ pub(crate) fn is_blank(byte: u8) -> bool {
 /// C's `atof` of the bytes.
 pub(crate) fn number_at_start(bytes: &[u8]) -> f64 {
     let word = skip(bytes, is_blank);
+    if let Some(value) = short_decimal(word) {
+        return value;
+    }
     let length = word.iter().take_while(|byte| byte.is_ascii_graphic()).count();
     let text = std::str::from_utf8(&word[..length]).unwrap_or_default();
     leading_number(text).map_or(0.0, |(value, _)| value)
