@@ -155,7 +155,8 @@ impl Loader for DiskLoader {
     }
 }
 
-/// Definitions for a shell, so that the programs of Radiance's that a command calls are ours, as they are where it runs in process.
+/// Definitions for a shell, so that the programs of Radiance's that a command calls are ours, as
+/// they are where it runs in process.
 fn own_programs() -> String {
     let Some(own) = std::env::current_exe().ok().and_then(|path| path.to_str().map(str::to_owned)) else {
         return String::new();

@@ -6,7 +6,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Something that is being written. A file has its name only after [`Output::commit`]; dropped before, it leaves nothing.
+/// Something that is being written. A file has its name only after [`Output::commit`]; dropped
+/// before, it leaves nothing.
 pub(crate) struct Output {
     name: String,
     sink: Sink,
@@ -20,7 +21,8 @@ enum Sink {
 }
 
 impl Output {
-    /// Opens what a name of the command line leads to; `-` is standard output. A file will go over one of its name.
+    /// Opens what a name of the command line leads to; `-` is standard output. A file will go over
+    /// one of its name.
     pub(crate) fn create(name: &str) -> Result<Output, Failure> {
         Output::open(name, &place(name)?)
     }

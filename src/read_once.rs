@@ -1,4 +1,5 @@
-//! Files that the command line or a scene names, each read once: what a pipe gave is kept for who asks again.
+//! Files that the command line or a scene names, each read once: what a pipe gave is kept for who
+//! asks again.
 //!
 //! Every file that is read is noted, so that no output goes over it (`output.rs`).
 
@@ -9,12 +10,14 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What came out of pipes and devices, by their names. A second reading would wait for ever or find nothing.
+/// What came out of pipes and devices, by their names. A second reading would wait for ever or find
+/// nothing.
 static KEPT: Mutex<BTreeMap<PathBuf, Arc<[u8]>>> = Mutex::new(BTreeMap::new());
 
 /// Opens a file for reading.
 ///
-/// The error is `InvalidInput` for the file that standard output goes to: it would grow while it is read.
+/// The error is `InvalidInput` for the file that standard output goes to: it would grow while it is
+/// read.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     let file = File::open(path)?;
     if file.metadata()?.is_dir() {

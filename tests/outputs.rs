@@ -1,4 +1,5 @@
-//! Files appear whole or not at all, whatever happens to the program, and no output goes over an input.
+//! Files appear whole or not at all, whatever happens to the program, and no output goes over an
+//! input.
 #![cfg(unix)]
 
 mod program;

@@ -56,7 +56,8 @@ fn named(script: &str, name: impl Fn(&str) -> String) -> String {
     script.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
-/// The output without the lines that name an input of the script or the time, and without the blanks that fill a header.
+/// The output without the lines that name an input of the script or the time, and without the
+/// blanks that fill a header.
 fn without_names(output: &[u8], script: &str) -> Vec<Vec<u8>> {
     let inputs = script.split(' ').filter_map(|word| word.strip_prefix('%'));
     let names: Vec<&str> = inputs.chain(["/dev/fd/", "GMT=", "CAPDATE="]).collect();
@@ -291,6 +292,10 @@ fn records_of_a_known_shape_go_out_as_those_that_are_counted_first() {
     assert_eq!(known, collate(&["-hi", "-ho", "-fa1", "-or", "6"], text));
     let numbers: Vec<u8> = (0..24).collect();
     assert_eq!(collate(&["-hi", "-ho", "-fb2", "-ic", "3", "-ir", "4", "-oc", "2"], &numbers), numbers);
+    let words = ["rcollate", "-hi", "-ho", "-fb2", "-ic", "3", "-ir", "3", "-oc", "3"];
+    let behind = run_with(command(&words).current_dir(folder.path("")), &numbers);
+    assert_eq!((behind.code, &behind.output[..]), (0, &numbers[..18]));
+    assert!(behind.messages.contains("6 bytes are left behind 3 × 3 records"), "{}", behind.messages);
     let header = b"NCOMP=1\nNROWS=4\nNCOLS=3\nFORMAT=ascii\n\n";
     let headed = collate(&["-oc", "6"], &[&header[..], text].concat());
     assert!(headed.ends_with(b"NROWS=2\nNCOLS=6\nFORMAT=ascii\n\n1\t2\t3\t4\t5\t6\n7\t8\t9\t10\t11\t12\n"));

@@ -242,7 +242,8 @@ fn whole_view(options: &str) -> Result<String, Failure> {
 /// Ends the names of pictures in the making.
 const UNFINISHED: &str = ".unf";
 
-/// When a picture in the making was changed last, or what a killed run has left of it. One that has no row is as none.
+/// When a picture in the making was changed last, or what a killed run has left of it. One that has
+/// no row is as none.
 fn unfinished_date(name: &str) -> Date {
     let has_rows = |path: &PathBuf| {
         let bytes = fs::read(path).unwrap_or_default();

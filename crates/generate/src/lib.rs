@@ -232,8 +232,9 @@ pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loa
     run_with(argv, standard_input, loader, &|_, _| None)
 }
 
-/// Runs one command and sends on its output while it runs, for the programs that answer line by line (`cnt`, `rcalc`, `rcollate`, `rlam`,
-/// `total`): they take memory for one record. What was answered before an error is sent on before it is returned.
+/// Runs one command and sends on its output while it runs, for the programs that answer line by
+/// line (`cnt`, `rcalc`, `rcollate`, `rlam`, `total`): they take memory for one record. What was
+/// answered before an error is sent on before it is returned.
 ///
 /// [`Output::standard_output`] is what was not sent on: all of it from other programs.
 ///

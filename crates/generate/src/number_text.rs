@@ -34,8 +34,9 @@ const SHORT_DIGITS: usize = 15;
 const POWERS_OF_TEN: [f64; SHORT_DIGITS + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number that starts `word`, if it has at most 15 digits and no exponent: the commonest ones, read faster than by [`leading_number`] and to
-/// the same bits, since the quotient of two exact numbers is rounded once.
+/// The number that starts `word`, if it has at most 15 digits and no exponent: the commonest ones,
+/// read faster than by [`leading_number`] and to the same bits, since the quotient of two exact
+/// numbers is rounded once.
 pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
     let is_negative = word.first() == Some(&b'-');
     let digits = if is_negative || word.first() == Some(&b'+') { &word[1..] } else { word };

@@ -5,8 +5,8 @@
 //! lets a record pass; `recno` and `outno` count. `-i` and `-o` give formats instead of columns, `-id3` `-if` `-od` `-of` (and
 //! `D`, `F` with swapped bytes) binary numbers, `-in` and `-on` the most records. `-b` takes blanks literally, `-l` line ends as
 //! blanks, `-t` sets the separator, `-s` a string variable; `-p` passes on what the input format does not match, `-P` also
-//! what `cond` refuses. `-n` reads nothing and writes one record. `-w` changes nothing here, nor does `-u`: what is
-//! answered always goes out before more is waited for.
+//! what `cond` refuses. `-n` reads nothing and writes one record. `-w` changes nothing here, nor
+//! does `-u`: what is answered always goes out before more is waited for.
 
 use std::cell::Cell;
 
@@ -179,7 +179,8 @@ impl Calculator {
         Ok(())
     }
 
-    /// Reads all records of one input. A mistake is told with the place of the record that it is in.
+    /// Reads all records of one input. A mistake is told with the place of the record that it is
+    /// in.
     fn execute(&mut self, options: &Options, mut input: Supply<'_>) -> Result<(), Error> {
         let mut records = 0;
         let name = input.name().to_owned();

@@ -3,12 +3,15 @@
 //!
 //! A record has `N` components of text (`-fa`), 4 bytes (`-ff`), 8 (`-fd`) or 1 (`-fb`); a header says so otherwise.
 
+mod pass_on;
+
 use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, whole_number};
 use crate::records::is_blank;
 use crate::supply::Supply;
 use crate::text::{Quoted, Text};
 use crate::{Error, Invocation, Output, source_name};
+use pass_on::{Plan, copy, copy_lines, pass_bytes, pass_words};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
@@ -469,124 +472,6 @@ impl Collation {
             }
         }
     }
-}
-
-/// What is known of records that go out in the order in which they come, before they come.
-struct Plan {
-    input: Shape,
-    output: Shape,
-    /// How many are wanted; `None` for all.
-    wanted: Option<usize>,
-}
-
-impl Plan {
-    /// `None` if all records must be there first.
-    fn new(options: &Options) -> Option<Plan> {
-        let (mut input, mut output) = (options.input, options.output);
-        if output.columns == 0 {
-            output.columns = input.columns;
-        }
-        if options.reorders() || output.columns == 0 {
-            return None;
-        }
-        if input == Shape::default() {
-            input = output;
-        }
-        let wanted = Some(input.records()).filter(|count| *count > 0);
-        match wanted {
-            Some(count) => {
-                output = output.filled(count);
-                (output.records() == count).then_some(Plan { input, output, wanted })
-            }
-            // A header tells how many rows there are.
-            None if options.writes_header || output.rows > 0 || input.rows > 0 => None,
-            None => Some(Plan { input, output, wanted }),
-        }
-    }
-}
-
-/// What was there.
-#[derive(Default)]
-struct Found {
-    records: usize,
-    /// Of binary numbers, what makes no wanted record.
-    bytes_behind: usize,
-}
-
-fn copy(input: &mut Supply<'_>, text: &mut Text) -> Result<(), Mistake> {
-    loop {
-        let window = input.take(usize::MAX);
-        text.push_bytes(input.bytes(window))?;
-        if !input.more(text)? {
-            return Ok(());
-        }
-    }
-}
-
-/// Copies lines in which records are whole.
-fn copy_lines(input: &mut Supply<'_>, text: &mut Text, components: usize) -> Result<(), Mistake> {
-    let mut number = 0;
-    while let Some(range) = input.line(text)? {
-        number += 1;
-        let line = input.bytes(range);
-        let words = words(line).count();
-        if !words.is_multiple_of(components) {
-            return Err(broken(number, words % components, components));
-        }
-        text.push_bytes(line)?;
-    }
-    Ok(())
-}
-
-fn pass_bytes(input: &mut Supply<'_>, text: &mut Text, plan: &Plan, size: usize) -> Result<Found, Mistake> {
-    let mut found = Found::default();
-    while plan.wanted.is_none_or(|wanted| found.records < wanted) {
-        let Some(record) = input.exactly(size, text)? else { break };
-        text.push_bytes(input.bytes(record))?;
-        found.records += 1;
-    }
-    loop {
-        found.bytes_behind += input.take(usize::MAX).len();
-        if !input.more(text)? {
-            return Ok(found);
-        }
-    }
-}
-
-fn pass_words(
-    input: &mut Supply<'_>,
-    text: &mut Text,
-    plan: &Plan,
-    components: usize,
-    checks: bool,
-) -> Result<Found, Mistake> {
-    let (mut found, mut number) = (Found::default(), 0);
-    while let Some(range) = input.line(text)? {
-        number += 1;
-        let line = input.bytes(range);
-        let left = words(line).count() % components;
-        if left > 0 {
-            return Err(broken(number, left, components));
-        }
-        for (place, word) in words(line).enumerate() {
-            let is_last = place % components == components - 1;
-            let is_wanted = plan.wanted.is_none_or(|wanted| found.records < wanted);
-            found.records += usize::from(is_last);
-            if !is_wanted {
-                continue;
-            }
-            if checks {
-                check_number(word)?;
-            }
-            text.push_bytes(word)?;
-            text.push_bytes(match (is_last, found.records % plan.output.columns) {
-                (false, _) => b" ",
-                (true, 0) => b"\n",
-                (true, _) => b"\t",
-            })?;
-        }
-    }
-    Ok(found)
 }
 
 fn words(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {

@@ -110,7 +110,8 @@ fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation
     Ok(streams.len() - 1)
 }
 
-/// What a command writes: as it comes where the caller may run it, else all of it from the programs of this crate.
+/// What a command writes: as it comes where the caller may run it, else all of it from the programs
+/// of this crate.
 fn command_output<'a>(command: &str, invocation: &Invocation<'a>) -> Result<Box<dyn Read + 'a>, Error> {
     match invocation.loader.open_command(command) {
         Err(LoadError::CommandRefused { .. }) => {

@@ -1,4 +1,5 @@
-//! Input that is read as it comes: as much as is needed, and no byte before what was answered is on its way.
+//! Input that is read as it comes: as much as is needed, and no byte before what was answered is on
+//! its way.
 
 use std::io::{ErrorKind, Read};
 use std::ops::Range;
@@ -11,7 +12,8 @@ use crate::text::Text;
 /// Bytes that are asked for at a time.
 const READ_SIZE: usize = 1 << 16;
 
-/// Longer records are a mistake; all that is kept of an input is one record and what was read with it.
+/// Longer records are a mistake; all that is kept of an input is one record and what was read with
+/// it.
 const LONGEST_RECORD: usize = 1 << 28;
 
 /// An input with a window on what was read of it and not used.
@@ -40,7 +42,8 @@ impl<'a> Supply<'a> {
         &self.buffer[self.start..self.end]
     }
 
-    /// Some bytes of the buffer, of a range that another function of this gave; the next reading overwrites them.
+    /// Some bytes of the buffer, of a range that another function of this gave; the next reading
+    /// overwrites them.
     pub(crate) fn bytes(&self, range: Range<usize>) -> &[u8] {
         &self.buffer[range]
     }
@@ -48,7 +51,7 @@ impl<'a> Supply<'a> {
     /// Moves the window's start.
     pub(crate) fn take(&mut self, count: usize) -> Range<usize> {
         let begin = self.start;
-        self.start = (self.start + count).min(self.end);
+        self.start = self.start.saturating_add(count).min(self.end);
         begin..self.start
     }
 
@@ -82,7 +85,8 @@ impl<'a> Supply<'a> {
         Ok(Some(self.take(count)))
     }
 
-    /// Reads on, behind the window; `false` at the end of the input. What was answered goes out before: who wrote the input may wait for it.
+    /// Reads on, behind the window; `false` at the end of the input. What was answered goes out
+    /// before: who wrote the input may wait for it.
     pub(crate) fn more(&mut self, text: &mut Text) -> Result<bool, Error> {
         if self.ended {
             return Ok(false);
@@ -158,5 +162,7 @@ mod tests {
         assert_eq!(supply.bytes(range), b"123");
         assert_eq!(supply.exactly(3, &mut text).unwrap(), None);
         assert_eq!(supply.window(), b"45");
+        let rest = supply.take(usize::MAX);
+        assert_eq!(supply.bytes(rest), b"45");
     }
 }

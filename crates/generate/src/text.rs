@@ -14,7 +14,8 @@ const SENT_AT_A_TIME: usize = 1 << 16;
 /// Where a program's output goes while it runs. Who gives it keeps the error of a failed write.
 pub type Sink = Rc<RefCell<dyn io::Write>>;
 
-/// A program's output, collected or sent on. Writing fails when more than [`MAX_OUTPUT_BYTES`] are collected, or when the sink fails.
+/// A program's output, collected or sent on. Writing fails when more than [`MAX_OUTPUT_BYTES`] are
+/// collected, or when the sink fails.
 #[derive(Default)]
 pub(crate) struct Text {
     bytes: Vec<u8>,

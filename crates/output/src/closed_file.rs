@@ -7,9 +7,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
-/// A file in the making that is closed between additions, for outputs of which there are more than can be open at once.
+/// A file in the making that is closed between additions, for outputs of which there are more than
+/// can be open at once.
 ///
-/// Unlike a [`crate::WholeFile`] it stays when the program is ended by a signal, for who goes on with it.
+/// Unlike a [`crate::WholeFile`] it stays when the program is ended by a signal, for who goes on
+/// with it.
 #[derive(Debug)]
 pub struct ClosedFile {
     path: TempPath,
@@ -43,7 +45,8 @@ impl ClosedFile {
         File::options().append(true).open(&self.path)?.write_all(bytes)
     }
 
-    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of killed programs are removed.
+    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of
+    /// killed programs are removed.
     ///
     /// # Errors
     /// When the disk is full or the name cannot be given.

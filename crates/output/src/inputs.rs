@@ -14,7 +14,8 @@ type Identity = std::path::PathBuf;
 /// The names under which files were read.
 static READ: Mutex<BTreeMap<Identity, String>> = Mutex::new(BTreeMap::new());
 
-/// Notes that a file is an input. Pipes and devices are not noted: writing to them destroys nothing.
+/// Notes that a file is an input. Pipes and devices are not noted: writing to them destroys
+/// nothing.
 pub fn remember(path: &Path, file: &File) {
     if let Some(identity) = file.metadata().ok().and_then(|found| identity(path, &found)) {
         let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,7 +1,8 @@
-//! What happens at SIGINT, SIGTERM and SIGHUP: what is to be saved is saved, hidden files are removed, and the program
-//! ends by the signal, so that a shell sees 130 or 143 and stops its loop.
+//! What happens at SIGINT, SIGTERM and SIGHUP: what is to be saved is saved, hidden files are
+//! removed, and the program ends by the signal, so that a shell sees 130 or 143 and stops its loop.
 //!
-//! Signals that were ignored when the program began, as in `nohup` and in background jobs of scripts, stay ignored.
+//! Signals that were ignored when the program began, as in `nohup` and in background jobs of
+//! scripts, stay ignored.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -36,7 +37,8 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes a file that is removed at a signal. No signal is handled between its making and its being known.
+/// Makes a file that is removed at a signal. No signal is handled between its making and its being
+/// known.
 pub(crate) fn make_file<F>(make: impl FnOnce() -> io::Result<(F, PathBuf)>) -> io::Result<(F, FileGuard)> {
     let mut state = state();
     watch(&mut state);
@@ -51,7 +53,8 @@ pub(crate) fn make_file<F>(make: impl FnOnce() -> io::Result<(F, PathBuf)>) -> i
 pub(crate) struct FileGuard(u64);
 
 impl FileGuard {
-    /// Does something after which the file is no longer to be removed, with no signal handled in between.
+    /// Does something after which the file is no longer to be removed, with no signal handled in
+    /// between.
     pub(crate) fn release<T>(self, act: impl FnOnce() -> T) -> T {
         let mut state = state();
         let done = act();
@@ -88,7 +91,8 @@ impl Drop for ActionGuard {
     }
 }
 
-/// As long as this lives, the first signal is only noted, so that the work can be ended in order; the second one ends the program.
+/// As long as this lives, the first signal is only noted, so that the work can be ended in order;
+/// the second one ends the program.
 #[derive(Debug)]
 pub struct Postponed(());
 

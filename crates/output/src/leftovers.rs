@@ -35,7 +35,8 @@ pub(crate) fn folder(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Makes a hidden file for a target, with the mode of the file that it replaces, or else what the umask allows.
+/// Makes a hidden file for a target, with the mode of the file that it replaces, or else what the
+/// umask allows.
 pub(crate) fn hidden_file(target: &Path) -> io::Result<NamedTempFile> {
     let prefix = prefix(target);
     let mut builder = Builder::new();
@@ -77,7 +78,8 @@ pub fn leftovers(target: &Path) -> Vec<PathBuf> {
 /// Removes the hidden files of a target that no running program is writing.
 pub(crate) fn remove_leftovers(target: &Path) {
     for path in leftovers(target) {
-        // The lock is kept until the name is gone: who begins a file under it takes another name then.
+        // The lock is kept until the name is gone: who begins a file under it takes another name
+        // then.
         let Some(lock) = abandoned(&path) else { continue };
         let _ = fs::remove_file(&path);
         drop(lock);

@@ -12,7 +12,8 @@ const MOST_LINKS: usize = 40;
 pub enum Place {
     /// `-`, or a name such as `/dev/stdout`.
     StandardOutput,
-    /// A device, a pipe, a socket, or another open file of this process such as `/dev/fd/3`. It is written directly.
+    /// A device, a pipe, a socket, or another open file of this process such as `/dev/fd/3`. It is
+    /// written directly.
     Stream(PathBuf),
     /// A file that is there or not, at the end of all links. It appears whole.
     File(PathBuf),
@@ -22,7 +23,8 @@ impl Place {
     /// Follows a name and its links.
     ///
     /// # Errors
-    /// When the name is empty or a folder's, when links go in a circle, or when a folder on the way cannot be read.
+    /// When the name is empty or a folder's, when links go in a circle, or when a folder on the way
+    /// cannot be read.
     pub fn of(name: &str) -> io::Result<Place> {
         if name == "-" {
             return Ok(Place::StandardOutput);
@@ -52,7 +54,8 @@ impl Place {
     }
 }
 
-/// The number of an open file of this process that a path names, as in `/dev/fd/3` and `/proc/self/fd/3`.
+/// The number of an open file of this process that a path names, as in `/dev/fd/3` and
+/// `/proc/self/fd/3`.
 fn descriptor(path: &Path) -> Option<u32> {
     let words: Option<Vec<&str>> = path
         .components()

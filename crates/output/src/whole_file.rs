@@ -19,16 +19,19 @@ pub struct WholeFile {
 const MOST_TRIES: usize = 16;
 
 impl WholeFile {
-    /// Begins a file. It will have the mode of the file that it replaces, or else what the umask allows.
+    /// Begins a file. It will have the mode of the file that it replaces, or else what the umask
+    /// allows.
     ///
-    /// The target is taken as it stands: a link there would be replaced ([`crate::Place`] follows it).
+    /// The target is taken as it stands: a link there would be replaced ([`crate::Place`] follows
+    /// it).
     ///
     /// # Errors
     /// When no file can be made in the target's folder.
     pub fn create(target: &Path) -> io::Result<WholeFile> {
         for _ in 0..MOST_TRIES {
             let begun = WholeFile::begin(target)?;
-            // A lock tells others that this is no leftover. One who was quicker may have removed it.
+            // A lock tells others that this is no leftover. One who was quicker may have removed
+            // it.
             let _ = begun.file.as_file().lock();
             if begun.file.path().exists() {
                 return Ok(begun);
@@ -58,7 +61,8 @@ impl WholeFile {
         &self.target
     }
 
-    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of killed programs are removed.
+    /// Gives the file its name, over a file that has it; it is on the disk then. Leftovers of
+    /// killed programs are removed.
     ///
     /// # Errors
     /// When the disk is full or the name cannot be given; the target is as it was then.
@@ -112,7 +116,8 @@ impl Write for WholeFile {
     }
 }
 
-/// A name is on the disk when its folder is. Not every file system can do that, and the file is whole all the same.
+/// A name is on the disk when its folder is. Not every file system can do that, and the file is
+/// whole all the same.
 pub(crate) fn sync_name(target: &Path) {
     if let Ok(folder) = File::open(folder(target)) {
         let _ = folder.sync_all();

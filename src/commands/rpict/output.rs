@@ -1,7 +1,7 @@
 //! Where a picture goes, row by row, so that what is done of it survives an interruption.
 //!
-//! A file is written under a hidden name. At a signal what is done of it takes the file's name, marked as partial in
-//! the header; what a killed program leaves is found by `-ro`.
+//! A file is written under a hidden name. At a signal what is done of it takes the file's name,
+//! marked as partial in the header; what a killed program leaves is found by `-ro`.
 
 use crate::failure::{Failure, Outcome, say};
 use crate::output::{Output, file_path};
@@ -28,7 +28,8 @@ pub(super) struct Recovered {
 }
 
 impl Recovered {
-    /// Reads the longest unfinished picture of a name or left under a hidden one; `None`, with a message, if there is none.
+    /// Reads the longest unfinished picture of a name or left under a hidden one; `None`, with a
+    /// message, if there is none.
     pub(super) fn read(path: &str) -> Result<Option<Recovered>, Failure> {
         let left = hidden(path).iter().filter_map(|left| Recovered::read_file(left).ok()).max_by_key(|left| left.done);
         let named = match Recovered::read_file(Path::new(path)) {
@@ -160,7 +161,8 @@ impl PictureWriter {
         lock(&self.rows).depths.is_some()
     }
 
-    /// Appends some rows of the picture and, if they are wanted, of distances; they are out of this program's hands afterwards.
+    /// Appends some rows of the picture and, if they are wanted, of distances; they are out of this
+    /// program's hands afterwards.
     pub(super) fn write(&mut self, rows: usize, bytes: &[u8], depths: &[f32]) -> Outcome {
         let mut to = lock(&self.rows);
         let Some(picture) = &mut to.picture else { return Ok(()) };
@@ -204,7 +206,8 @@ fn stored(depths: &[f32]) -> Vec<u8> {
 }
 
 impl Rows {
-    /// Gives what is done its name, marked as partial. Where nothing is done, or a name is taken by now, there is nothing to save.
+    /// Gives what is done its name, marked as partial. Where nothing is done, or a name is taken by
+    /// now, there is nothing to save.
     fn save(&mut self) {
         let Some(picture) = self.picture.take() else { return };
         let Some(path) = picture.hidden_path() else { return };
