@@ -1,5 +1,8 @@
 //! The command line, as typed.
 
+use crate::failure::Outcome;
+use crate::plugin_guard::PluginGuard;
+use crate::trust::Trust;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -44,15 +47,13 @@ pub(crate) enum Command {
 /// How scenes are read.
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct Reading {
-    /// Run `!` commands that are not known in process through a shell
-    #[arg(long)]
-    pub(crate) allow_commands: bool,
-    /// Replace a material by a model of a plugin: MATERIAL=LIBRARY:MODEL(number,…)
-    #[arg(long, value_name = "MATERIAL=…")]
-    pub(crate) brdf: Vec<String>,
-    /// Look for plugins in this folder first
-    #[arg(long, value_name = "DIR")]
-    pub(crate) plugin_path: Vec<PathBuf>,
+    #[command(flatten)]
+    allowed: Allowed,
+    /// What the command line lets files cause
+    #[arg(skip)]
+    pub(crate) trust: Trust,
+    #[command(flatten)]
+    pub(crate) plugin_guard: PluginGuard,
     /// What is suspect is an error: warnings of a scene, findings of a plugin's self-check
     #[arg(long)]
     pub(crate) strict: bool,
@@ -62,6 +63,41 @@ pub(crate) struct Reading {
     /// Definitions for all functions of the scene: names for messages, and texts
     #[arg(skip)]
     pub(crate) definitions: Vec<(String, Arc<[u8]>)>,
+}
+
+/// What files may cause.
+#[derive(Args, Clone, Debug, Default)]
+struct Allowed {
+    /// Run `!` commands that are not known in process through a shell
+    #[arg(long)]
+    allow_commands: bool,
+    /// Load plugins that stand beside the scene, which runs their code
+    #[arg(long)]
+    allow_plugins: bool,
+    /// Replace a material by a model of a plugin: MATERIAL=LIBRARY:MODEL(number,…)
+    #[arg(long, value_name = "MATERIAL=…")]
+    brdf: Vec<String>,
+    /// Look for plugins in this folder first
+    #[arg(long, value_name = "DIR")]
+    plugin_path: Vec<String>,
+}
+
+impl Reading {
+    /// How scenes are read where nothing else is said.
+    pub(crate) fn trusted(trust: &Trust) -> Reading {
+        Reading { trust: trust.clone(), ..Reading::default() }
+    }
+
+    /// Adds what the command line allows to what the process was started with.
+    pub(crate) fn entrust(&mut self, trust: &Trust) -> Outcome {
+        self.trust = trust.clone();
+        let Allowed { allow_commands, allow_plugins, brdf, plugin_path } = std::mem::take(&mut self.allowed);
+        let flags = [("--allow-commands", allow_commands), ("--allow-plugins", allow_plugins)];
+        let flags = flags.into_iter().filter(|(_, is_set)| *is_set).map(|(name, _)| vec![name.to_owned()]);
+        let option = |name: &'static str| move |value: String| vec![name.to_owned(), value];
+        let values = plugin_path.into_iter().map(option("--plugin-path")).chain(brdf.into_iter().map(option("--brdf")));
+        flags.chain(values).try_for_each(|words| self.trust.take(&words).map(drop))
+    }
 }
 
 #[derive(Args, Debug)]
@@ -210,6 +246,9 @@ pub(crate) enum Plugin {
     /// What each check runs
     #[command(hide = true)]
     CheckChild,
+    /// What `--isolate-plugins` runs for each library
+    #[command(hide = true)]
+    IsolationChild,
 }
 
 #[derive(Args, Debug)]

@@ -1,27 +1,22 @@
 //! The date in the headers of what is written.
 
-use std::time::SystemTime;
+use jiff::tz::TimeZone;
+use jiff::{Timestamp, Zoned};
+use radsight_picture::Header;
 
-/// Greenwich date and time as Radiance's headers have them: `2026:11:21 11:14:09`.
-pub(crate) fn greenwich_time() -> String {
-    let seconds = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    written(seconds)
+/// How Radiance's headers write a time: `2026:11:21 11:14:09`.
+const FORM: &str = "%Y:%m:%d %H:%M:%S";
+
+/// Adds when the output was made: by the clock of the place where it was (`CAPDATE`), and in Greenwich (`GMT`).
+pub(crate) fn push_date(header: &mut Header) {
+    let now = Timestamp::now();
+    push_date_of(header, &now.to_zoned(TimeZone::system()));
 }
 
-fn written(since_1970: u64) -> String {
-    let (days, second) = (since_1970 / 86_400, since_1970 % 86_400);
-    // Days from a first of March on repeat every 400 years; the year, the month and the day follow from the mean lengths
-    // (Hinnant, "chrono-Compatible Low-Level Date Algorithms", civil_from_days).
-    let from_march = days + 719_468;
-    let (era, in_era) = (from_march / 146_097, from_march % 146_097);
-    let year_of_era = (in_era - in_era / 1460 + in_era / 36_524 - in_era / 146_096) / 365;
-    let in_year = in_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let months = (5 * in_year + 2) / 153;
-    let day = in_year - (153 * months + 2) / 5 + 1;
-    let month = if months < 10 { months + 3 } else { months - 9 };
-    let year = era * 400 + year_of_era + u64::from(month <= 2);
-    let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year}:{month:02}:{day:02} {hour:02}:{minute:02}:{second:02}")
+fn push_date_of(header: &mut Header, local: &Zoned) {
+    let greenwich = local.with_time_zone(TimeZone::UTC);
+    header.push_variable("CAPDATE", &format!(" {}", local.strftime(FORM)));
+    header.push_variable("GMT", &format!(" {}", greenwich.strftime(FORM)));
 }
 
 #[cfg(test)]
@@ -29,11 +24,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn leap_days_are_counted() {
-        assert_eq!(written(0), "1970:01:01 00:00:00");
-        assert_eq!(written(951_782_399), "2000:02:28 23:59:59");
-        assert_eq!(written(951_782_400), "2000:02:29 00:00:00");
-        assert_eq!(written(1_709_251_200), "2024:03:01 00:00:00");
-        assert_eq!(written(1_795_259_649), "2026:11:21 11:14:09");
+    fn headers_have_the_local_date_and_that_of_greenwich() {
+        let mut header = Header::default();
+        let moment = Timestamp::from_second(1_795_303_449).expect("a second of this century");
+        push_date_of(&mut header, &moment.to_zoned(TimeZone::fixed(jiff::tz::offset(-8))));
+        let lines: Vec<&[u8]> = header.lines().collect();
+        assert_eq!(lines, [&b"CAPDATE= 2026:11:21 15:24:09"[..], b"GMT= 2026:11:21 23:24:09"]);
     }
 }

@@ -1,7 +1,8 @@
 //! Control files of programs that stay alive in Radiance (`-P`, `-PP`).
 //!
 //! Here none does: the file keeps the command line, and a call with the same file and no scene does again what it says. No process stands in it, so who
-//! ends the one that would wait in Radiance ends none.
+//! ends the one that would wait in Radiance ends none. The line that is kept is a file's: it can
+//! name no more than other files.
 
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_file;
@@ -43,13 +44,21 @@ fn recall(path: &str, program: &str) -> Result<Vec<String>, Failure> {
     if made_in != folder() {
         return Err(wrong(format!("its command line is for the folder \"{made_in}\", expected to be called there")));
     }
-    let words: Vec<String> = lines.collect();
+    let words = without_control_file(lines.collect());
     match words.first() {
         Some(name) if name == program => Ok(words),
         name => {
             Err(wrong(format!("its command line is for {}, expected {program}", name.map_or("nothing", |name| name))))
         }
     }
+}
+
+/// What is done again, without the option that kept it.
+fn without_control_file(mut words: Vec<String>) -> Vec<String> {
+    while let Some(at) = words.iter().position(|word| is_option(word)) {
+        words.drain(at..words.len().min(at + 2));
+    }
+    words
 }
 
 /// The text of a control file of ours; `None` where there is none, or nothing in it.

@@ -3,24 +3,22 @@
 use crate::commands::{mksource, radiance_programs};
 use crate::failure::reason;
 use crate::read_once;
-use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+use crate::trust::{Trust, shell};
+use radsight_loader::{AS_IN_SHELL, FileKind, LoadError, Loaded, Loader};
 use std::fs;
 use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
+use std::time::SystemTime;
 
-/// Whether `!` commands that are not known may be run by a shell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Commands {
-    Refused,
-    Allowed,
-}
+pub(crate) use crate::trust::Commands;
 
 /// Looks in the folders of `RAYPATH` (the working folder when it is not set), and then in radsight's own function library.
 #[derive(Debug)]
 pub(crate) struct DiskLoader {
     folders: Vec<PathBuf>,
     commands: Commands,
+    shuffle_seed: u64,
 }
 
 impl DiskLoader {
@@ -32,7 +30,13 @@ impl DiskLoader {
                 .collect(),
             None => vec![PathBuf::from(".")],
         };
-        DiskLoader { folders, commands }
+        DiskLoader { folders, commands, shuffle_seed: 0 }
+    }
+
+    /// The same for a program that a user typed: what it shuffles is in another order each time.
+    pub(crate) fn shuffling(self) -> DiskLoader {
+        let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        DiskLoader { shuffle_seed: since.as_nanos() as u64, ..self }
     }
 
     /// Where a name is looked for: names that say where they are only there, others in each folder.
@@ -112,32 +116,44 @@ impl Loader for DiskLoader {
     }
 
     fn open_command(&self, command: &str) -> Result<Box<dyn Read>, LoadError> {
-        if self.commands == Commands::Refused {
+        let Commands::Allowed(permit) = self.commands else {
             return Err(LoadError::CommandRefused { command: command.to_owned() });
-        }
+        };
         let script = own_programs() + command;
-        let started = Command::new("sh").args(["-c", &script]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let started = shell(permit, &script).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
         let child = started
             .map_err(|error| LoadError::CommandFailed { command: command.to_owned(), reason: reason(&error) })?;
         Ok(Box::new(CommandOutput { child }))
     }
 
-    fn run_program(&self, argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
-        let is_mksource = argv.first().is_some_and(|name| Path::new(name).file_name() == Some("mksource".as_ref()));
-        is_mksource.then(|| match mksource::make(argv) {
-            Ok(output) => Ok(output.standard_output),
-            Err(error) => Err(LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
-        })
+    fn shuffle_seed(&self) -> u64 {
+        self.shuffle_seed
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        file_names_like(pattern)
+    }
+
+    fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
+        let made = match Path::new(argv.first()?).file_name()?.to_str()? {
+            "mksource" => mksource::make(argv, &Trust::default()),
+            // Generators such as replmarks -e run it.
+            "xform" => radsight_parse::xform(argv, &standard_input.unwrap_or_default(), self),
+            _ => return None,
+        };
+        Some(
+            made.map(|output| output.standard_output)
+                .map_err(|error| LoadError::CommandFailed { command: argv.join(" "), reason: error.to_string() }),
+        )
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
-        if self.commands == Commands::Refused {
+        let Commands::Allowed(permit) = self.commands else {
             return Err(LoadError::CommandRefused { command: command.to_owned() });
-        }
+        };
         let failed = |reason: String| LoadError::CommandFailed { command: command.to_owned(), reason };
         let stdin = if standard_input.is_some() { Stdio::piped() } else { Stdio::null() };
-        let mut child = Command::new("sh")
-            .args(["-c", command])
+        let mut child = shell(permit, command)
             .stdin(stdin)
             .stdout(Stdio::piped())
             .spawn()
@@ -189,4 +205,12 @@ impl Drop for CommandOutput {
         drop(self.child.stdout.take());
         let _ = self.child.wait();
     }
+}
+
+/// Files of the working folder that a pattern matches, as `sh` finds them.
+fn file_names_like(pattern: &str) -> Vec<String> {
+    let Ok(paths) = glob::glob_with(pattern, AS_IN_SHELL) else { return Vec::new() };
+    let prefix = if pattern.starts_with("./") { "./" } else { "" };
+    let name = |path: PathBuf| path.to_str().map(|name| format!("{prefix}{}", name.trim_start_matches("./")));
+    paths.filter_map(Result::ok).filter_map(name).collect()
 }

@@ -1,6 +1,6 @@
 //! How the program ends when it cannot do what was asked.
 
-use crate::output::append;
+use crate::output::{append, write_standard_output};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use std::fs::File;
 use std::io::{self, Write};
@@ -21,6 +21,8 @@ pub(crate) struct Failure {
 enum FailureKind {
     /// Nothing is wrong: help was asked for, or the reader of our output went away.
     Success,
+    /// Nothing is wrong either: an option asked for a text on standard output instead of the work.
+    Answer,
     /// Exit code 1.
     Input,
     /// Exit code 2.
@@ -46,6 +48,11 @@ impl Failure {
     /// A limit or a fault stopped the work.
     pub(crate) fn fault(message: impl Into<String>) -> Failure {
         Failure { kind: FailureKind::Fault, message: with_prefix(&message.into()) }
+    }
+
+    /// An option asked for a text instead of the work, as `-version` does.
+    pub(crate) fn answer(text: impl Into<String>) -> Failure {
+        Failure { kind: FailureKind::Answer, message: text.into() }
     }
 
     /// What the argument parser says; help and version are no failure.
@@ -88,11 +95,17 @@ impl Failure {
 
     /// Prints the message and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
+        if self.kind == FailureKind::Answer {
+            return match write_standard_output(self.message.as_bytes()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(failure) => failure.report(),
+            };
+        }
         if !self.message.is_empty() {
             say(&self.message);
         }
         ExitCode::from(match self.kind {
-            FailureKind::Success => 0,
+            FailureKind::Success | FailureKind::Answer => 0,
             FailureKind::Input => 1,
             FailureKind::Usage => 2,
             FailureKind::Fault => 3,

@@ -5,6 +5,7 @@ use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::plugins::{Models, PluginOptions, report_faults};
 use crate::read_once;
+use crate::trust::{Trust, shell};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
@@ -16,7 +17,7 @@ use radsight_picture::Header;
 use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan};
 use std::io::{self, Read as _};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::Arc;
 
 /// Reads a camera file and prints its warnings.
@@ -57,9 +58,9 @@ pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
 }
 
 /// What a command of the command line writes, as Radiance's programs take one after `!` in the place of a file.
-fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
+fn read_command(command: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
     let failed = |what: String| Failure::input(format!("command \"{command}\": {what}"));
-    let output = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
+    let output = shell(commands.permit(command)?, command).stdin(Stdio::null()).stderr(Stdio::inherit()).output();
     let output = output.map_err(|error| failed(reason(&error)))?;
     if !output.status.success() {
         return Err(failed(output.status.to_string()));
@@ -70,20 +71,25 @@ fn read_command(command: &str) -> Result<Vec<u8>, Failure> {
 /// What a word of the command line names: standard input (`-`), what a command after `!` writes, or a file, which `read` reads.
 pub(crate) fn read_source<B: From<Vec<u8>>>(
     source: &str,
+    commands: Commands,
     read: impl FnOnce(&str) -> Result<B, Failure>,
 ) -> Result<B, Failure> {
     match (source, source.strip_prefix('!')) {
         ("-", _) => read_standard_input().map(B::from),
-        (_, Some(command)) => read_command(command).map(B::from),
+        (_, Some(command)) => read_command(command, commands).map(B::from),
         (path, None) => read(path),
     }
 }
 
 /// The texts of scenes: files, `-` for standard input, commands after `!`, and the light ring of a camera file.
-pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Result<Vec<Input>, Failure> {
+pub(crate) fn scene_inputs(
+    paths: &[String],
+    camera: Option<&CameraFile>,
+    trust: &Trust,
+) -> Result<Vec<Input>, Failure> {
     let mut inputs = Vec::new();
     for path in paths {
-        let bytes = read_source(path, read_scene_file)?;
+        let bytes = read_source(path, trust.own_commands(), read_scene_file)?;
         let name = if path == "-" { "<standard input>" } else { path };
         inputs.push(Input::Text { name: name.to_owned(), text: bytes });
     }
@@ -94,13 +100,13 @@ pub(crate) fn scene_inputs(paths: &[String], camera: Option<&CameraFile>) -> Res
 }
 
 /// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
-pub(crate) fn expanded_scene_text(program: &str, path: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
-    let text: Vec<u8> = read_source(path, |path| read_file(path, "scene file"))?;
+pub(crate) fn expanded_scene_text(program: &str, path: &str, trust: &Trust) -> Result<Vec<u8>, Failure> {
+    let text: Vec<u8> = read_source(path, trust.own_commands(), |path| read_file(path, "scene file"))?;
     let has_commands = text.split(|byte| *byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"!"));
     if !has_commands {
         return Ok(text);
     }
-    let loader = DiskLoader::new(commands);
+    let loader = DiskLoader::new(trust.commands());
     let made = radsight_parse::xform(&["xform".to_owned()], &text, &loader);
     made.map(|made| made.standard_output).map_err(|error| Failure::input(format!("{program}: \"{path}\": {error}")))
 }
@@ -114,12 +120,13 @@ pub(crate) fn read(inputs: Vec<Input>, commands: Commands, options: &ReadOptions
 impl Reading {
     /// Whether unknown commands may run.
     pub(crate) fn commands(&self) -> Commands {
-        if self.allow_commands { Commands::Allowed } else { Commands::Refused }
+        self.trust.commands()
     }
 
     /// What the parser is to do.
     pub(crate) fn read_options(&self) -> Result<ReadOptions, Failure> {
-        let brdf: Result<Vec<_>, _> = self.brdf.iter().map(|text| BrdfReplacement::parse(text)).collect();
+        let brdf: Result<Vec<_>, _> =
+            self.trust.replacements().iter().map(|text| BrdfReplacement::parse(text)).collect();
         let brdf = brdf.map_err(|reason| Failure::usage(format!("option \"--brdf\": {reason}")))?;
         let tolerance = if self.strict { Tolerance::Strict } else { Tolerance::AsRadiance };
         let definitions = self.definitions.clone();
@@ -127,7 +134,7 @@ impl Reading {
     }
 
     fn plugin_options(&self) -> PluginOptions {
-        PluginOptions { folders: self.plugin_path.clone(), strict: self.strict }
+        PluginOptions { trust: self.trust.clone(), strict: self.strict, guard: self.plugin_guard.clone() }
     }
 }
 
@@ -176,7 +183,7 @@ pub(crate) fn plan_changed(
     render_options: RenderOptions,
     change: impl FnOnce(&mut Scene) -> Outcome,
 ) -> Result<Planned, Failure> {
-    plan_inputs(scene_inputs(paths, camera)?, paths, reading, render_options, change)
+    plan_inputs(scene_inputs(paths, camera, &reading.trust)?, paths, reading, render_options, change)
 }
 
 /// Plans the rendering of a scene's text, of this name in messages.
@@ -206,7 +213,7 @@ fn plan_inputs(
 
 /// Reads and validates a scene, for plans that a [`Planner`] makes. Warnings are printed, errors end the work.
 pub(crate) fn read_valid_scene(paths: &[String], reading: &Reading) -> Result<(ValidScene, SourceMap), Failure> {
-    valid_scene(scene_inputs(paths, None)?, reading, |_| Ok(()))
+    valid_scene(scene_inputs(paths, None, &reading.trust)?, reading, |_| Ok(()))
 }
 
 /// Plans renderings of a scene, all with the same plugins.

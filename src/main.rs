@@ -14,12 +14,15 @@ mod input;
 mod output;
 mod output_color;
 mod output_format;
+mod plugin_guard;
 mod plugins;
 mod progress;
 mod ray_input;
 mod read_once;
 mod render_args;
+mod shown_options;
 mod switch;
+mod trust;
 mod view_args;
 
 use clap::Parser;
@@ -27,6 +30,7 @@ use failure::{Failure, Outcome};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
+use trust::Trust;
 
 fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
@@ -37,19 +41,19 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Vec<OsString>) -> Outcome {
-    let words = words(&arguments)?;
+    let (trust, words) = Trust::of_process(words(&arguments)?)?;
     let own_name = words.first().and_then(|name| Path::new(name).file_stem()).and_then(|name| name.to_str());
     // Called through a link with a Radiance program's name, it is that program; so it is when the name comes first.
     let linked: Vec<String> = own_name.map(str::to_owned).into_iter().chain(words.iter().skip(1).cloned()).collect();
-    if let Some(outcome) = commands::run_radiance_program(&linked) {
+    if let Some(outcome) = commands::run_radiance_program(&linked, &trust) {
         return outcome;
     }
-    if let Some(outcome) = commands::run_radiance_program(words.get(1..).unwrap_or_default()) {
+    if let Some(outcome) = commands::run_radiance_program(words.get(1..).unwrap_or_default(), &trust) {
         return outcome;
     }
     let (render, rest) = render_args::take(&words)?;
     match args::Program::try_parse_from(rest) {
-        Ok(program) => commands::run(program, render),
+        Ok(program) => commands::run(program, render, &trust),
         Err(error) => Err(Failure::from_clap(error)),
     }
 }

@@ -1,6 +1,7 @@
 //! The one way out: files that appear whole or not at all, pipes and devices, standard output.
 
 use crate::failure::{Failure, Outcome, reason};
+use radsight_brdf_host::guard;
 use radsight_output::{Place, WholeFile, inputs};
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -190,12 +191,12 @@ pub(crate) fn check_writable(name: &str) -> Outcome {
     }
 }
 
-/// What all programs write their standard output to.
-pub(crate) type StandardOutput = io::StdoutLock<'static>;
+/// What all programs write their standard output to: the data's, where no plugin prints.
+pub(crate) type StandardOutput = guard::standard_output::StandardOutput;
 
 /// Standard output, which only this module names.
 pub(crate) fn standard_output() -> StandardOutput {
-    io::stdout().lock()
+    guard::standard_output::StandardOutput
 }
 
 /// Writes to standard output.

@@ -1,6 +1,6 @@
 //! How values are written: as numbers, or as pixels.
 
-use radsight_picture::{Header, encode_spectrum, scientific};
+use radsight_picture::{Header, encode_spectrum, push_scientific};
 use radsight_pinhole::stream::NumberFormat;
 
 /// How values are written.
@@ -14,6 +14,9 @@ pub(crate) enum OutputFormat {
 
 /// Digits after the point of a number in text.
 const DIGITS: usize = 6;
+
+/// Room for such a number with its sign and a tab.
+const CHARACTERS: usize = DIGITS + 8;
 
 impl OutputFormat {
     /// The formats of input and output that letters after `-f` ask for; of one letter both. `None` for other letters.
@@ -50,10 +53,12 @@ impl OutputFormat {
     pub(crate) fn put(self, values: &[f64], out: &mut Vec<u8>) {
         match self {
             OutputFormat::Numbers(NumberFormat::Ascii) => {
+                let mut text = String::with_capacity(CHARACTERS * values.len());
                 for value in values {
-                    out.extend_from_slice(scientific(*value, DIGITS).as_bytes());
-                    out.push(b'\t');
+                    push_scientific(*value, DIGITS, &mut text);
+                    text.push('\t');
                 }
+                out.extend_from_slice(text.as_bytes());
             }
             OutputFormat::Numbers(format) => format.encode(values, out),
             OutputFormat::Pixels => {
@@ -69,6 +74,7 @@ impl OutputFormat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use radsight_picture::scientific;
 
     #[test]
     fn numbers_look_as_c_prints_them() {

@@ -1,6 +1,8 @@
 //! BRDF plugins for the renderer: where they are looked for, and their errors at the scene's tokens.
 
 use crate::failure::say;
+use crate::plugin_guard::PluginGuard;
+use crate::trust::Trust;
 use radsight_brdf::Brdf;
 use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck, Token};
@@ -20,25 +22,40 @@ const GREY_BAND: Band = Band { centre_m: 555e-9, low_m: 380e-9, high_m: 780e-9 }
 /// What the command line says of plugins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PluginOptions {
-    /// `--plugin-path`.
-    pub(crate) folders: Vec<PathBuf>,
+    /// Which folders are searched.
+    pub(crate) trust: Trust,
     /// `--strict`: findings of the self-check are errors.
     pub(crate) strict: bool,
+    /// What they may take, and where they run.
+    pub(crate) guard: PluginGuard,
 }
 
-/// Folders in the order of the search: the command line's, the environment's, the scenes', the program's own.
-pub(crate) fn search_path(options: &PluginOptions, scenes: &[String]) -> SearchPath {
+/// The folders whose libraries are loaded, in the order of the search: the command line's, the
+/// environment's, the program's own.
+///
+/// The program's own folder does not count where scenes stand in it: it is no more than the place
+/// where both were unpacked.
+pub(crate) fn search_path(folders: &[PathBuf], scenes: &SearchPath) -> SearchPath {
     let mut path = SearchPath::default();
-    options.folders.iter().for_each(|folder| path.push(folder));
+    folders.iter().for_each(|folder| path.push(folder));
     if let Some(list) = std::env::var_os(PATH_VARIABLE) {
         path.push_list(&list);
     }
-    scenes.iter().filter(|scene| *scene != "-").for_each(|scene| path.push(folder_of(scene)));
-    if let Some(own) = std::env::current_exe().ok().as_deref().and_then(Path::parent) {
+    let real = |folder: &Path| std::fs::canonicalize(folder).ok();
+    let is_of_scenes = |own: &Path| scenes.folders().iter().any(|folder| real(folder).is_some_and(|f| f == own));
+    let own = std::env::current_exe().ok().and_then(|program| real(program.parent()?));
+    if let Some(own) = own.as_deref().filter(|own| !is_of_scenes(own)) {
         path.push(own.join("plugins"));
         // A program that was just built has the workspace's plugins beside it.
         path.push(own);
     }
+    path
+}
+
+/// The folders of the scenes, whose libraries are loaded only if the command line says so.
+fn folders_of(scenes: &[String]) -> SearchPath {
+    let mut path = SearchPath::default();
+    scenes.iter().filter(|scene| *scene != "-").for_each(|scene| path.push(folder_of(scene)));
     path
 }
 
@@ -50,6 +67,10 @@ fn folder_of(file: &str) -> PathBuf {
 /// Makes the models of a scene.
 pub(crate) struct Models<'s> {
     registry: Registry,
+    guard: PluginGuard,
+    trust: Trust,
+    /// Folders whose libraries are loaded, and those of the scenes.
+    folders: [SearchPath; 2],
     sources: &'s SourceMap,
     folder: PathBuf,
     /// What was said already: a model may be made twice, for three bands and for one.
@@ -62,8 +83,34 @@ impl<'s> Models<'s> {
     pub(crate) fn new(options: &PluginOptions, scenes: &[String], sources: &'s SourceMap) -> Self {
         let check = if options.strict { SelfCheck::Strict } else { SelfCheck::Warn };
         let folder = scenes.iter().find(|scene| *scene != "-").map_or(PathBuf::from("."), |scene| folder_of(scene));
-        let registry = Registry::new(search_path(options, scenes), check);
-        Models { registry, sources, folder, said: RefCell::default(), made: RefCell::default() }
+        let of_scenes = folders_of(scenes);
+        let folders = [search_path(options.trust.plugin_folders(), &of_scenes), of_scenes];
+        // What stands beside a scene comes last, so that it hides nothing. `check_library` decides
+        // what is loaded from there.
+        let mut all = folders[0].clone();
+        folders[1].folders().iter().for_each(|folder| all.push(folder));
+        let (trust, guard) = (options.trust.clone(), options.guard.clone());
+        let searched = if trust.may_load_beside_scenes() { all } else { folders[0].clone() };
+        let registry = guard.place(Registry::new(searched, check));
+        Models { registry, guard, trust, folders, sources, folder, said: RefCell::default(), made: RefCell::default() }
+    }
+
+    /// A library beside the scene is no more than another input, until the command line says
+    /// otherwise.
+    fn check_library(&self, library: &str) -> Result<(), Diagnostic> {
+        let [installed, of_scenes] = &self.folders;
+        let is_allowed = self.trust.allows_plugins_of_scenes() || self.trust.names_library(library);
+        if is_allowed || installed.find(library).is_ok() {
+            return Ok(());
+        }
+        match of_scenes.find(library) {
+            Ok(file) => Err(Diagnostic::error(format!(
+                "library \"{}\" stands beside the scene and is not loaded: a scene is input, not a program",
+                file.display()
+            ))
+            .hint("--allow-plugins loads libraries beside the scene, --plugin-path DIR those of a folder")),
+            Err(_) => Ok(()),
+        }
     }
 
     /// The registry, which counts what plugins returned wrongly.
@@ -99,6 +146,11 @@ impl ModelSource for Models<'_> {
         }
         let label = Label { material: request.material.to_owned(), place };
         let bands: &[Band] = if request.bands == 1 { &[GREY_BAND] } else { &CHECK_BANDS };
+        self.check_library(request.library).map_err(|diagnostic| {
+            let place = token_span(request, Token::Library);
+            place.map_or_else(|| diagnostic.clone(), |span| diagnostic.clone().at(span))
+        })?;
+        self.guard.guard_program().map_err(Diagnostic::error)?;
         let made = self.registry.instantiate(&Request {
             library: request.library,
             model: request.model,

@@ -15,7 +15,7 @@ use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, R
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
-const WITHOUT_EFFECT: [&str; 6] = ["-ds", "-dj", "-dt", "-dc", "-dp", "-ss"];
+const WITHOUT_EFFECT: [&str; 5] = ["-dj", "-dt", "-dc", "-dp", "-ss"];
 
 /// The weight of Radiance's ambient value among gathered ones: ours stands only where nothing is gathered.
 const AMBIENT_WEIGHT: &str = "-aw";
@@ -67,6 +67,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         }
         "-as" => {
             options.gathering.super_samples = number(words, word, "a number of rays, 0 or more")?;
+            Ok(2)
+        }
+        "-ds" => {
+            options.source_sampling = number(words, word, "a size over a distance, 0 or more")?;
             Ok(2)
         }
         "-st" => {
@@ -191,30 +195,23 @@ pub(crate) fn take_irradiance(words: &[String], options: &mut RenderOptions) -> 
     1
 }
 
-/// The options as they stand, for `-defaults`.
-pub(crate) fn defaults(options: &RenderOptions) -> Vec<String> {
-    let sign = if options.back_faces == BackFaces::Visible { '+' } else { '-' };
-    vec![
-        format!("-bv{sign}\t\t\t\t# back face visibility"),
-        format!("-dr {:<9}\t\t\t# direct relays", options.mirror_relays),
-        format!("-st {:<9}\t\t\t# specular threshold", options.highlight_threshold),
-        format!("-ab {:<9}\t\t\t# ambient bounces", options.ambient_bounces),
-        format!("--seed {}\t\t\t# sample sequence", options.seed),
-    ]
-}
-
-/// Takes one option of ours that Radiance's programs do not have: how scenes are read, and the seed.
+/// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
+/// may cause, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
+    let used = reading.plugin_guard.take(words)?;
+    if used > 0 {
+        return Ok(used);
+    }
     let word = words[0].as_str();
     match word {
         "--seed" => options.seed = number(words, word, "a whole number")?,
-        "--allow-commands" => reading.allow_commands = true,
-        "--strict" => reading.strict = true,
-        "--brdf" => reading.brdf.push(number(words, word, "a value")?),
-        "--plugin-path" => reading.plugin_path.push(number(words, word, "a folder")?),
-        _ => return Ok(0),
+        "--strict" => {
+            reading.strict = true;
+            return Ok(1);
+        }
+        _ => return reading.trust.take(words),
     }
-    Ok(if matches!(word, "--allow-commands" | "--strict") { 1 } else { 2 })
+    Ok(2)
 }
 
 /// Takes one option that defines something for all functions of the scene: `-f FILE`, and `-e TEXT` if the text is a definition.

@@ -54,7 +54,7 @@ fn near(found: f64, expected: f64, share: f64) {
 fn sky_coefficients_are_projected_solid_angles() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{FAR}"));
-    let words = "-h -I+ -ab 1 -ad 16384 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
+    let words = "-h -I+ -ab 1 -ad 16384 -lw 1e-6 -f tregenza.cal -b tbin -bn Ntbins -m skyglow scene.rad";
     let record = &numbers(&run(&folder, words, "0 0 0 0 0 1\n").done())[0];
     assert_eq!(record.len(), 3 * 146);
     let total: f64 = record.iter().step_by(3).sum();
@@ -106,6 +106,8 @@ fn records_do_not_depend_on_threads_and_add_up() {
     let folder = Folder::new();
     folder.file("scene.rad", format!("{SKY}{ROOM}"));
     let rays = "1 1 .8 0 0 1\n2 2 1 0 0 1\n3 4 .8 0 0 1\n";
+    let many = "-h -I+ -ab 1 -ad 40000 -lw 1e-6 -m skyglow scene.rad";
+    assert_eq!(run(&folder, many, rays).done(), run(&folder, &format!("-n 1 {many}"), rays).done());
     let words = "-h -I+ -ab 2 -ad 3000 -m skyglow -m sun scene.rad";
     let records = run(&folder, words, rays).done();
     assert_eq!(records, run(&folder, &format!("-n 1 {words}"), rays).done());
@@ -401,4 +403,24 @@ fn wrong_command_lines_and_input_are_told() {
     let warned = run(&folder, "-h -m moon scene.rad", "1 1 1 0 0 1\n");
     assert!(warned.code == 0 && warned.messages.contains("the scene has no modifier \"moon\""), "{}", warned.messages);
     assert_eq!(folder.names().iter().filter(|name| name.ends_with(".part")).count(), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_written_to_and_stays_a_pipe() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = Folder::new();
+    folder.file("scene.rad", "void light shine 0 0 3 1 2 3\nshine sphere ball 0 0 4 0 0 0 1\n");
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe")).status();
+    if !made.is_ok_and(|status| status.success()) {
+        return;
+    }
+    let pipe = folder.path("pipe");
+    let reader = std::thread::spawn(move || std::fs::read(pipe).expect("the pipe is read"));
+    let mut program = command(&["rcontrib", "-h-", "-o", "pipe", "-m", "shine", "scene.rad"]);
+    run_with(program.current_dir(folder.path("")), b"0 0 5 0 0 -1\n").done();
+    let read = String::from_utf8(reader.join().expect("the reader ends")).expect("text");
+    assert_eq!(read.split_whitespace().count(), 3, "{read}");
+    let found = std::fs::symlink_metadata(folder.path("pipe")).expect("it is there");
+    assert!(found.file_type().is_fifo(), "nothing takes the place of the pipe");
 }

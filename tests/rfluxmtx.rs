@@ -33,7 +33,7 @@ fn wall(basis: &str) -> String {
 /// Runs both programs, the words split at spaces, and gives what each has written to `file`.
 fn both(radiance: &Radiance, folder: &Folder, words: &str, input: &[u8], file: &str) -> [Matrix; 2] {
     let words: Vec<&str> = words.split(' ').collect();
-    let mut ours = command(&[&["rfluxmtx"], &words[..]].concat());
+    let mut ours = command(&[&["rfluxmtx", "-fo"], &words[..]].concat());
     let mut theirs = radiance.command("rfluxmtx", &words);
     let raypath = radiance.raypath();
     [ours.env("RAYPATH", raypath), &mut theirs].map(|program| {
@@ -139,7 +139,7 @@ fn what_is_wrong_is_told() {
     };
     check("sender.rad", 2, "expected a sender (or -) and a receiver");
     check("-zz sender.rad receiver.rad", 2, "option \"-zz\" is not supported");
-    check("-fo sender.rad receiver.rad", 2, "option \"-fo\" is not supported");
+    check("-fx sender.rad receiver.rad", 2, "option \"-fx\" is not supported");
     check("-c 0 sender.rad receiver.rad", 2, "expected a number of rays, 1 or more");
     check("-av 1 2", 2, "expected 3 words after it");
     check("-I+ sender.rad receiver.rad", 2, "for rays from standard input (-) only");

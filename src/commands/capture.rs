@@ -5,6 +5,7 @@ use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
 use crate::progress::Bar;
+use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
 use radsight_output::interrupt;
@@ -25,8 +26,8 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     use_threads(arguments.threads)?;
     let camera = read_camera(&arguments.camera)?;
     let sensor = sensor_for(arguments, &camera)?;
-    for path in [&arguments.output, &arguments.exposure].into_iter().flatten() {
-        check_writable(path)?;
+    for path in [&arguments.output, &arguments.exposure].into_iter().flatten().filter(|path| *path != "-") {
+        check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
     let Planned { plan, registry, sources } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;

@@ -15,7 +15,8 @@ pub(crate) fn run(arguments: &Check) -> Outcome {
         tolerance: Tolerance::Strict,
         ..arguments.reading.read_options()?
     };
-    let Read { scene, sources, mut diagnostics, .. } = read(scene_inputs(&arguments.scenes, None)?, commands, &options);
+    let Read { scene, sources, mut diagnostics, .. } =
+        read(scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?, commands, &options);
     let surfaces = scene.surfaces.len();
     let modifiers = scene.modifiers.len();
     match scene.validate() {

@@ -1,4 +1,5 @@
-//! What the programs that trace rays say of themselves to scripts: `-version`, and `-features` with those that a script needs.
+//! What the programs that trace rays say of themselves to scripts: `-version`, and `-features` with those that a script
+//! needs.
 
 use crate::failure::{Failure, Outcome};
 use crate::output::write_standard_output;
@@ -73,16 +74,18 @@ const OWN: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// Answers `-version` and `-features`; `None` where something else is asked.
+/// What `-version` answers, wherever it stands among the options: scripts look for Radiance's name and the version that
+/// they need.
+pub(super) fn version() -> Failure {
+    Failure::answer(concat!("RADIANCE 6.0a (radsight ", env!("CARGO_PKG_VERSION"), ")\n"))
+}
+
+/// Answers `-features` as the first word; `None` where something else is asked.
 pub(super) fn answer(words: &[String]) -> Option<Outcome> {
     let (name, asked) = (words.first()?.as_str(), words.get(1)?.as_str());
     let (_, own) = OWN.iter().find(|(program, _)| *program == name)?;
     let all = || TRACING.iter().chain(own.iter()).copied();
     match asked {
-        // Scripts look for Radiance's name and the version that they need.
-        "-version" if words.len() == 2 => Some(write_standard_output(
-            concat!("RADIANCE 6.0a (radsight ", env!("CARGO_PKG_VERSION"), ")\n").as_bytes(),
-        )),
         "-features" if words.len() == 2 => {
             let text: String = all().map(|feature| format!("{feature}\n")).collect();
             Some(write_standard_output(text.as_bytes()))

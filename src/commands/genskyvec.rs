@@ -5,12 +5,13 @@ use super::scene_program::{Piped, finish};
 use crate::args::Reading;
 use crate::failure::Outcome;
 use crate::input::plan_text;
+use crate::trust::Trust;
 use radsight_generate::{Error, Surrounding, genskyvec};
 use radsight_render::RenderOptions;
 
 /// Runs the program; `argv[0]` is its name.
-pub(crate) fn run(argv: &[String]) -> Outcome {
-    finish("genskyvec", genskyvec(argv, &Piped::default(), &open))
+pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
+    finish("genskyvec", genskyvec(argv, &Piped::default(), &open), trust)
 }
 
 fn open(sky: Vec<u8>) -> Result<Box<Surrounding<'static>>, Error> {

@@ -5,6 +5,7 @@ use super::scene_program::finish;
 use crate::args::Reading;
 use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, plan};
+use crate::trust::Trust;
 use glam::DVec3;
 use radsight_generate::{Error, Output, Surrounding, mksource};
 use radsight_loader::LoadError;
@@ -18,18 +19,19 @@ const MAX_DEPTH: u32 = 8;
 static DEPTH: AtomicU32 = AtomicU32::new(0);
 
 /// Runs the program; `argv[0]` is its name.
-pub(crate) fn run(argv: &[String]) -> Outcome {
-    finish("mksource", make(argv))
+pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
+    finish("mksource", make(argv, trust), trust)
 }
 
-/// What the program prints.
-pub(crate) fn make(argv: &[String]) -> Result<Output, Error> {
+/// What the program prints. Without trust for its words it is called by a scene.
+pub(crate) fn make(argv: &[String], trust: &Trust) -> Result<Output, Error> {
     mksource(argv, &|octree| {
         let name = octree.unwrap_or("-").to_owned();
         if DEPTH.fetch_add(1, Ordering::Relaxed) >= MAX_DEPTH {
             return Err(unreadable(&name, "its sources are made of its own sources"));
         }
-        let planned = plan(std::slice::from_ref(&name), None, &Reading::default(), RenderOptions::default());
+        let reading = Reading::trusted(trust);
+        let planned = plan(std::slice::from_ref(&name), None, &reading, RenderOptions::default());
         DEPTH.fetch_sub(1, Ordering::Relaxed);
         surrounding(&name, planned)
     })

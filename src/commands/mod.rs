@@ -29,7 +29,8 @@ mod vwrays;
 mod words;
 
 use crate::args::{Command, Program};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
+use crate::trust::{Origin, Trust};
 use radsight_render::RenderOptions;
 
 /// The programs of Radiance's that radsight can stand in for.
@@ -52,45 +53,57 @@ pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
 }
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
-pub(crate) fn run_radiance_program(words: &[String]) -> Option<Outcome> {
+pub(crate) fn run_radiance_program(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?.as_str();
     if let Some(outcome) = features::answer(words) {
         return Some(outcome);
     }
     match name {
-        "genskyvec" => return Some(genskyvec::run(words)),
-        "mkillum" => return Some(mkillum::run(words)),
-        "mksource" => return Some(mksource::run(words)),
-        "obj2mesh" => return Some(obj2mesh::run(words)),
-        "oconv" => return Some(oconv::run(words)),
-        "rad" => return Some(rad::run(&words[1..])),
-        "rcontrib" => return Some(rcontrib::run(words)),
-        "rfluxmtx" => return Some(rfluxmtx::run(words)),
-        "rpict" => return Some(rpict::run(words)),
-        "rsplit" => return Some(rsplit::run(words)),
-        "rtrace" => return Some(rtrace::run(words)),
+        "genskyvec" => return Some(genskyvec::run(words, trust)),
+        "mkillum" => return Some(mkillum::run(words, trust)),
+        "mksource" => return Some(mksource::run(words, trust)),
+        "obj2mesh" => return Some(obj2mesh::run(words, trust)),
+        "oconv" => return Some(oconv::run(words, trust)),
+        "rad" => return Some(rad::run(&words[1..], trust)),
+        "rcontrib" => return Some(rcontrib::run(words, trust)),
+        "rfluxmtx" => return Some(rfluxmtx::run(words, trust)),
+        "rpict" => return Some(rpict::run(words, trust)),
+        "rsplit" => return Some(rsplit::run(words, trust)),
+        "rtrace" => return Some(rtrace::run(words, trust)),
         "vwrays" => return Some(vwrays::run(&words[1..])),
         _ => {}
     }
-    if let Some(outcome) = picture::run(words).or_else(|| matrix::run(words)) {
+    if let Some(outcome) = picture::run(words, trust).or_else(|| matrix::run(words, trust)) {
         return Some(outcome);
     }
     if scene_program::names().any(|known| known == name) {
-        return Some(scene_program::run(words));
+        return Some(scene_program::run(words, trust));
     }
     missing::refused(name).map(Err)
 }
 
 /// Runs a subcommand.
-pub(crate) fn run(program: Program, render: RenderOptions) -> Outcome {
+pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Outcome {
     match program.command {
-        Command::Capture(arguments) => capture::run(&arguments, render),
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Explain(arguments) => explain::run(&arguments, render),
+        Command::Capture(mut arguments) => {
+            arguments.reading.entrust(trust)?;
+            capture::run(&arguments, render)
+        }
+        Command::Check(mut arguments) => {
+            arguments.reading.entrust(trust)?;
+            check::run(&arguments)
+        }
+        Command::Explain(mut arguments) => {
+            arguments.reading.entrust(trust)?;
+            explain::run(&arguments, render)
+        }
         Command::Pinhole(arguments) => pinhole::run(&arguments),
         Command::Sensor(arguments) => sensor::run(&arguments),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Plugin(_) | Command::InstallLinks(_) if trust.origin() == Origin::File => Err(Failure::input(
+            "plugin and install-links are not run with words of a file\nhint: only the command line itself may call them",
+        )),
         Command::Plugin(arguments) => plugin::run(&arguments),
         Command::InstallLinks(arguments) => install_links::run(&arguments),
     }

@@ -8,13 +8,14 @@ use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{read, read_file, read_standard_input};
 use crate::output::write_file;
+use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
 use radsight_generate::WavefrontMesh;
 use radsight_ir::{Cube, Scene, Shape, Surface};
 use radsight_loader::{FileKind, Loader};
 use radsight_octree::{BuildOptions, Built};
-use radsight_parse::{Input, KeepPrimitives, ReadOptions, UnusedModifiers};
+use radsight_parse::{Input, KeepPrimitives, Purpose, ReadOptions};
 use radsight_picture::Header;
 use std::collections::HashMap;
 
@@ -34,8 +35,8 @@ struct Request {
 }
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let mut words = Words::new(words);
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let mut words = Words::new(words, trust);
     let request = Request::read(&mut words)?;
     let (source, output) = words.input_and_output()?;
     let bytes = if source == "-" { read_standard_input()? } else { read_file(source, "mesh")? };
@@ -110,7 +111,7 @@ impl Request {
     /// The modifiers of all material files.
     fn objects(&self) -> Result<Vec<Object<'static>>, Failure> {
         let options =
-            ReadOptions { primitives: KeepPrimitives::Yes, unused: UnusedModifiers::Skip, ..ReadOptions::default() };
+            ReadOptions { primitives: KeepPrimitives::Yes, purpose: Purpose::Octree, ..ReadOptions::default() };
         let read = read(self.materials.clone(), Commands::Refused, &options);
         if read.has_errors() {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));

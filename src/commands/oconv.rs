@@ -1,14 +1,14 @@
 //! `oconv`: scenes into an octree.
 
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs};
 use crate::output::write_file;
+use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
 use radsight_ir::{Cube, Scene};
 use radsight_octree::BuildOptions;
-use radsight_parse::{Input, KeepPrimitives, Read, ReadOptions, UnusedModifiers, bounds, cube};
+use radsight_parse::{Input, KeepPrimitives, Purpose, Read, ReadOptions, bounds, cube};
 use radsight_picture::Header;
 
 /// How much a given cube grows on each side, scene units; as in Radiance.
@@ -29,13 +29,13 @@ struct Arguments {
     is_quiet: bool,
     /// `-o`, ours alone: a file that appears whole; `-` for standard output.
     output: String,
-    commands: Commands,
+    trust: Trust,
     files: Vec<String>,
 }
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let arguments = Arguments::read(&words[1..])?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let arguments = Arguments::read(&words[1..], trust)?;
     let (mut inputs, mut names) = (Vec::new(), Vec::new());
     let mut old = None;
     if let Some(path) = &arguments.octree {
@@ -48,7 +48,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         names.push(file.clone());
         match file.starts_with('!') {
             true => inputs.push(Input::File(file.clone())),
-            false => inputs.extend(scene_inputs(std::slice::from_ref(file), None)?),
+            false => inputs.extend(scene_inputs(std::slice::from_ref(file), None, &arguments.trust)?),
         }
     }
     let is_frozen = arguments.is_frozen || arguments.files.iter().any(|file| file == "-");
@@ -100,7 +100,7 @@ impl Old {
 }
 
 impl Arguments {
-    fn read(words: &[String]) -> Result<Arguments, Failure> {
+    fn read(words: &[String], trust: &Trust) -> Result<Arguments, Failure> {
         let mut arguments = Arguments {
             octree: None,
             cube: None,
@@ -108,16 +108,22 @@ impl Arguments {
             is_frozen: false,
             is_quiet: false,
             output: "-".to_owned(),
-            commands: Commands::Refused,
+            trust: trust.clone(),
             files: Vec::new(),
         };
         let mut rest = words.iter();
         while let Some(word) = rest.as_slice().first().filter(|word| word.starts_with('-') && *word != "-") {
+            let used = arguments.trust.take(rest.as_slice())?;
+            if used > 0 {
+                rest.nth(used - 1);
+                continue;
+            }
             rest.next();
             let mut value = || {
                 rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
             };
-            match word.as_str() {
+            // As in Radiance the first letter counts: scripts have -w- and -frozen.
+            match word.get(..2).unwrap_or(word) {
                 "-i" => arguments.octree = Some(value()?.clone()),
                 "-b" => {
                     let mut number = || number::<f64>(word, value()?);
@@ -129,7 +135,6 @@ impl Arguments {
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
                 "-o" => arguments.output = value()?.clone(),
-                "--allow-commands" => arguments.commands = Commands::Allowed,
                 _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
             }
         }
@@ -143,10 +148,10 @@ impl Arguments {
     fn read_scene(&self, inputs: Vec<Input>, is_frozen: bool) -> Result<Read, Failure> {
         let options = ReadOptions {
             primitives: if is_frozen { KeepPrimitives::Yes } else { KeepPrimitives::No },
-            unused: UnusedModifiers::Skip,
+            purpose: Purpose::Octree,
             ..ReadOptions::default()
         };
-        let read = read(inputs, self.commands, &options);
+        let read = read(inputs, self.trust.commands(), &options);
         if read.has_errors() {
             return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
         }

@@ -3,8 +3,10 @@
 use crate::args::{Plugin, PluginCheck, PluginList, PluginNew, PluginPlot};
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::output::{write_file, write_standard_output};
-use crate::plugins::{PluginOptions, search_path};
+use crate::plugin_guard::PluginGuard;
+use crate::plugins::search_path;
 use radsight_brdf_host::check::{self, CHECK_BANDS, CheckOptions, ChildCommand, Example};
+use radsight_brdf_host::isolate;
 use radsight_brdf_host::plot::{PlotOptions, svg};
 use radsight_brdf_host::template::{Language, new_project, own_sources};
 use radsight_brdf_host::{Label, Library, Registry, Request, SearchPath, SelfCheck};
@@ -22,8 +24,10 @@ pub(crate) fn run(arguments: &Plugin) -> Outcome {
         Plugin::List(arguments) => list(arguments),
         Plugin::Check(arguments) => check(arguments),
         Plugin::Plot(arguments) => plot(arguments),
-        Plugin::CheckChild => check::child_main(&mut std::io::stdin().lock(), &mut std::io::stdout())
-            .map_err(|error| Failure::write("the answer of a check", &error)),
+        Plugin::CheckChild => check::child_main().map_err(|error| Failure::write("the answer of a check", &error)),
+        Plugin::IsolationChild => {
+            isolate::child_main().map_err(|error| Failure::write("the answer of a plugin", &error))
+        }
     }
 }
 
@@ -63,7 +67,8 @@ fn absolute(folder: &Path) -> Result<PathBuf, Failure> {
 
 fn plot(arguments: &PluginPlot) -> Outcome {
     let library = library_file(&arguments.library, &arguments.plugin_path)?;
-    let registry = Registry::new(search(&arguments.plugin_path), SelfCheck::Off);
+    let guard = guarded()?;
+    let registry = guard.place(Registry::new(search(&arguments.plugin_path), SelfCheck::Off));
     let wrong = |error: radsight_brdf_host::Error| Failure::input(error.to_string());
     let library = registry.library_file(&library).map_err(wrong)?;
     let example = parse_model(&arguments.model)?;
@@ -83,6 +88,7 @@ fn plot(arguments: &PluginPlot) -> Outcome {
 }
 
 fn list(arguments: &PluginList) -> Outcome {
+    guarded()?;
     let search = search(&arguments.plugin_path);
     let mut text = String::new();
     for (name, path) in search.libraries() {
@@ -109,11 +115,9 @@ fn list(arguments: &PluginList) -> Outcome {
 
 fn check(arguments: &PluginCheck) -> Outcome {
     let library = library_file(&arguments.library, &arguments.plugin_path)?;
-    let program = std::env::current_exe()
-        .map_err(|error| Failure::fault(format!("cannot find this program, to run checks in a child: {error}")))?;
-    let child = ChildCommand { program, arguments: CHILD_WORDS.map(str::to_owned).to_vec() };
-    let mut options = CheckOptions::new(library, child);
+    let mut options = CheckOptions::new(library, ChildCommand::this_program(&CHILD_WORDS));
     options.seed = arguments.seed;
+    options.memory = PluginGuard::default().limits().map_err(Failure::fault)?.memory;
     options.time_limit = Duration::from_secs(arguments.time_limit.max(1));
     if let Some(model) = &arguments.model {
         let example = parse_model(model)?;
@@ -138,8 +142,15 @@ fn parse_model(text: &str) -> Result<Example, Failure> {
     Ok(Example { model: parsed.model, words: parsed.words, numbers: parsed.numbers })
 }
 
+/// The guard over plugins that this process loads, as the environment wants it.
+fn guarded() -> Result<PluginGuard, Failure> {
+    let guard = PluginGuard::default();
+    guard.guard_program().map_err(Failure::fault)?;
+    Ok(guard)
+}
+
 fn search(folders: &[PathBuf]) -> SearchPath {
-    search_path(&PluginOptions { folders: folders.to_vec(), strict: false }, &[])
+    search_path(folders, &SearchPath::default())
 }
 
 /// A file that exists, or a library that is found by its name.

@@ -1,23 +1,25 @@
 //! `rad`: finished pictures from a `.rif` file.
 
-use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
 use crate::output::{Output, write_file, write_standard_output};
 use crate::render_args::number;
+use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
 use crate::view_args;
+use radsight_diag::{SourceMap, Span};
 use radsight_generate::shell_words::{Stage, split};
 use radsight_output::interrupt::{ActionGuard, at_signal};
 use radsight_output::leftovers;
 use radsight_parse::{Input, ReadOptions, cube};
 use radsight_picture::{Unfinished, ViewOptions};
-use radsight_rif::{Cube, Date, How, Rif, Site, Step};
+use radsight_rif::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Rif, Site, Step};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-const USAGE: &str = "rad [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
+const USAGE: &str = "rad [--allow-commands] [--allow-outputs] [--allow-plugins] \
+                     [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
 
 /// What the command line says.
 #[derive(Debug, Default)]
@@ -34,11 +36,13 @@ struct Arguments {
     threads: Option<usize>,
     file: String,
     assignments: Vec<String>,
+    /// What the command line lets files cause.
+    trust: Trust,
 }
 
 /// Runs the program.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let arguments = Arguments::read(words)?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let mut arguments = Arguments::read(words, trust)?;
     let text = read_file(&arguments.file, "file")?;
     let wrong = |error: radsight_rif::RifError| Failure::input(format!("rad: {error}"));
     let mut rif = Rif::read(&arguments.file, &String::from_utf8_lossy(&text)).map_err(wrong)?;
@@ -52,18 +56,24 @@ pub(crate) fn run(words: &[String]) -> Outcome {
             say(&format!("rad: warning - {warning}\n"));
         }
     }
-    let steps = rif.steps(&arguments.how, &Disk).map_err(wrong)?;
+    let steps = rif.steps(&arguments.how, &Disk { trust: arguments.trust.clone() }).map_err(wrong)?;
     if arguments.explains {
         write_standard_output(rif.explained().as_bytes())?;
     }
+    arguments.check_outputs(&steps, &text)?;
     steps.iter().try_for_each(|step| arguments.take(step))
 }
 
 impl Arguments {
-    fn read(words: &[String]) -> Result<Arguments, Failure> {
-        let mut arguments = Arguments::default();
+    fn read(words: &[String], trust: &Trust) -> Result<Arguments, Failure> {
+        let mut arguments = Arguments { trust: trust.clone(), ..Arguments::default() };
         let mut at = 0;
         while let Some(word) = words.get(at).filter(|word| word.starts_with('-')) {
+            let used = arguments.trust.take(&words[at..])?;
+            if used > 0 {
+                at += used;
+                continue;
+            }
             match word.as_str() {
                 "-s" => arguments.is_silent = true,
                 "-n" => arguments.is_dry = true,
@@ -94,24 +104,50 @@ impl Arguments {
         Ok(arguments)
     }
 
+    /// Checks all files that the project names, before anything is done, and allows those to the
+    /// programs that are run.
+    fn check_outputs(&mut self, steps: &[Step], text: &[u8]) -> Outcome {
+        let is_done = |step: &&Step| !self.is_dry || matches!(step, Step::WriteOptions(..));
+        let mut trust = self.trust.clone();
+        let project = self.file.strip_prefix("./").unwrap_or(&self.file);
+        trust.work_for(project);
+        for output in steps.iter().filter(is_done).flat_map(Step::outputs) {
+            match output.named_by {
+                NamedBy::File { line } => {
+                    let checked = trust.output_of_file(&output.name, existing(output, project));
+                    checked.map_err(|refusal| at_line(&refusal, &self.file, text, line))?;
+                }
+                NamedBy::CommandLine if trust.origin() == Origin::File => {
+                    trust.output_of_file(&output.name, existing(output, project))?;
+                }
+                // Whoever made the folder may have put a link there.
+                NamedBy::CommandLine => trust.check_link(&output.name)?,
+            }
+            trust.allow_output(output.name.clone());
+        }
+        self.trust = trust;
+        Ok(())
+    }
+
     fn take(&self, step: &Step) -> Outcome {
         match step {
             Step::ShowView(options) => write_standard_output(format!("VIEW={}\n", whole_view(options)?).as_bytes()),
-            Step::Run { command, removed_on_failure } => self.run(command, removed_on_failure),
-            Step::Touch(name) => {
+            Step::Run { .. } => self.run(step),
+            Step::Touch(OutputFile { name, .. }) => {
                 self.tell(&format!("touch {name}"))?;
                 self.unless_dry(name, |name| File::options().append(true).open(name)?.set_modified(SystemTime::now()))
             }
-            Step::Remove(name) => {
+            Step::Remove(OutputFile { name, .. }) => {
                 self.tell(&format!("rm -f {name}"))?;
                 self.unless_dry(name, |name| fs::remove_file(name))
             }
             Step::Rename(from, to) => {
+                let (from, to) = (&from.name, &to.name);
                 self.tell(&format!("mv {from} {to}"))?;
                 self.unless_dry(from, |from| fs::rename(from, to))
             }
             // Real rad writes this file even when it only says what it would do.
-            Step::WriteOptions(name, text) => write_file(name, text.as_bytes()),
+            Step::WriteOptions(file, text) => write_file(&file.name, text.as_bytes()),
         }
     }
 
@@ -126,18 +162,18 @@ impl Arguments {
         act(name).map_err(|error| Failure::fault(format!("rad: \"{name}\": {}", reason(&error))))
     }
 
-    fn run(&self, command: &str, removed_on_failure: &[String]) -> Outcome {
-        let (stage, output) =
-            command.rsplit_once(" > ").map_or((command, None), |(stage, output)| (stage, Some(output)));
+    fn run(&self, step: &Step) -> Outcome {
+        let Step::Run { command, output, removed_on_failure, .. } = step else { return Ok(()) };
+        let output = output.as_ref().map(|file| file.name.as_str());
         if self.is_dry {
-            return self.tell(command);
+            return self.tell(&step.command_line());
         }
         // A small picture made first fills a file of ambient values, which radsight has no use for.
         if output == Some("/dev/null") {
             return Ok(());
         }
-        self.tell(command)?;
-        let words = words(stage)?;
+        self.tell(&step.command_line())?;
+        let words = words(command)?;
         let done = match Path::new(&words[0]).file_name().and_then(|name| name.to_str()) {
             Some("mkpmap") => {
                 self.note("mkpmap is not run: light is followed without photon maps");
@@ -161,10 +197,10 @@ impl Arguments {
         }
     }
 
-    /// Runs another program of ours, with a file for its output.
+    /// Runs another program of ours with words of the project, and a file for its output.
     fn run_own(&self, name: &str, words: &[String], output: Option<&str>) -> Outcome {
         let fault = |error: std::io::Error| Failure::fault(format!("rad: cannot run {name}: {}", reason(&error)));
-        let mut command = Command::new(std::env::current_exe().map_err(fault)?);
+        let mut command = own_program(&self.trust).map_err(fault)?;
         command.arg(name);
         if let (Some(threads), "rpict" | "mkillum") = (self.threads, name) {
             command.args(["-n", &threads.to_string()]);
@@ -210,6 +246,33 @@ fn end_at_signal(child: &Child) -> Option<ActionGuard> {
 #[cfg(not(unix))]
 fn end_at_signal(_child: &Child) -> Option<ActionGuard> {
     None
+}
+
+/// A refusal at a line of the project.
+fn at_line(refusal: &Refusal, file: &str, text: &[u8], line: usize) -> Failure {
+    let before: usize = text.split_inclusive(|byte| *byte == b'\n').take(line - 1).map(<[u8]>::len).sum();
+    let found = text[before..].split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let start = before + (found.len() - found.trim_ascii_start().len());
+    let end = start + found.trim_ascii().len();
+    let mut sources = SourceMap::default();
+    let source = sources.add(file, text.to_vec(), None);
+    let span = Span { source, start: start as u32, end: end as u32 };
+    Failure::diagnostics(&[refusal.at(span)], &sources)
+}
+
+/// What a file has to be that is there already where the project names one.
+fn existing<'a>(output: &OutputFile, project: &'a str) -> Existing<'a> {
+    match &output.kind {
+        OutputKind::Octree => Existing::Octree,
+        OutputKind::IllumScene => Existing::IllumScene,
+        OutputKind::Picture => Existing::MadeBy(project),
+        OutputKind::Distances => Existing::Distances,
+        OutputKind::Options => Existing::Options,
+        OutputKind::AmbientValues => Existing::AmbientValues,
+        OutputKind::Messages => Existing::Messages,
+        // No more than its date is changed.
+        OutputKind::PhotonMap => Existing::Replaced,
+    }
 }
 
 /// The words of a command without pipes.
@@ -260,7 +323,9 @@ fn date(path: &Path) -> Date {
 }
 
 /// The files of the working folder.
-struct Disk;
+struct Disk {
+    trust: Trust,
+}
 
 impl Site for Disk {
     fn date(&self, name: &str) -> Date {
@@ -275,10 +340,10 @@ impl Site for Disk {
         for name in scene {
             match name.starts_with('!') {
                 true => inputs.push(Input::File(name.clone())),
-                false => inputs.extend(scene_inputs(std::slice::from_ref(name), None).ok()?),
+                false => inputs.extend(scene_inputs(std::slice::from_ref(name), None, &self.trust.for_file()).ok()?),
             }
         }
-        let cube = cube(&read(inputs, Commands::Refused, &ReadOptions::default()).scene)?;
+        let cube = cube(&read(inputs, self.trust.commands(), &ReadOptions::default()).scene)?;
         Some(Cube { corner: cube.origin.to_array(), size: cube.size })
     }
 }

@@ -7,21 +7,23 @@
 mod options;
 
 use super::words::Words;
+use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::output::{Output, append};
+use crate::trust::{Trust, shell};
 use options::{Form, Options, Part};
 use radsight_picture::{Header, Resolution};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Stdio};
 
 /// The lines of a header that say how its own data are stored.
 const STORED: [&str; 5] = ["FORMAT=", "NROWS=", "NCOLS=", "NCOMP=", "BigEndian="];
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::read(Words::new(words))?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::read(Words::new(words, trust))?;
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let header = if options.input_header { Some(read_header(&mut input)?) } else { None };
     let resolution = match options.input_resolution {
@@ -120,7 +122,7 @@ impl Outputs {
                 (_, ".") => None,
                 (Some(known), _) => Some(known),
                 (None, name) => {
-                    outputs.sinks.push(Sink::open(name, part)?);
+                    outputs.sinks.push(Sink::open(name, part, options.commands)?);
                     Some(outputs.sinks.len() - 1)
                 }
             };
@@ -206,12 +208,12 @@ impl Outputs {
 }
 
 impl Sink {
-    fn open(name: &str, part: &Part) -> Result<Sink, Failure> {
+    fn open(name: &str, part: &Part, commands: Commands) -> Result<Sink, Failure> {
         let failed = |error: io::Error| Failure::write(&shown(name), &error);
         let mut child = None;
         let target = match name.strip_prefix('!') {
             Some(command) => {
-                let started = Command::new("sh").args(["-c", command]).stdin(Stdio::piped()).spawn();
+                let started = shell(commands.permit(command)?, command).stdin(Stdio::piped()).spawn();
                 let started = child.insert(started.map_err(failed)?);
                 Target::Command(started.stdin.take().expect("it is piped"))
             }

@@ -1,12 +1,14 @@
 //! Radiance's programs that make or change scene text: the generators, `xform`, `getbbox`.
 
-use crate::disk::{Commands, DiskLoader};
-use crate::failure::{Failure, Outcome, reason, say};
+use crate::disk::DiskLoader;
+use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
 use crate::output::{standard_output, write_file, write_standard_output};
+use crate::trust::{Existing, Trust};
+use glam::DVec3;
 use radsight_generate::{Error, Output, StandardInput, padded};
 use radsight_loader::LoadError;
-use radsight_parse::{ReadOptions, bounds, xform};
+use radsight_parse::{Purpose, ReadOptions, bounds, xform};
 use std::cell::{OnceCell, RefCell};
 use std::io::{self, IsTerminal, Read, Write, stdin};
 use std::rc::Rc;
@@ -20,29 +22,36 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     generators.chain(["xform", "getbbox"])
 }
 
-/// Lets a scene's commands that are not known in process run through a shell; an option of ours in all these programs.
-const ALLOW_COMMANDS: &str = "--allow-commands";
+/// Programs that write what the commands of the scenes they read have written.
+const OF_SCENES: [&str; 2] = ["xform", "replmarks"];
 
-/// Runs a program; `argv[0]` is its name.
-pub(crate) fn run(argv: &[String]) -> Outcome {
-    // Commands among the inputs of rlam are the user's own.
-    let is_allowed = argv[0] == "rlam" || argv.iter().any(|word| word == ALLOW_COMMANDS);
-    let commands = if is_allowed { Commands::Allowed } else { Commands::Refused };
-    let argv: Vec<String> = argv.iter().filter(|word| *word != ALLOW_COMMANDS).cloned().collect();
+/// Runs a program; `argv[0]` is its name. What the scenes may cause is said right after that, in
+/// all these programs.
+pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
+    let mut trust = trust.clone();
+    let mut argv = argv.to_vec();
+    while argv.len() > 1 {
+        match trust.take(&argv[1..])? {
+            0 => break,
+            used => drop(argv.drain(1..=used)),
+        }
+    }
     let name = argv[0].as_str();
     if name == "getbbox" {
-        return getbbox(&argv[1..], commands);
+        return getbbox(&argv[1..], &trust);
     }
+    // Commands among the inputs of rlam are words of the command line.
+    let commands = if name == "rlam" { trust.own_commands() } else { trust.commands() };
     let input = Piped::default();
-    let loader = DiskLoader::new(commands);
+    let loader = DiskLoader::new(commands).shuffling();
     if name == "xform" {
-        return finish(name, xform(&argv, &input, &loader));
+        return finish(name, xform(&argv, &input, &loader), &trust);
     }
     let sink = Rc::new(RefCell::new(StreamingOutput::default()));
     let made = radsight_generate::run_to(sink.clone(), &argv, &input, &loader);
     match sink.take().failed {
         Some(error) => Err(Failure::write("standard output", &error)),
-        None => finish(name, made),
+        None => finish(name, made, &trust),
     }
 }
 
@@ -107,7 +116,7 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
 }
 
 /// Writes what a program has made, or tells why it has not.
-pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
+pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> Outcome {
     let output = made.map_err(|error| {
         let says_its_name = error.program() == Some(name);
         let message = if says_its_name { error.to_string() } else { format!("{name}: {error}") };
@@ -120,30 +129,56 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>) -> Outcome {
         say(&format!("{name}: warning - {warning}\n"));
     }
     for (file, bytes) in &output.files {
-        write_file(file, bytes)?;
+        match OF_SCENES.contains(&name) {
+            // A scene may be read again: what its commands wrote then is there already.
+            true if holds(file, bytes) => continue,
+            _ if file == "-" => write_standard_output(bytes)?,
+            true => write_file(&trust.output_of_file(file, Existing::Kept)?, bytes)?,
+            false => write_file(&trust.output(file, Existing::Kept)?, bytes)?,
+        }
     }
     write_standard_output(&output.standard_output)
 }
 
-fn getbbox(words: &[String], commands: Commands) -> Outcome {
-    let header = words.first().is_none_or(|word| word != "-h");
-    let files: Vec<String> = words.iter().filter(|word| *word != "-h" && *word != "-w").cloned().collect();
-    if let Some(option) = files.iter().find(|word| word.starts_with('-') && *word != "-") {
-        return Err(Failure::usage(format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files")));
+/// Whether a file holds this already. A pipe is not waited for.
+fn holds(file: &str, bytes: &[u8]) -> bool {
+    let is_file = |found: std::fs::Metadata| found.is_file() && found.len() == bytes.len() as u64;
+    std::fs::symlink_metadata(file).is_ok_and(is_file) && std::fs::read(file).is_ok_and(|found| found == bytes)
+}
+
+/// The numbers that real `getbbox` begins with, and prints of a scene without surfaces.
+const NO_BOUNDS: f64 = 1e10;
+
+fn getbbox(words: &[String], trust: &Trust) -> Outcome {
+    // As in Radiance the first letter of an option counts.
+    let is_option = |word: &&String| word.starts_with('-') && word.len() > 1;
+    let (mut has_header, mut is_quiet) = (true, false);
+    for option in words.iter().take_while(is_option) {
+        match option.as_bytes()[1] {
+            b'h' => has_header = false,
+            b'w' => is_quiet = true,
+            _ => {
+                let message = format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files");
+                return Err(Failure::usage(message));
+            }
+        }
     }
+    let files: Vec<String> = words.iter().skip_while(is_option).cloned().collect();
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let read = read(scene_inputs(&files, None)?, commands, &ReadOptions::default());
+    let options = ReadOptions { purpose: Purpose::Places, ..ReadOptions::default() };
+    let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &options);
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));
     }
-    let Some(bounds) = bounds(&read.scene) else {
-        return Err(Failure::input("getbbox: the scene has no surface with a place"));
-    };
+    if !is_quiet {
+        say(&render(&read.diagnostics, &read.sources));
+    }
+    let (low, high) = bounds(&read.scene)
+        .map_or((DVec3::splat(NO_BOUNDS), DVec3::splat(-NO_BOUNDS)), |bounds| (bounds.low, bounds.high));
     let mut text = String::new();
-    if header {
+    if has_header {
         text.push_str("     xmin      xmax      ymin      ymax      zmin      zmax\n");
     }
-    let (low, high) = (bounds.low, bounds.high);
     let columns = [low.x, high.x, low.y, high.y, low.z, high.z].map(|value| padded(value, 9, 6).to_string());
     text.push_str(&columns.join(" "));
     text.push('\n');

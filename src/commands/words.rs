@@ -1,6 +1,8 @@
 //! Command lines as Radiance's programs read them: options of one letter or a few, each with its values after it.
 
+use crate::disk::Commands;
 use crate::failure::Failure;
+use crate::trust::{Existing, OutputName, Trust};
 use radsight_picture::{RgbPrimaries, leading_number};
 
 /// The words of a command line, taken one after another.
@@ -8,12 +10,33 @@ use radsight_picture::{RgbPrimaries, leading_number};
 pub(crate) struct Words<'a> {
     all: &'a [String],
     at: usize,
+    trust: &'a Trust,
 }
 
 impl<'a> Words<'a> {
     /// `all[0]` is the program's name.
-    pub(crate) fn new(all: &'a [String]) -> Words<'a> {
-        Words { all, at: 1 }
+    pub(crate) fn new(all: &'a [String], trust: &'a Trust) -> Words<'a> {
+        Words { all, at: 1, trust }
+    }
+
+    pub(crate) fn trust(&self) -> &'a Trust {
+        self.trust
+    }
+
+    /// Whether commands may run that stand in the place of a file.
+    pub(crate) fn commands(&self) -> Commands {
+        self.trust.own_commands()
+    }
+
+    /// A file to be written; `-` for standard output.
+    pub(crate) fn output(&self, name: &str) -> Result<OutputName, Failure> {
+        if name == "-" { Ok(OutputName::standard_output()) } else { self.trust.output(name, Existing::Kept) }
+    }
+
+    /// The file to be written that is the value of an option.
+    pub(crate) fn output_value(&mut self, option: &str, expected: &str) -> Result<OutputName, Failure> {
+        let name = self.value(option, expected)?;
+        self.output(name)
     }
 
     pub(crate) fn program(&self) -> &'a str {
@@ -110,7 +133,7 @@ impl<'a> Words<'a> {
         match self.rest() {
             [] => Ok(("-", "-")),
             [input] => Ok((input, "-")),
-            [input, output] => Ok((input, output)),
+            [input, output] => self.output(output).map(|_| (input.as_str(), output.as_str())),
             [_, _, third, ..] => Err(self.too_many(third)),
         }
     }

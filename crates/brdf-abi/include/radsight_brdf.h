@@ -39,6 +39,12 @@
  * ERRORS
  *   Functions return a status. No C++ exception, longjmp or Rust panic may leave a function.
  *
+ * MANNERS
+ *   A plugin does not end the process or its thread, fork, handle signals, or close, read or write standard input and output:
+ *   it hands lines to `log`. What it prints goes to standard error. A host may end the program for a call that crashes, does
+ *   not return or takes too much memory. It may run the library in a process of its own, and may end without calling the
+ *   library's destructors.
+ *
  * VERSIONS
  *   Host and plugin must have the same major version. A minor version only appends fields at the end of structures, functions
  *   at the end of the entry, and constants. Each structure begins with, or is accompanied by, its size in the eyes of the side

@@ -10,6 +10,7 @@ mod job;
 mod probe;
 mod report;
 
+pub use crate::ChildCommand;
 pub use child::child_main;
 pub use example::Example;
 pub use job::Stage;
@@ -33,17 +34,10 @@ pub struct CheckOptions {
     pub seed: u64,
     /// For each check. Default 60 s.
     pub time_limit: Duration,
+    /// Bytes of memory that a plugin may have. Default half of the machine's.
+    pub memory: Option<u64>,
     /// The program that calls [`child_main`].
     pub child: ChildCommand,
-}
-
-/// How to start a child.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChildCommand {
-    /// The program: this one, as a rule.
-    pub program: PathBuf,
-    /// Its arguments: the hidden command that leads to [`child_main`].
-    pub arguments: Vec<String>,
 }
 
 impl CheckOptions {
@@ -56,6 +50,7 @@ impl CheckOptions {
             model: None,
             seed: 1,
             time_limit: Duration::from_secs(60),
+            memory: crate::Limits::default().memory,
             child,
         }
     }
@@ -91,6 +86,7 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
         model: model.to_owned(),
         examples: options.examples.iter().filter(|example| example.model == model).cloned().collect(),
         seed: options.seed,
+        memory: options.memory,
     };
     let (loaded, duration) = perform(&request(Stage::Load, ""));
     let models: Vec<String> = loaded.models.clone();

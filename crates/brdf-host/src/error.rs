@@ -4,7 +4,7 @@ use crate::Token;
 use std::path::PathBuf;
 
 /// A plugin, or the use that a scene makes of it, is wrong.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A scene may name a library, not a path.
@@ -128,6 +128,14 @@ pub enum Error {
         token: Token,
         /// What it said, or the name of the status.
         message: String,
+    },
+    /// The process that a plugin was to run in cannot be started.
+    #[error("cannot start a process for plugin \"{library}\": {reason}")]
+    CannotIsolate {
+        /// Its name.
+        library: String,
+        /// What went wrong.
+        reason: String,
     },
     /// The self-check at load found something, and warnings are fatal.
     #[error("plugin \"{library}\" fails its self-check: {}", findings.join("; "))]

@@ -1,20 +1,21 @@
 //! A plugin's model with its parameters, as a [`Brdf`].
 
-use crate::crash::{self, Breadcrumb};
 use crate::faults::{FaultCounts, FaultReport, Faults};
-use crate::library::c_strings;
-use crate::scratch::with_scratch;
+use crate::functions::{Drawn, Functions};
+use crate::guard::{self, Breadcrumb};
+use crate::isolate::Question;
+use crate::library::Home;
+use crate::self_check::{SelfCheck, self_check};
 use crate::table::Arguments;
-use crate::{Error, Library, ModelInfo, Token};
+use crate::{Error, Library, ModelInfo};
 use glam::DVec3;
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use radsight_brdf_abi as abi;
 use radsight_brdf_abi::{Band, flags, sample_kind, status};
-use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 
 /// Which material of which file an instance is for; only for messages.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Label {
     /// Name of the material.
     pub material: String,
@@ -32,22 +33,20 @@ pub struct PluginBrdf {
     label: Label,
     bands: usize,
     lobes: Lobes,
-    data: *mut c_void,
-    eval_pdf: abi::EvalFn,
-    sample: abi::SampleFn,
-    destroy: Option<abi::DestroyFn>,
-    scratch_bytes: u64,
-    scratch_bytes_per_direction: u64,
+    home: Made,
     in_eval: Breadcrumb,
     in_sample: Breadcrumb,
     in_destroy: Breadcrumb,
     faults: Faults,
 }
 
-// SAFETY: the header lets any thread call `eval_pdf` and `sample`; `destroy` is called once, under the library's mutex.
-unsafe impl Send for PluginBrdf {}
-// SAFETY: as above.
-unsafe impl Sync for PluginBrdf {}
+/// What `create` made.
+enum Made {
+    /// In this process.
+    Here(Functions),
+    /// Under this number, in the process of the library.
+    There(u32),
+}
 
 impl std::fmt::Debug for PluginBrdf {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -83,18 +82,18 @@ impl PluginBrdf {
     ) -> Result<PluginBrdf, Error> {
         let breadcrumb =
             |activity| Breadcrumb::for_model(library.name(), &model.name, &label.material, &label.place, activity);
-        let made = call_create(&library, &model, index, arguments, bands, &breadcrumb("create"))?;
-        let broken = |what: &str| Error::BrokenRule {
-            library: library.name().to_owned(),
-            what: format!("create of \"{}\" {what}", model.name),
+        let (home, flags) = match library.home() {
+            Home::Here(loaded) => {
+                let crumb = breadcrumb("create");
+                let (functions, flags) = Functions::create(&library, loaded, &model, index, arguments, bands, crumb)?;
+                (Made::Here(functions), flags)
+            }
+            Home::There(worker) => {
+                let (id, flags) = worker.create(index, arguments, bands, &label, breadcrumb("create"))?;
+                (Made::There(id), flags)
+            }
         };
-        let (Some(eval_pdf), Some(sample)) = (made.eval_pdf, made.sample) else {
-            return Err(broken("gives no eval_pdf or no sample"));
-        };
-        if made.scratch_bytes.saturating_add(made.scratch_bytes_per_direction) > MOST_SCRATCH_BYTES {
-            return Err(broken("asks for more than 1 GiB of scratch"));
-        }
-        let has = |flag| made.flags & flag != 0;
+        let has = |flag| flags & flag != 0;
         Ok(PluginBrdf {
             lobes: Lobes {
                 diffuse: has(flags::DIFFUSE),
@@ -108,12 +107,7 @@ impl PluginBrdf {
             model,
             label,
             bands: bands.len(),
-            data: made.data,
-            eval_pdf,
-            sample,
-            destroy: made.destroy,
-            scratch_bytes: made.scratch_bytes,
-            scratch_bytes_per_direction: made.scratch_bytes_per_direction,
+            home,
             faults: Faults::default(),
             library,
         })
@@ -149,6 +143,32 @@ impl PluginBrdf {
         self.bands
     }
 
+    /// Its lobes as flags of the interface.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn lobe_flags(&self) -> u32 {
+        let of = |has: bool, flag: u32| if has { flag } else { 0 };
+        of(self.lobes.diffuse, flags::DIFFUSE)
+            | of(self.lobes.glossy, flags::GLOSSY)
+            | of(self.lobes.delta, flags::DELTA)
+            | of(self.lobes.transmission, flags::TRANSMISSION)
+    }
+
+    /// Findings of the self-check in words.
+    pub(crate) fn quick_check(&self, mode: SelfCheck) -> Vec<String> {
+        match (&self.home, self.library.home()) {
+            // Its many calls take less time where the plugin is.
+            (Made::There(id), Home::There(worker)) if mode != SelfCheck::Off => {
+                worker.self_check(*id, self.in_self_check())
+            }
+            _ => self_check(self, mode),
+        }
+    }
+
+    fn in_self_check(&self) -> Breadcrumb {
+        let Label { material, place } = &self.label;
+        Breadcrumb::for_model(self.library.name(), &self.model.name, material, place, "eval_pdf or sample")
+    }
+
     /// What it returned that a model must not, so far.
     #[must_use]
     pub fn faults(&self) -> FaultCounts {
@@ -177,53 +197,33 @@ impl PluginBrdf {
 
     /// Calls `eval_pdf` of the plugin for arrays in its own form.
     #[inline]
-    fn call_eval(&self, outgoing: DVec3, incident: [&[f64]; 3], values: &mut [f64], pdfs: &mut [f64]) -> abi::Status {
-        let count = pdfs.len();
-        debug_assert!(incident.iter().all(|axis| axis.len() == count) && values.len() == count * self.bands);
-        let _trail = crash::enter(&self.in_eval);
-        with_scratch(self.scratch_bytes, self.scratch_bytes_per_direction, count, |scratch| {
-            let call = abi::Eval {
-                struct_size: size_of::<abi::Eval>() as u32,
-                count: count as u32,
-                outgoing: outgoing.to_array(),
-                incident_x: incident[0].as_ptr(),
-                incident_y: incident[1].as_ptr(),
-                incident_z: incident[2].as_ptr(),
-                values: values.as_mut_ptr(),
-                pdfs: pdfs.as_mut_ptr(),
-                scratch,
-            };
-            // SAFETY: `data` is alive; the arrays have the lengths of the header and live until the call returns; scratch is as
-            // large and as aligned as asked.
-            unsafe { (self.eval_pdf)(self.data, &raw const call) }
-        })
+    pub(crate) fn call_eval(
+        &self,
+        outgoing: DVec3,
+        incident: [&[f64]; 3],
+        values: &mut [f64],
+        pdfs: &mut [f64],
+    ) -> abi::Status {
+        debug_assert!(incident.iter().all(|axis| axis.len() == pdfs.len()) && values.len() == pdfs.len() * self.bands);
+        let _trail = guard::enter_at(self.in_eval, outgoing.to_array());
+        match (&self.home, self.library.home()) {
+            (Made::Here(functions), _) => functions.eval(outgoing, incident, values, pdfs),
+            (Made::There(id), Home::There(worker)) => {
+                worker.eval(*id, self.in_eval, Question { outgoing, incident }, values, pdfs)
+            }
+            // An instance is where its library is.
+            _ => status::INTERNAL,
+        }
     }
 
     #[inline]
-    fn call_sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, Drawn) {
-        let mut drawn = Drawn { incident: [f64::NAN; 3], pdf: f64::NAN, kind: sample_kind::ABSORBED };
-        let [incident_x, incident_y, incident_z] = drawn.incident.each_mut().map(std::ptr::from_mut);
-        let _trail = crash::enter(&self.in_sample);
-        let status = with_scratch(self.scratch_bytes, self.scratch_bytes_per_direction, 1, |scratch| {
-            let call = abi::Sample {
-                struct_size: size_of::<abi::Sample>() as u32,
-                count: 1,
-                outgoing: outgoing.to_array(),
-                u0: &raw const u[0],
-                u1: &raw const u[1],
-                u2: &raw const u[2],
-                incident_x,
-                incident_y,
-                incident_z,
-                weights: weights.as_mut_ptr(),
-                pdfs: &raw mut drawn.pdf,
-                kinds: &raw mut drawn.kind,
-                scratch,
-            };
-            // SAFETY: as in `call_eval`, with arrays of length one.
-            unsafe { (self.sample)(self.data, &raw const call) }
-        });
-        (status, drawn)
+    pub(crate) fn call_sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, Drawn) {
+        let _trail = guard::enter_at(self.in_sample, outgoing.to_array());
+        match (&self.home, self.library.home()) {
+            (Made::Here(functions), _) => functions.sample(outgoing, u, weights),
+            (Made::There(id), Home::There(worker)) => worker.sample(*id, self.in_sample, outgoing, u, weights),
+            _ => (status::INTERNAL, Drawn::NOTHING),
+        }
     }
 
     /// Evaluates in the plugin's form and gives the numbers back in ours, unchecked.
@@ -295,24 +295,18 @@ const LARGEST_BATCH: usize = 64;
 const SMALL_BATCH: usize = 16;
 /// Up to this many bands a batch takes no memory from the heap.
 const FEW_BANDS: usize = 4;
-/// No model needs more.
-const MOST_SCRATCH_BYTES: u64 = 1 << 30;
-
-/// What `sample` wrote.
-#[derive(Clone, Copy)]
-struct Drawn {
-    incident: [f64; 3],
-    pdf: f64,
-    kind: u8,
-}
 
 impl Drop for PluginBrdf {
     fn drop(&mut self) {
-        let Some(destroy) = self.destroy else { return };
-        let _one_thread = self.library.one_thread();
-        let _trail = crash::enter(&self.in_destroy);
-        // SAFETY: made by `create`, destroyed once, and no call is under way since we are the last owner.
-        unsafe { destroy(self.data) };
+        match (&self.home, self.library.home()) {
+            (Made::Here(functions), Home::Here(loaded)) => {
+                let _one_thread = loaded.one_thread();
+                let _trail = guard::enter(self.in_destroy);
+                functions.destroy();
+            }
+            (Made::There(id), Home::There(worker)) => worker.destroy(*id, self.in_destroy),
+            _ => {}
+        }
     }
 }
 
@@ -412,74 +406,5 @@ impl Brdf for Unfiltered<'_> {
             _ => Density::Continuous(if failed { f64::NAN } else { drawn.pdf }),
         };
         Some(BrdfSample { incident: DVec3::from_array(drawn.incident), density })
-    }
-}
-
-fn call_create(
-    library: &Library,
-    model: &ModelInfo,
-    index: u32,
-    arguments: &Arguments,
-    bands: &[Band],
-    breadcrumb: &Breadcrumb,
-) -> Result<abi::Instance, Error> {
-    let words = c_strings(&arguments.words);
-    let word_pointers: Vec<*const c_char> = words.iter().map(|word| word.as_ptr()).collect();
-    let mut error =
-        abi::Error { struct_size: size_of::<abi::Error>() as u32, parameter: -1, message: [0; abi::MESSAGE_BYTES] };
-    let mut made = abi::Instance {
-        struct_size: size_of::<abi::Instance>() as u32,
-        flags: model.flags & 0xff,
-        scratch_bytes: 0,
-        scratch_bytes_per_direction: 0,
-        data: std::ptr::null_mut(),
-        eval_pdf: None,
-        sample: None,
-        destroy: None,
-    };
-    let call = abi::Create {
-        struct_size: size_of::<abi::Create>() as u32,
-        band_count: bands.len() as u32,
-        bands: bands.as_ptr(),
-        numbers: arguments.numbers.as_ptr(),
-        words: word_pointers.as_ptr(),
-        number_count: arguments.numbers.len() as u32,
-        word_count: word_pointers.len() as u32,
-        host: library.host(),
-        error: &raw mut error,
-    };
-    let create = library.entry().create.ok_or_else(|| Error::BrokenRule {
-        library: library.name().to_owned(),
-        what: "the entry lacks create".to_owned(),
-    })?;
-    let status = {
-        let _one_thread = library.one_thread();
-        let _trail = crash::enter(breadcrumb);
-        // SAFETY: all pointers lead to structures and arrays of the lengths stated, and live until the call returns.
-        unsafe { create(index, &raw const call, &raw mut made) }
-    };
-    if status == status::OK { Ok(made) } else { Err(refusal(library, model, status, &error)) }
-}
-
-/// Puts what the plugin said about a parameter on that parameter's token.
-fn refusal(library: &Library, model: &ModelInfo, status: abi::Status, error: &abi::Error) -> Error {
-    let bytes: Vec<u8> = error.message.iter().map(|&c| c as u8).take_while(|&byte| byte != 0).collect();
-    let said = String::from_utf8_lossy(&bytes);
-    let row = usize::try_from(error.parameter).ok().filter(|&row| row < model.parameters.len());
-    let token = row.map_or(Token::Model, |row| token_of_row(model, row));
-    let parameter = row.map(|row| format!("{}: ", model.parameters[row].name)).unwrap_or_default();
-    let message = match said.as_ref() {
-        "" => format!("{parameter}{}", abi::status_name(status)),
-        said => format!("{parameter}{said}"),
-    };
-    Error::Refused { library: library.name().to_owned(), model: model.name.clone(), token, message }
-}
-
-fn token_of_row(model: &ModelInfo, row: usize) -> Token {
-    let before = &model.parameters[..row];
-    if model.parameters[row].scene_numbers() == 0 {
-        Token::Word(before.iter().filter(|other| other.scene_numbers() == 0).count())
-    } else {
-        Token::Number(before.iter().map(crate::ParameterInfo::scene_numbers).sum())
     }
 }

@@ -1,29 +1,51 @@
 //! A loaded plugin library: its entry, its models, its log.
 
-use crate::crash::{self, Breadcrumb};
-use crate::{Error, ModelInfo, ParameterInfo, ParameterKind, Range, object_file, search};
+use crate::guard::{self, Breadcrumb};
+use crate::isolate::{Isolation, Worker};
+use crate::{Error, Label, ModelInfo, ParameterInfo, ParameterKind, Range, object_file, search};
 use radsight_brdf_abi as abi;
 use radsight_brdf_abi::{kind, parameter_flags};
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A plugin library in memory. It stays there until the process ends, because its code may have threads, hooks and
-/// destructors of its own.
+/// A plugin library, in the memory of this process or of one of its own. It stays there until that
+/// process ends, because its code may have threads, hooks and destructors of its own.
 pub struct Library {
     name: String,
     path: PathBuf,
-    entry: abi::Entry,
+    abi_version: (u32, u32),
     models: Vec<ModelInfo>,
+    home: Home,
+}
+
+/// Where a library's code runs.
+pub(crate) enum Home {
+    /// In this process.
+    Here(Loaded),
+    /// In a process of its own.
+    There(Worker),
+}
+
+/// A library in this process.
+pub(crate) struct Loaded {
+    entry: abi::Entry,
     host: Box<LibraryHost>,
     /// Held during functions that are marked [one thread].
     one_thread: Mutex<()>,
 }
 
 // SAFETY: the entry holds pointers to functions and constants; functions marked [one thread] are called under the mutex only.
-unsafe impl Send for Library {}
+unsafe impl Send for Loaded {}
 // SAFETY: as above.
-unsafe impl Sync for Library {}
+unsafe impl Sync for Loaded {}
+
+/// Whose use of a library makes it be loaded; only for messages.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct User<'a> {
+    pub(crate) model: &'a str,
+    pub(crate) label: &'a Label,
+}
 
 impl std::fmt::Debug for Library {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -39,7 +61,7 @@ const MOST_ROWS: u32 = 4096;
 const LONGEST_TEXT: usize = 1 << 16;
 
 /// A line that a plugin handed to its host.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Message {
     /// 0 note, 1 warning, 2 error.
     pub level: u32,
@@ -62,17 +84,35 @@ impl Library {
     /// # Errors
     /// When the file is no plugin for this program and machine, or its tables break a rule.
     pub fn load(path: &Path) -> Result<Library, Error> {
+        Self::load_for(path, None, None)
+    }
+
+    /// As [`Library::load`], in a process of its own if there is an `isolation`.
+    pub(crate) fn load_for(
+        path: &Path,
+        user: Option<User<'_>>,
+        isolation: Option<&Isolation>,
+    ) -> Result<Library, Error> {
         object_file::examine(path)?;
         let name = search::library_name(path)
             .unwrap_or_else(|| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default());
+        let crumb = |activity| match user {
+            Some(User { model, label }) => Breadcrumb::for_model(&name, model, &label.material, &label.place, activity),
+            None => Breadcrumb::for_library(&name, activity),
+        };
+        if let Some(isolation) = isolation {
+            let (worker, description) = Worker::start(isolation, path, &name, user, crumb("load"))?;
+            let (abi_version, models) = (description.abi_version, description.models);
+            return Ok(Library { name, path: path.to_owned(), abi_version, models, home: Home::There(worker) });
+        }
+        guard::note_library(&name);
         let entry = {
-            let breadcrumb = Breadcrumb::for_library(&name, "load");
-            let _trail = crash::enter(&breadcrumb);
+            let _trail = guard::enter(crumb("load"));
             load_entry(path)?
         };
+        guard::after_load(crumb("load"));
         let models = {
-            let breadcrumb = Breadcrumb::for_library(&name, "describe");
-            let _trail = crash::enter(&breadcrumb);
+            let _trail = guard::enter(crumb("describe"));
             read_models(&name, &entry)?
         };
         let host = Box::new(LibraryHost {
@@ -86,7 +126,9 @@ impl Library {
             },
             messages: Mutex::default(),
         });
-        Ok(Library { name, path: path.to_owned(), entry, models, host, one_thread: Mutex::default() })
+        let abi_version = (entry.abi_major, entry.abi_minor);
+        let home = Home::Here(Loaded { entry, host, one_thread: Mutex::default() });
+        Ok(Library { name, path: path.to_owned(), abi_version, models, home })
     }
 
     /// Its bare name.
@@ -104,7 +146,7 @@ impl Library {
     /// Major and minor version of the interface that it was built for.
     #[must_use]
     pub fn abi_version(&self) -> (u32, u32) {
-        (self.entry.abi_major, self.entry.abi_minor)
+        self.abi_version
     }
 
     /// Its models, in the order of their indices.
@@ -130,13 +172,12 @@ impl Library {
         }
     }
 
-    /// What it has under this name and revision; null when it has nothing. The memory is the plugin's and lives as long as
-    /// the process.
+    /// What it has under this name and revision; null when it has nothing, or is in another
+    /// process. The memory is the plugin's and lives as long as the process.
     #[must_use]
     pub fn extension(&self, name: &CStr, revision: u32) -> *const c_void {
-        let Some(extension) = self.entry.extension else { return std::ptr::null() };
-        let breadcrumb = Breadcrumb::for_library(&self.name, "extension");
-        let _trail = crash::enter(&breadcrumb);
+        let Some(extension) = self.loaded().and_then(|loaded| loaded.entry.extension) else { return std::ptr::null() };
+        let _trail = guard::enter(Breadcrumb::for_library(&self.name, "extension"));
         // SAFETY: any thread may call it, with a C string.
         unsafe { extension(name.as_ptr(), revision) }
     }
@@ -144,6 +185,9 @@ impl Library {
     /// Its manual page, if it has one.
     #[must_use]
     pub fn manual(&self) -> Option<String> {
+        if let Home::There(worker) = &self.home {
+            return worker.manual();
+        }
         let text = self.extension(c"radsight.manual", 1).cast::<c_char>();
         // SAFETY: the header says that this extension is null or a C string that lives as long as the library.
         let text = unsafe { text_at(text) };
@@ -153,9 +197,28 @@ impl Library {
     /// What it had to say since this was last asked.
     #[must_use]
     pub fn take_messages(&self) -> Vec<Message> {
-        std::mem::take(&mut *self.host.messages.lock().unwrap_or_else(PoisonError::into_inner))
+        match &self.home {
+            Home::Here(loaded) => {
+                std::mem::take(&mut *loaded.host.messages.lock().unwrap_or_else(PoisonError::into_inner))
+            }
+            Home::There(worker) => worker.take_messages(),
+        }
     }
 
+    pub(crate) fn home(&self) -> &Home {
+        &self.home
+    }
+
+    /// The library if it is in this process.
+    pub(crate) fn loaded(&self) -> Option<&Loaded> {
+        match &self.home {
+            Home::Here(loaded) => Some(loaded),
+            Home::There(_) => None,
+        }
+    }
+}
+
+impl Loaded {
     pub(crate) fn entry(&self) -> &abi::Entry {
         &self.entry
     }

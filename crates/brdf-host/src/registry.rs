@@ -1,6 +1,8 @@
 //! All plugins of a run.
 
-use crate::self_check::{SelfCheck, self_check};
+use crate::isolate::Isolation;
+use crate::library::User;
+use crate::self_check::SelfCheck;
 use crate::{Error, FaultReport, Label, Library, PluginBrdf, SearchPath};
 use radsight_brdf_abi::Band;
 use std::collections::HashMap;
@@ -40,6 +42,7 @@ pub struct Instantiated {
 pub struct Registry {
     search: SearchPath,
     self_check: SelfCheck,
+    isolation: Option<Isolation>,
     libraries: Mutex<HashMap<PathBuf, Result<Arc<Library>, Error>>>,
     instances: Mutex<Vec<Arc<PluginBrdf>>>,
 }
@@ -48,8 +51,14 @@ impl Registry {
     /// An empty registry. Also installs the message that precedes a crash.
     #[must_use]
     pub fn new(search: SearchPath, self_check: SelfCheck) -> Self {
-        crate::crash::install_crash_messages();
-        Registry { search, self_check, libraries: Mutex::default(), instances: Mutex::default() }
+        crate::guard::install_crash_messages();
+        Registry { search, self_check, isolation: None, libraries: Mutex::default(), instances: Mutex::default() }
+    }
+
+    /// Runs libraries in processes of their own from now on.
+    #[must_use]
+    pub fn isolated(self, isolation: Isolation) -> Self {
+        Registry { isolation: Some(isolation), ..self }
     }
 
     /// Where libraries are looked for.
@@ -71,9 +80,14 @@ impl Registry {
     /// # Errors
     /// When it is no plugin.
     pub fn library_file(&self, path: &Path) -> Result<Arc<Library>, Error> {
+        self.library_file_for(path, None)
+    }
+
+    fn library_file_for(&self, path: &Path, user: Option<User<'_>>) -> Result<Arc<Library>, Error> {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let mut libraries = self.libraries.lock().unwrap_or_else(PoisonError::into_inner);
-        libraries.entry(path).or_insert_with_key(|path| Library::load(path).map(Arc::new)).clone()
+        let load = |path: &PathBuf| Library::load_for(path, user, self.isolation.as_ref());
+        libraries.entry(path).or_insert_with_key(|path| load(path).map(Arc::new)).clone()
     }
 
     /// Makes an instance; its parameters are checked before the plugin sees them.
@@ -81,7 +95,9 @@ impl Registry {
     /// # Errors
     /// See [`Error`]; [`Error::token`] says which token of the scene is to blame.
     pub fn instantiate(&self, request: &Request<'_>) -> Result<Instantiated, Error> {
-        self.instantiate_from(self.library(request.library)?, request)
+        let user = User { model: request.model, label: request.label };
+        let library = self.library_file_for(&self.search.find(request.library)?, Some(user))?;
+        self.instantiate_from(library, request)
     }
 
     /// As [`Registry::instantiate`], from a library that is at hand; `request.library` is not looked at.
@@ -92,7 +108,7 @@ impl Registry {
         let (index, model) = library.model(request.model)?;
         let arguments = model.arguments(request.words, request.numbers, request.bands, request.folder)?;
         let brdf = PluginBrdf::create(Arc::clone(&library), index, &arguments, request.bands, request.label.clone())?;
-        let findings = self_check(&brdf, self.self_check);
+        let findings = brdf.quick_check(self.self_check);
         if self.self_check == SelfCheck::Strict && !findings.is_empty() {
             return Err(Error::SelfCheck { library: library.name().to_owned(), findings });
         }

@@ -3,10 +3,11 @@
 use crate::Error;
 use radsight_brdf_abi::{Band, flags, parameter_flags};
 use radsight_diag::hint_nearest;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A token of the primitive `void brdfplugin NAME  n LIBRARY MODEL words…  0  m numbers…`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Token {
     /// The library's name.
     Library,
@@ -23,7 +24,7 @@ pub enum Token {
 }
 
 /// A model of a library.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelInfo {
     /// As a scene writes it.
     pub name: String,
@@ -38,7 +39,7 @@ pub struct ModelInfo {
 }
 
 /// A row of a model's table.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterInfo {
     /// For messages.
     pub name: String,
@@ -51,6 +52,7 @@ pub struct ParameterInfo {
     /// Whether it may be left out.
     pub optional: bool,
     /// Of an optional number; of a spectrum, in each band.
+    #[serde(with = "crate::isolate::bits")]
     pub default_number: f64,
     /// Of an optional word.
     pub default_word: String,
@@ -59,7 +61,7 @@ pub struct ParameterInfo {
 }
 
 /// What a scene writes for a parameter.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ParameterKind {
     /// One number.
     Number,
@@ -76,11 +78,13 @@ pub enum ParameterKind {
 }
 
 /// A range of numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Range {
     /// −∞ when there is none.
+    #[serde(with = "crate::isolate::bits")]
     pub minimum: f64,
     /// ∞ when there is none.
+    #[serde(with = "crate::isolate::bits")]
     pub maximum: f64,
     /// Of [`radsight_brdf_abi::parameter_flags`].
     pub flags: u32,
@@ -126,9 +130,10 @@ impl ParameterInfo {
 }
 
 /// What `create` gets.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Arguments {
     /// One for each number, one for each band of a spectrum.
+    #[serde(with = "crate::isolate::bit_list")]
     pub(crate) numbers: Vec<f64>,
     pub(crate) words: Vec<String>,
 }

@@ -11,7 +11,7 @@ use support::{c_plugin, sdk_example, workspace_plugin};
 #[test]
 #[ignore = "run by other tests as a child process"]
 fn child() {
-    check::child_main(&mut std::io::stdin().lock(), &mut std::io::stdout()).unwrap();
+    check::child_main().unwrap();
 }
 
 fn options(library: &Path) -> check::CheckOptions {

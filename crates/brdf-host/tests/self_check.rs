@@ -82,7 +82,7 @@ fn a_crash_while_rendering_is_preceded_by_plugin_material_and_place() {
     assert!(
         said.contains(
             "radsight: crash in plugin \"segfault\", model \"lambert\", material \"paint\" (room.rad:7:1), \
-             function eval_pdf: SIGSEGV, invalid memory access\n"
+             function eval_pdf: SIGSEGV, invalid memory access;"
         ),
         "{said}"
     );

@@ -9,6 +9,12 @@ pub type Place = Range<usize>;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
+    /// The file has no tag at all: the program that should have written it failed.
+    #[error("there is no XML in it")]
+    NoXml {
+        /// Its first line.
+        place: Place,
+    },
     /// The file is not well-formed XML, has a document type, or has far more elements than a BSDF.
     #[error("this is not XML that can be read: {what}")]
     Xml {
@@ -65,7 +71,8 @@ impl Mistake {
     /// The bytes that it is about.
     #[must_use]
     pub fn place(&self) -> Place {
-        let (Mistake::Xml { place, .. }
+        let (Mistake::NoXml { place }
+        | Mistake::Xml { place, .. }
         | Mistake::Missing { place, .. }
         | Mistake::Unexpected { place, .. }
         | Mistake::Count { place, .. }
@@ -74,7 +81,8 @@ impl Mistake {
     }
 
     pub(crate) fn place_mut(&mut self) -> &mut Place {
-        let (Mistake::Xml { place, .. }
+        let (Mistake::NoXml { place }
+        | Mistake::Xml { place, .. }
         | Mistake::Missing { place, .. }
         | Mistake::Unexpected { place, .. }
         | Mistake::Count { place, .. }
@@ -86,7 +94,9 @@ impl Mistake {
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Mistake::Xml { .. } => Some("a BSDF file is XML as genBSDF, WINDOW or pabopto2bsdf write it"),
+            Mistake::NoXml { .. } | Mistake::Xml { .. } => {
+                Some("a BSDF file is XML as genBSDF, WINDOW or pabopto2bsdf write it")
+            }
             Mistake::Missing { element: "Visible", .. } => Some("colour is read only beside visible data"),
             Mistake::Count { .. } => Some("a matrix has a number for each pair of the directions of its two bases"),
             _ => None,

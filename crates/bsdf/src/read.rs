@@ -24,7 +24,7 @@ pub struct Reading {
 const LEAST_TOTAL: f64 = 0.001;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
-    let source = Text::decode(bytes);
+    let source = Text::decode(bytes)?;
     let result = Xml::parse(&source).and_then(|xml| {
         let mut reader = Reader { warnings: Vec::new(), bases: known_bases(), directions: Default::default() };
         let bsdf = reader.window_element(xml.root())?;

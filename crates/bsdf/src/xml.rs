@@ -10,25 +10,44 @@ const MOST_NODES: u32 = 1 << 20;
 /// A file as text. What is not UTF-8 is taken for Latin-1: makers' names are written in it.
 pub(crate) struct Text<'b> {
     text: Cow<'b, str>,
+    /// Where the XML begins and ends: a pipeline that made the file may have left its own words
+    /// around it, as `genBSDF` does with its command line, and Radiance reads past them.
+    xml: Place,
 }
 
 impl<'b> Text<'b> {
-    pub(crate) fn decode(bytes: &'b [u8]) -> Self {
+    pub(crate) fn decode(bytes: &'b [u8]) -> Result<Self, Mistake> {
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => Cow::Borrowed(text),
             Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
         };
-        Text { text }
+        let Some(start) = first_tag(&text) else {
+            let first_line = text.lines().next().unwrap_or("").len();
+            return Err(Mistake::NoXml { place: 0..first_line });
+        };
+        let end = text.rfind('>').map_or(text.len(), |last| last + 1);
+        Ok(Text { text, xml: start..end.max(start) })
     }
 
-    /// Makes the place of a mistake one of the bytes that were decoded.
+    fn xml(&self) -> &str {
+        &self.text[self.xml.clone()]
+    }
+
+    /// Makes the place of a mistake in the XML one of the bytes that were decoded.
     pub(crate) fn in_bytes(&self, mistake: &mut Mistake) {
         let place = mistake.place_mut();
+        *place = self.xml.start + place.start..self.xml.start + place.end;
         if let Cow::Owned(text) = &self.text {
             let bytes = |at: usize| text.get(..at).map_or(at, |before| before.chars().count());
             *place = bytes(place.start)..bytes(place.end);
         }
     }
+}
+
+/// Where the first tag stands; the `<` of a command line has a blank or a file name's path after it.
+fn first_tag(text: &str) -> Option<usize> {
+    let begins_tag = |rest: &str| rest.starts_with(|c: char| c.is_alphabetic() || matches!(c, '?' | '!' | '_'));
+    text.find("<?xml").or_else(|| text.match_indices('<').map(|(at, _)| at).find(|at| begins_tag(&text[at + 1..])))
 }
 
 /// A document.
@@ -40,9 +59,9 @@ impl<'t> Xml<'t> {
     pub(crate) fn parse(text: &'t Text<'_>) -> Result<Xml<'t>, Mistake> {
         // A document type is the way to bombs of entities; BSDF files have none.
         let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-        let document = Document::parse_with_options(&text.text, options).map_err(|error| {
-            let at = offset(&text.text, error.pos());
-            let line = text.text[at..].lines().next().unwrap_or("").len();
+        let document = Document::parse_with_options(text.xml(), options).map_err(|error| {
+            let at = offset(text.xml(), error.pos());
+            let line = text.xml()[at..].lines().next().unwrap_or("").len();
             Mistake::Xml { what: error.to_string(), place: at..at + line.clamp(1, 20) }
         })?;
         Ok(Xml { document })

@@ -56,6 +56,22 @@ fn mistakes_name_what_was_expected_and_where() {
 }
 
 #[test]
+fn words_around_the_xml_are_read_past_and_mistakes_keep_their_places() {
+    let numbers = vec!["0.1"; 41 * 41];
+    let right = quarter(&numbers.join(","));
+    let wrong = quarter(&[&numbers[1..], &["x"]].concat().join(","));
+    for words in ["genBSDF -n 4 +f < room.rad > a.xml\n", "1 < 2\n<- here:", "G\u{e9}n\u{e9}ral\n"] {
+        let read = |text: &str| format!("{:?}", Bsdf::read(text.as_bytes()).expect("a BSDF").bsdf);
+        assert_eq!(read(&format!("{words}{right}\ndone\n")), read(&right));
+        assert_eq!(pointed_at(&format!("{words}{wrong} done")), "x");
+    }
+    for nothing in ["", "\n", "genBSDF: cannot open room.rad\nexit 1\n", "a < b > c", "<"] {
+        assert_eq!(mistake(nothing), "there is no XML in it", "{nothing:?}");
+    }
+    assert_eq!(pointed_at("genBSDF: fails\nexit 1\n"), "genBSDF: fails");
+}
+
+#[test]
 fn a_basis_is_known_by_its_name_or_from_the_file() {
     let text = quarter("").replace("LBNL/Klems Quarter</Row", "Tregenza</Row");
     let expected =

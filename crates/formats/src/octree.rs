@@ -8,7 +8,10 @@ use crate::FormatError;
 use crate::object::{Object, read_objects, write_objects};
 use crate::portable::{Reader, push_integer, push_string};
 use crate::tree::{self, Tree};
-use radsight_picture::Header;
+use radsight_picture::{Header, general};
+
+/// Significant digits of the cube, as real `oconv` writes it.
+const CUBE_DIGITS: usize = 12;
 
 /// What the header calls the format.
 pub const OCTREE_FORMAT: &str = "Radiance_octree";
@@ -83,7 +86,7 @@ impl<'a> Octree<'a> {
         let mut out = self.header.to_bytes();
         push_integer(&mut out, MAGIC + INDEX_SIZE as i64, 2);
         for number in self.origin.into_iter().chain([self.size]) {
-            push_string(&mut out, format!("{number:?}").as_bytes());
+            push_string(&mut out, general(number, CUBE_DIGITS).as_bytes());
         }
         if let OctreeContent::Files(files) = &self.content {
             files.iter().for_each(|file| push_string(&mut out, file));

@@ -1,19 +1,24 @@
-//! `cnt N0 [N1 …]`: counts. Each line has one number for each argument, the last running fastest.
+//! `cnt [-s] N0 [N1 …]`: counts. Each line has one number for each argument, the last running fastest; `-s` shuffles
+//! the lines.
 //!
-//! The real program's option `-s`, which shuffles the lines by the clock, is refused: a scene must not change by itself.
+//! The real program shuffles by the clock. Here the order in a scene is always the same, since a scene must not change
+//! by itself; see [`radsight_loader::Loader::shuffle_seed`].
 
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
+use crate::text::Text;
 use crate::{Error, Invocation, Output};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
-const USAGE: &str = "cnt N0 [N1 ..]";
+const USAGE: &str = "cnt [-s] N0 [N1 ..]";
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
-    if arguments.peek().is_some_and(|word| word.starts_with("-s")) {
-        let position = arguments.position();
-        return Err(arguments.mistake(position, "-s shuffles by the clock, so that each run would give another scene"));
+    let is_shuffled = arguments.peek().is_some_and(|word| word.starts_with("-s"));
+    if is_shuffled {
+        arguments.word();
     }
     let mut limits = Vec::new();
     loop {
@@ -30,6 +35,12 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let lines = limits.iter().map(|limit| *limit as f64).product::<f64>();
     let mut text = invocation.text();
     text.expect_room(lines, 2.0 * limits.len() as f64 + 1.0)?;
+    if is_shuffled {
+        for line in shuffled(lines as u32, invocation.loader.shuffle_seed()) {
+            write_line(&mut text, &limits, line)?;
+        }
+        return Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() });
+    }
     let mut counters = vec![0; limits.len()];
     loop {
         for counter in &counters {
@@ -41,4 +52,43 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         counters[place + 1..].fill(0);
     }
     Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
+}
+
+/// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer Programming" 2, 3.4.2 P).
+fn shuffled(count: u32, seed: u64) -> Vec<u32> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut numbers: Vec<u32> = (0..count).collect();
+    for last in (1..numbers.len()).rev() {
+        // The product's upper half is a number up to `last`, each as likely but for 2⁻⁶⁴ of its share.
+        let chosen = (u128::from(random.next_u64()) * (last as u128 + 1)) >> 64;
+        numbers.swap(last, chosen as usize);
+    }
+    numbers
+}
+
+/// The line of a number, which counts the lines in their order.
+fn write_line(text: &mut Text, limits: &[usize], line: u32) -> Result<(), Error> {
+    let (mut counters, mut rest) = (vec![0; limits.len()], line as usize);
+    for (counter, limit) in counters.iter_mut().zip(limits).rev() {
+        (*counter, rest) = (rest % limit, rest / limit);
+    }
+    for counter in counters {
+        write!(text, "\t{counter}")?;
+    }
+    Ok(text.write_str("\n")?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shuffled_numbers_are_all_there_in_another_order_for_each_seed() {
+        let mut numbers = shuffled(1000, 1);
+        assert_ne!(numbers, shuffled(1000, 2));
+        assert_eq!(numbers, shuffled(1000, 1));
+        assert!(numbers.iter().zip(0..).filter(|(number, place)| **number == *place).count() < 20);
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..1000));
+    }
 }

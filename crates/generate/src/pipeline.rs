@@ -90,7 +90,8 @@ impl Runner<'_> {
     }
 
     fn command(&mut self, command: &Command, standard_input: Option<&[u8]>) -> Result<Vec<u8>, PipelineError> {
-        let argv: Vec<String> = command.words.iter().map(|word| word.text.clone()).collect();
+        let words = shell_words::expanded(&command.words, self.loader);
+        let argv: Vec<String> = words.iter().map(|word| word.text.clone()).collect();
         let redirected = command.input.as_ref().map(|file| self.file(file)).transpose()?;
         let input = redirected.as_deref().or(standard_input);
         let result = {
@@ -103,7 +104,7 @@ impl Runner<'_> {
         };
         let output = result.map_err(|error| {
             let index = error.argument().unwrap_or(0);
-            PipelineError { range: word_range(&command.words, index), error }
+            PipelineError { range: word_range(&words, index), error }
         })?;
         self.output.warnings.extend(output.warnings.into_iter().map(|warning| format!("{}: {warning}", argv[0])));
         self.output.files.extend(output.files);
@@ -173,6 +174,10 @@ impl Loader for WrittenFiles<'_> {
             Some((path, bytes)) => Ok(radsight_loader::Loaded { path: path.clone(), bytes: bytes.clone() }),
             None => self.loader.load(name, kind),
         }
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        self.loader.names_like(pattern)
     }
 
     fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {

@@ -1,7 +1,8 @@
 //! Splits a command line as `sh` does in the plain cases.
 //!
 //! Understood: words, single and double quotes, backslashes, a backslash before a line end, comments, pipes, `;` or a line
-//! end between commands, groups in parentheses, and input from a file with `<`. Anything else that `sh` would act on is an
+//! end between commands, groups in parentheses, input from a file with `<`, and patterns of file names, which
+//! [`expanded`] replaces by the files there are. Anything else that `sh` would act on is an
 //! error that names the construct: a scene that relies on it needs a real shell, and guessing would change its meaning.
 //!
 //! ```
@@ -10,6 +11,7 @@
 //! assert_eq!(command.words[3].text, "sin(PI*t)");
 //! ```
 
+use radsight_loader::Loader;
 use std::ops::Range;
 
 /// Groups nest no deeper than this.
@@ -20,6 +22,9 @@ pub const MAX_GROUP_DEPTH: usize = 32;
 pub struct Word {
     /// What the program gets.
     pub text: String,
+    /// The word as a pattern of file names, if it has a `*`, `?` or `[` that no quote protects; those that one
+    /// protects stand in brackets.
+    pub pattern: Option<String>,
     /// The bytes of the line that it was written with, quotes included.
     pub range: Range<usize>,
 }
@@ -136,9 +141,7 @@ impl SyntaxError {
 
 fn hint(construct: &str) -> &'static str {
     match construct {
-        "a variable" | "a file name pattern" | "a command in back-quotes" => {
-            "; if it is meant literally, put it in single quotes"
-        }
+        "a variable" | "a command in back-quotes" => "; if it is meant literally, put it in single quotes",
         _ => "",
     }
 }
@@ -155,6 +158,21 @@ pub fn split(line: &str) -> Result<Script, SyntaxError> {
         Some(token) => Err(token.unexpected()),
         None => Ok(script),
     }
+}
+
+/// Words with each pattern replaced by the names of the files that it matches. Where there is none the pattern is
+/// a plain word, as in `sh`: scenes have arithmetic such as `t*.9` among their arguments.
+#[must_use]
+pub fn expanded(words: &[Word], loader: &dyn Loader) -> Vec<Word> {
+    let mut all = Vec::with_capacity(words.len());
+    for word in words {
+        let names = word.pattern.as_deref().map_or(Vec::new(), |pattern| loader.names_like(pattern));
+        if names.is_empty() {
+            all.push(Word { pattern: None, ..word.clone() });
+        }
+        all.extend(names.into_iter().map(|text| Word { text, pattern: None, range: word.range.clone() }));
+    }
+    all
 }
 
 /// Writes words so that a shell reads the same words back.
@@ -364,6 +382,26 @@ fn tokens(line: &str) -> Result<Vec<Token>, SyntaxError> {
     Ok(tokens)
 }
 
+/// What makes a word a pattern of file names. The closing bracket means something only after an opening one.
+const WILDCARDS: [char; 4] = ['*', '?', '[', ']'];
+
+/// A word as a pattern, where some of its bytes are unprotected wildcards.
+fn pattern(text: &str, wildcards: &[usize]) -> Option<String> {
+    if !wildcards.iter().any(|at| !text[*at..].starts_with(']')) {
+        return None;
+    }
+    let mut pattern = String::with_capacity(text.len());
+    for (at, character) in text.char_indices() {
+        match character {
+            // In sh two stars are one; elsewhere they would go down into all folders.
+            '*' if wildcards.contains(&at) && at > 0 && wildcards.contains(&(at - 1)) && pattern.ends_with('*') => {}
+            _ if !WILDCARDS.contains(&character) || wildcards.contains(&at) => pattern.push(character),
+            _ => pattern.extend(['[', character, ']']),
+        }
+    }
+    Some(pattern)
+}
+
 struct Scanner<'a> {
     line: &'a str,
     position: usize,
@@ -387,6 +425,7 @@ impl Scanner<'_> {
     fn word(&mut self, begins_command: bool) -> Result<Word, SyntaxError> {
         let start = self.position;
         let mut text = String::new();
+        let mut wildcards = Vec::new();
         if self.peek() == Some('~') {
             return Err(self.needs_shell("a home directory", start, 1));
         }
@@ -404,11 +443,13 @@ impl Scanner<'_> {
                 '\\' => self.escaped(&mut text),
                 '$' => self.dollar(&mut text)?,
                 '`' => return Err(self.back_quotes()),
-                '*' | '?' | '[' => return Err(self.needs_shell("a file name pattern", self.position, 1)),
                 '=' if begins_command && is_name(&self.line[start..self.position]) => {
                     return Err(self.needs_shell("a variable setting", start, self.position + 1 - start));
                 }
                 _ => {
+                    if WILDCARDS.contains(&character) {
+                        wildcards.push(text.len());
+                    }
                     text.push(character);
                     self.position += character.len_utf8();
                 }
@@ -418,7 +459,8 @@ impl Scanner<'_> {
         if digits_only && matches!(self.peek(), Some('<' | '>')) {
             return Err(self.needs_shell("a numbered redirection", start, self.position + 1 - start));
         }
-        Ok(Word { text, range: start..self.position })
+        let pattern = pattern(&text, &wildcards);
+        Ok(Word { text, pattern, range: start..self.position })
     }
 
     fn single_quoted(&mut self, text: &mut String) -> Result<(), SyntaxError> {

@@ -6,6 +6,7 @@ use crate::{
 };
 use glam::DVec3;
 use radsight_diag::Span;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Names a modifier.
@@ -75,6 +76,8 @@ pub struct Scene {
     pub names: Names,
     /// In the order of the text; a modifier's parent comes before it.
     pub modifiers: Arena<Modifier>,
+    /// What each alias stands for is called, where that is a modifier of its own here.
+    pub originals: HashMap<ModifierHandle, NameId>,
     /// In the order of the text.
     pub surfaces: Arena<Surface>,
     /// Vertices of all polygons, scene units.
@@ -123,6 +126,13 @@ impl Scene {
     #[must_use]
     pub fn modifier_name(&self, handle: Option<ModifierHandle>) -> &str {
         handle.map_or("void", |handle| self.names.get(self.modifiers[handle].name))
+    }
+
+    /// The name under which a modifier was first defined, if an alias was used; `void` for none.
+    #[must_use]
+    pub fn original_name(&self, handle: Option<ModifierHandle>) -> &str {
+        let original = handle.and_then(|handle| self.originals.get(&handle));
+        original.map_or_else(|| self.modifier_name(handle), |name| self.names.get(*name))
     }
 }
 

@@ -6,6 +6,7 @@
 //! where neighbours are few. Where the neighbours disagree by more than their noise, the irradiance bends: then the fit is taken over
 //! a smaller neighbourhood, and the record is trusted less far.
 
+use crate::emitter::EmitterModel;
 use crate::record::{Limits, Record, mean};
 use glam::{DMat3, DVec3};
 
@@ -17,6 +18,8 @@ pub struct Fit<const BANDS: usize> {
     rotation: [DVec3; BANDS],
     /// Change per length.
     translation: [DVec3; BANDS],
+    /// Second derivatives along the tangents x and y of the record's frame: xx, yy, xy.
+    curvature: [[f64; 3]; BANDS],
     /// How many rays it rests on.
     rays: f64,
     /// Of the irradiance averaged over the bands.
@@ -41,6 +44,9 @@ struct Misfit {
 /// A neighbour of a record as its fit sees it.
 struct Neighbour<'r, const BANDS: usize> {
     record: &'r Record<BANDS>,
+    /// Its irradiance without what the trend changes on the way to it.
+    moved: [f64; BANDS],
+    /// In the tangent plane.
     offset: DVec3,
     /// Zero at the record itself, one at the border of the widest neighbourhood.
     distance: f64,
@@ -55,6 +61,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             irradiance: record.irradiance,
             rotation: record.gradients.rotation,
             translation: record.gradients.translation,
+            curvature: [[0.0; 3]; BANDS],
             rays: record.rays,
             variance: record.variance,
             brightness: mean(&record.irradiance) + record.otherwise,
@@ -79,15 +86,17 @@ impl<const BANDS: usize> Fit<BANDS> {
                 let misplacement = forth.max(back);
                 (misplacement < 1.0).then(|| Neighbour {
                     record: other,
+                    moved: other.irradiance,
                     offset: offset - record.normal * offset.dot(record.normal),
                     distance,
                     agreement: 1.0 - misplacement.powi(2),
                 })
             })
             .collect();
+        let trend = Trend::new(record, &mut neighbours, radius);
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
-            let (mut fit, misfit) = Fit::over(record, &neighbours, share, limits);
+            let (mut fit, misfit) = Fit::over(record, (&neighbours, &trend), share, limits);
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
             let (agree, can_judge) = (misfit.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
             if can_judge {
@@ -107,7 +116,7 @@ impl<const BANDS: usize> Fit<BANDS> {
     /// The fit over a ball of this share of the widest radius, and how well it goes with the neighbours.
     fn over(
         record: &Record<BANDS>,
-        neighbours: &[Neighbour<'_, BANDS>],
+        (neighbours, trend): (&[Neighbour<'_, BANDS>], &Trend<BANDS>),
         share: f64,
         limits: &Limits,
     ) -> (Fit<BANDS>, Misfit) {
@@ -123,9 +132,6 @@ impl<const BANDS: usize> Fit<BANDS> {
         fit.rays = total * total / squares;
         let noise = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| weight * weight * other.record.variance;
         fit.variance = weights.iter().zip(neighbours).map(noise).sum::<f64>() / (total * total);
-        let average = |of: &dyn Fn(&Record<BANDS>) -> DVec3| {
-            weights.iter().zip(neighbours).map(|(weight, other)| of(other.record) * *weight).sum::<DVec3>() / total
-        };
         let [x, y, _] = Record::<BANDS>::frame(record.normal);
         let place = |neighbour: &Neighbour<'_, BANDS>| {
             DVec3::new(1.0, neighbour.offset.dot(x) / radius, neighbour.offset.dot(y) / radius)
@@ -145,24 +151,21 @@ impl<const BANDS: usize> Fit<BANDS> {
         }
         let solve = normal_matrix.inverse();
         for band in 0..BANDS {
-            let rotation = average(&|other| other.gradients.rotation[band]);
-            let gradient = average(&|other| other.gradients.translation[band]);
-            let prior = DVec3::new(0.0, gradient.dot(x) * radius, gradient.dot(y) * radius);
-            let mut right = prior * (PRIOR * total);
+            let prior = trend.gradient[band] - trend.slope[band];
+            let mut right = DVec3::new(0.0, prior.dot(x), prior.dot(y)) * (radius * PRIOR * total);
             for (weight, neighbour) in weights.iter().zip(neighbours) {
-                let turn = neighbour.record.normal.cross(record.normal);
-                right += place(neighbour) * (*weight * (neighbour.record.irradiance[band] + turn.dot(rotation)));
+                right += place(neighbour) * (*weight * neighbour.moved[band]);
             }
             let plane = solve * right;
             fit.irradiance[band] = plane.x.max(0.0);
-            fit.translation[band] = (x * plane.y + y * plane.z) / radius;
-            fit.rotation[band] = rotation;
+            fit.translation[band] = trend.slope[band] + (x * plane.y + y * plane.z) / radius;
         }
+        (fit.curvature, fit.rotation) = (trend.curvature, trend.rotation);
         let darkness = |(weight, other): (&f64, &Neighbour<'_, BANDS>)| {
             weight / (fit.strength() + other.record.otherwise).max(f64::MIN_POSITIVE)
         };
         fit.brightness = total / weights.iter().zip(neighbours).map(darkness).sum::<f64>();
-        let misfit = fit.misfit(record, neighbours, &weights, limits.explained);
+        let misfit = fit.misfit((neighbours, trend), &weights, limits.explained);
         (fit, misfit)
     }
 
@@ -189,22 +192,19 @@ impl<const BANDS: usize> Fit<BANDS> {
 
     fn misfit(
         &self,
-        record: &Record<BANDS>,
-        neighbours: &[Neighbour<'_, BANDS>],
+        (neighbours, trend): (&[Neighbour<'_, BANDS>], &Trend<BANDS>),
         weights: &[f64],
         explained: f64,
     ) -> Misfit {
         let (mut found, mut noise, mut total) = (0.0, 0.0, 0.0);
         for (weight, neighbour) in weights.iter().zip(neighbours) {
-            let other = neighbour.record;
-            let turn = other.normal.cross(record.normal);
             let residual = |band: usize| {
-                let here = other.irradiance[band] + turn.dot(self.rotation[band]);
-                here - self.irradiance[band] - neighbour.offset.dot(self.translation[band])
+                let slope = self.translation[band] - trend.slope[band];
+                neighbour.moved[band] - self.irradiance[band] - neighbour.offset.dot(slope)
             };
             let residual = (0..BANDS).map(residual).sum::<f64>() / BANDS as f64;
             found += weight * residual * residual;
-            noise += weight * explained * other.variance;
+            noise += weight * explained * neighbour.record.variance;
             total += weight;
         }
         let expected = noise + total * (TOLERANCE * self.strength()).powi(2);
@@ -239,8 +239,11 @@ impl<const BANDS: usize> Fit<BANDS> {
     pub(crate) fn at(&self, record: &Record<BANDS>, position: DVec3, normal: DVec3) -> [f64; BANDS] {
         let offset = position - record.position;
         let turn = record.normal.cross(normal);
+        let [x, y, _] = Record::<BANDS>::frame(record.normal).map(|axis| axis.dot(offset));
         std::array::from_fn(|band| {
-            let change = turn.dot(self.rotation[band]) + offset.dot(self.translation[band]);
+            let [xx, yy, xy] = self.curvature[band];
+            let bend = 0.5 * (xx * x * x + yy * y * y) + xy * x * y;
+            let change = turn.dot(self.rotation[band]) + offset.dot(self.translation[band]) + bend;
             (self.irradiance[band] + change).max(0.0)
         })
     }
@@ -251,6 +254,51 @@ impl<const BANDS: usize> Neighbour<'_, BANDS> {
     fn weight(&self, share: f64) -> f64 {
         let distance = self.distance / share;
         if distance >= 1.0 { 0.0 } else { self.record.rays * self.agreement * (1.0 - distance * distance) }
+    }
+}
+
+/// How the irradiance changes around a record as far as the rays themselves say, those of all neighbours together.
+#[derive(Debug)]
+struct Trend<const BANDS: usize> {
+    /// Change per radian, and per length, by what neighbouring rays of a record saw (Ward and Heckbert 1992).
+    rotation: [DVec3; BANDS],
+    gradient: [DVec3; BANDS],
+    /// Change per length, and its second derivatives (xx, yy, xy), by where the light comes from.
+    slope: [DVec3; BANDS],
+    curvature: [[f64; 3]; BANDS],
+}
+
+impl<const BANDS: usize> Trend<BANDS> {
+    /// From the neighbours of a record, which then know what it takes from their irradiance.
+    fn new(record: &Record<BANDS>, neighbours: &mut [Neighbour<'_, BANDS>], radius: f64) -> Self {
+        let weight = |neighbour: &Neighbour<'_, BANDS>| neighbour.weight(1.0);
+        let total: f64 = neighbours.iter().map(weight).sum();
+        let average = |of: &dyn Fn(&Record<BANDS>) -> DVec3| {
+            neighbours.iter().map(|other| of(other.record) * weight(other)).sum::<DVec3>() / total
+        };
+        let frame = Record::<BANDS>::frame(record.normal);
+        let [x, y, normal] = frame;
+        let model = EmitterModel::new(
+            record.position,
+            neighbours.iter().map(|other| (other.record, weight(other) / total)),
+            radius,
+        );
+        let changes = model.change(record.position, frame, DIFFERENCE * radius);
+        let trend = Trend {
+            rotation: std::array::from_fn(|band| average(&|other| other.gradients.rotation[band])),
+            gradient: std::array::from_fn(|band| average(&|other| other.gradients.translation[band])),
+            slope: changes.map(|change| x * change.slope[0] + y * change.slope[1]),
+            curvature: changes.map(|change| change.curvature),
+        };
+        let here = model.irradiance(record.position, normal);
+        for neighbour in neighbours {
+            let turn = neighbour.record.normal.cross(record.normal);
+            let there = model.irradiance(neighbour.record.position, normal);
+            for band in 0..BANDS {
+                neighbour.moved[band] += turn.dot(trend.rotation[band]) - (there[band] - here[band]);
+            }
+        }
+        trend
     }
 }
 
@@ -266,6 +314,9 @@ const WIDEST_IN_REACHES: f64 = 3.5;
 
 /// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
 const PRIOR: f64 = 0.02;
+
+/// Slopes and curvatures are told by differences over this share of the radius of the neighbourhood.
+const DIFFERENCE: f64 = 0.3;
 
 /// Squared residuals that exceed the noise by more than this over the square root of the neighbours' number are no noise any more: over four
 /// standard deviations of its mean, since few bright rays make most of it.

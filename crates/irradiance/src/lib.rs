@@ -27,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 mod cache;
+mod emitter;
 mod fit;
 mod gradient;
 mod grid;
@@ -34,6 +35,7 @@ mod hemisphere;
 mod record;
 
 pub use cache::{Cache, STRATA};
+pub use emitter::Hit;
 pub use fit::Fit;
 pub use hemisphere::{Gathered, Hemisphere};
 pub use record::{Limits, Record};

@@ -1,5 +1,6 @@
 //! What the rays around one point tell of its irradiance.
 
+use crate::emitter::{Emitters, Hit};
 use crate::fit::Fit;
 use crate::gradient::Gradients;
 use crate::hemisphere::{Gathered, Hemisphere};
@@ -28,6 +29,8 @@ pub struct Record<const BANDS: usize> {
     pub(crate) normal: DVec3,
     pub(crate) irradiance: [f64; BANDS],
     pub(crate) gradients: Gradients<BANDS>,
+    /// Where it comes from.
+    pub(crate) emitters: Emitters<BANDS>,
     /// The distance at which the irradiance may have changed by as much as itself.
     pub(crate) scale: f64,
     /// The least reach of this record.
@@ -80,6 +83,7 @@ impl<const BANDS: usize> Record<BANDS> {
                 rotation: local.rotation.map(to_world),
                 translation: local.translation.map(to_world),
             },
+            emitters: Emitters::UNKNOWN,
             scale: 1.0 / nearness.max(f64::MIN_POSITIVE),
             least: limits.least,
             rays: count,
@@ -116,6 +120,13 @@ impl<const BANDS: usize> Record<BANDS> {
         Record { otherwise, ..self }
     }
 
+    /// The same where it is known what all rays hit, in the order of their directions; `offset` of 0…1 chooses the hits that
+    /// are kept.
+    #[must_use]
+    pub fn with_hits(self, hits: &[Hit<BANDS>], offset: f64) -> Self {
+        Record { emitters: Emitters::new(self.position, hits, offset), ..self }
+    }
+
     /// Rays that looked around.
     #[must_use]
     pub fn rays(&self) -> f64 {
@@ -127,6 +138,8 @@ impl<const BANDS: usize> Record<BANDS> {
         let share = other.rays / (self.rays + other.rays);
         let scalar = |own: &mut f64, other: f64| *own += (other - *own) * share;
         let vector = |own: &mut DVec3, other: DVec3| *own += (other - *own) * share;
+        let [before, further] = [mean(&self.irradiance) * self.rays, mean(&other.irradiance) * other.rays];
+        self.emitters.add(&other.emitters, further / (before + further).max(f64::MIN_POSITIVE), self.rays + other.rays);
         for band in 0..BANDS {
             scalar(&mut self.irradiance[band], other.irradiance[band]);
             vector(&mut self.gradients.rotation[band], other.gradients.rotation[band]);

@@ -127,6 +127,18 @@ pub trait Loader: Sync {
         Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes)))
     }
 
+    /// The names of files that a pattern of the shell (`*`, `?`, `[…]`) matches, sorted; none where nothing can be
+    /// listed or the pattern is none.
+    fn names_like(&self, _pattern: &str) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The seed of what a program shuffles. The same each time, so that a scene does not change by itself, except
+    /// for a program that a user runs.
+    fn shuffle_seed(&self) -> u64 {
+        0
+    }
+
     /// The standard output of a program that the caller has in process and a library cannot have, such as one that renders;
     /// `None` when it has no such program. `argv[0]` is the program's name.
     fn run_program(&self, _argv: &[String], _standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
@@ -150,6 +162,10 @@ pub trait Loader: Sync {
     }
 }
 
+/// How `sh` matches names: hidden files only by name, and folders only where the pattern has a `/`.
+pub const AS_IN_SHELL: glob::MatchOptions =
+    glob::MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
+
 /// Serves files from memory.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryLoader {
@@ -171,5 +187,10 @@ impl Loader for MemoryLoader {
             Some(bytes) => Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() }),
             None => Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: String::new() }),
         }
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        let Ok(pattern) = glob::Pattern::new(pattern) else { return Vec::new() };
+        self.files.keys().filter(|name| pattern.matches_with(name, AS_IN_SHELL)).cloned().collect()
     }
 }

@@ -19,6 +19,16 @@ impl Loader for DirectoryLoader<'_> {
         self.loader.load(name, kind)
     }
 
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        if self.directory.is_empty() || pattern.starts_with('/') {
+            return self.loader.names_like(pattern);
+        }
+        // The directory's own name is none of the pattern.
+        let folder = format!("{}/", self.directory);
+        let names = self.loader.names_like(&format!("{}{pattern}", glob_literal(&folder)));
+        names.into_iter().map(|name| name.strip_prefix(&folder).map(str::to_owned).unwrap_or(name)).collect()
+    }
+
     fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
         self.loader.run_program(argv, standard_input)
     }
@@ -30,6 +40,17 @@ impl Loader for DirectoryLoader<'_> {
         let directory = radsight_generate::shell_words::join(std::slice::from_ref(&self.directory));
         self.loader.run_command(&format!("cd {directory} && {command}"), standard_input)
     }
+}
+
+/// A name as a pattern that matches nothing else.
+fn glob_literal(name: &str) -> String {
+    name.chars().fold(String::with_capacity(name.len()), |mut pattern, character| {
+        match character {
+            '*' | '?' | '[' | ']' => pattern.extend(['[', character, ']']),
+            _ => pattern.push(character),
+        }
+        pattern
+    })
 }
 
 /// The directory part of a path; empty if there is none.

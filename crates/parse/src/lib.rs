@@ -39,7 +39,8 @@ mod xform;
 pub use bounds::{Bounds, bounds, cube};
 pub use kind::{Kind, Role};
 pub use lower::{
-    BrdfReplacement, Input, KeepPrimitives, Numbering, Read, ReadOptions, Tolerance, UnusedModifiers, read_scene,
+    BrdfReplacement, Input, KeepPrimitives, Numbering, Purpose, Read, ReadOptions, Tolerance, UnusedModifiers,
+    read_scene,
 };
 pub use write::write_scene;
 pub use xform::xform;

@@ -21,7 +21,7 @@ mod texts;
 mod volumes;
 
 pub use numbering::Numbering;
-pub use options::{Input, KeepPrimitives, Read, ReadOptions, Tolerance, UnusedModifiers};
+pub use options::{Input, KeepPrimitives, Purpose, Read, ReadOptions, Tolerance, UnusedModifiers};
 pub use replacement::BrdfReplacement;
 
 use radsight_loader::Loader;
@@ -36,5 +36,6 @@ pub fn read_scene(inputs: &[Input], loader: &dyn Loader, options: &ReadOptions) 
     for input in inputs {
         reader.read_input(input);
     }
+    reader.refuse_empty_files(inputs);
     reader.finish()
 }

@@ -76,9 +76,10 @@ fn an_alias_is_its_target_under_its_own_modifier() {
     );
     let scene = scene(&text);
     let handles: Vec<Option<ModifierHandle>> = scene.surfaces.items().iter().map(|surface| surface.modifier).collect();
-    assert_eq!(handles[0], handles[1]);
-    assert_eq!(scene.chain(handles[2]).count(), 2);
-    assert_eq!(color(&scene, 2), Rgb([1.0, 0.0, 0.0]));
+    let names = |surface: usize| (scene.modifier_name(handles[surface]), scene.original_name(handles[surface]));
+    assert_eq!([0, 1, 2].map(names), [("same", "red"), ("inherited", "red"), ("patterned", "red")]);
+    assert_eq!([0, 1, 2].map(|surface: usize| scene.chain(handles[surface]).count()), [1, 1, 2]);
+    assert_eq!([0, 1, 2].map(|surface| color(&scene, surface)), [Rgb([1.0, 0.0, 0.0]); 3]);
 }
 
 #[test]

@@ -266,7 +266,7 @@ impl Header {
     /// that combine files record what went in.
     pub fn push_nested(&mut self, name: &str, nested: &Header) {
         self.push_line(&format!("{name}:"));
-        for line in nested.lines() {
+        for line in nested.lines().filter(|line| !line.starts_with(b"#?")) {
             self.lines.push([b"\t", line].concat());
         }
     }

@@ -65,7 +65,7 @@ pub use image::Image;
 pub use log_luv::write_log_luv;
 pub use matrix::{FloatMatrix, MatrixFormat, MatrixValues};
 pub use npy::{read_npy, write_npy, write_npy_f64};
-pub use number::{general, leading_number, scientific};
+pub use number::{general, leading_number, push_scientific, scientific};
 pub use pfm::{read_pfm, write_pfm};
 pub use picture::{Encoding, PartialPicture, Picture, mean_of_spectrum};
 pub use png::{Png, read_png, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16};

@@ -261,7 +261,7 @@ fn read_pixels(file: &File<'_>) -> Option<Tiff> {
         text.split(|byte| *byte == 0).next().unwrap_or_default().to_vec()
     });
     let header = header.filter(|text| text.starts_with(b"#?")).map(|text| Header::read_text(&text));
-    Some(Tiff { width, height, components: 3, pixels: TiffPixels::Floats(values), header })
+    Some(Tiff { width, height, components: 3, pixels: TiffPixels::Floats(values), header, date: None })
 }
 
 /// Unpacks one plane into the bits from `shift` on and gives what follows it.

@@ -1,5 +1,7 @@
 //! Numbers as C's `atof` reads them and `printf` writes them, since headers and views are defined by both.
 
+use std::fmt::Write;
+
 /// The number at the start of the text (after white space) and how many bytes it took; 0 bytes if there is none.
 #[must_use]
 pub fn leading_number(text: &[u8]) -> (f64, usize) {
@@ -105,16 +107,31 @@ impl LowercasePrefix for [u8] {
 /// `%.{digits}e`.
 #[must_use]
 pub fn scientific(value: f64, digits: usize) -> String {
+    let mut text = String::new();
+    push_scientific(value, digits, &mut text);
+    text
+}
+
+/// Appends `%.{digits}e`: for many numbers, without memory for each.
+pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
     if !value.is_finite() {
-        return not_finite(value);
+        text.push_str(&not_finite(value));
+        return;
     }
-    let text = format!("{value:.digits$e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let (sign, magnitude) = match exponent.strip_prefix('-') {
-        Some(magnitude) => ('-', magnitude),
-        None => ('+', exponent),
+    let start = text.len();
+    let _ = write!(text, "{value:.digits$e}");
+    // The exponent has a sign and two digits at least.
+    let Some(mark) = text[start..].find('e') else { return };
+    let exponent = start + mark + 1;
+    let digits_at = if text[exponent..].starts_with('-') {
+        exponent + 1
+    } else {
+        text.insert(exponent, '+');
+        exponent + 1
     };
-    format!("{mantissa}e{sign}{magnitude:0>2}")
+    if text.len() - digits_at < 2 {
+        text.insert(digits_at, '0');
+    }
 }
 
 /// `%.{precision}g`.

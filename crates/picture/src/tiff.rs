@@ -15,7 +15,7 @@ use tiff::tags::Tag;
 /// # Errors
 /// When the bytes are not such a picture, or claim more pixels than they can hold.
 pub fn read_tiff(bytes: &[u8]) -> Result<(Image<f32>, Option<Header>), PictureError> {
-    let Tiff { width, height, components, pixels, header } = read_tiff_pixels(bytes)?;
+    let Tiff { width, height, components, pixels, header, .. } = read_tiff_pixels(bytes)?;
     let data = match pixels {
         TiffPixels::Bytes(values) => fractions(values, f64::from(u8::MAX)),
         TiffPixels::Words(values) => fractions(values, f64::from(u16::MAX)),
@@ -48,6 +48,9 @@ pub struct Tiff {
     pub pixels: TiffPixels,
     /// The Radiance header, if the file has one.
     pub header: Option<Header>,
+    /// When the picture was taken, as the file says: `2026:11:21 11:14:09`. A file that is written has the date of
+    /// its header (`CAPDATE`) instead.
+    pub date: Option<String>,
 }
 
 /// How pixels are packed.
@@ -58,6 +61,9 @@ pub enum TiffCompression {
     /// Lempel-Ziv-Welch.
     Lzw,
 }
+
+/// Letters of a date.
+const LONGEST_DATE: usize = 19;
 
 /// Reads the first picture of a file, of the kinds that [`read_tiff`] reads.
 ///
@@ -105,7 +111,9 @@ pub fn read_tiff_pixels(bytes: &[u8]) -> Result<Tiff, PictureError> {
     };
     let description = decoder.find_tag(Tag::ImageDescription).ok().flatten().and_then(|value| value.into_string().ok());
     let header = description.filter(|text| text.starts_with("#?")).map(|text| Header::read_text(text.as_bytes()));
-    Ok(Tiff { width: width as usize, height: height as usize, components, pixels, header })
+    let date = decoder.find_tag(Tag::DateTime).ok().flatten().and_then(|value| value.into_string().ok());
+    let date = date.map(|date| date.chars().take(LONGEST_DATE).collect());
+    Ok(Tiff { width: width as usize, height: height as usize, components, pixels, header, date })
 }
 
 fn fractions<T: Into<f64>>(values: Vec<T>, largest: f64) -> Vec<f32> {
@@ -119,7 +127,10 @@ fn fractions<T: Into<f64>>(values: Vec<T>, largest: f64) -> Vec<f32> {
 pub fn write_tiff(image: &Image<f32>, header: Option<&Header>) -> Result<Vec<u8>, PictureError> {
     let (width, height, components) = (image.width(), image.height(), image.components());
     let pixels = TiffPixels::Floats(image.data().to_vec());
-    write_tiff_pixels(&Tiff { width, height, components, pixels, header: header.cloned() }, TiffCompression::None)
+    write_tiff_pixels(
+        &Tiff { width, height, components, pixels, header: header.cloned(), date: None },
+        TiffCompression::None,
+    )
 }
 
 /// Writes pixels.
@@ -163,6 +174,10 @@ where
         // The description is ASCII and ends at a zero byte.
         let text: String = header.to_text().chars().map(|c| if c.is_ascii() && c != '\0' { c } else { '?' }).collect();
         writer.encoder().write_tag(Tag::ImageDescription, text.as_str()).map_err(codec)?;
+        let date = header.variable("CAPDATE").map(|date| date.trim().to_owned()).filter(|date| date.is_ascii());
+        if let Some(date) = date.as_deref().and_then(|date| date.get(..LONGEST_DATE)) {
+            writer.encoder().write_tag(Tag::DateTime, date).map_err(codec)?;
+        }
     }
     writer.write_data(values).map_err(codec)?;
     Ok(out.into_inner())

@@ -100,6 +100,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                     cuts: [segment.cut; 2],
                     normal: segment.ray.direction,
                     drawn: segment.link.is_some(),
+                    facing: None,
                 };
                 let arriving = sampler.light_at(self, light, [u[1], u[2]], |towards| {
                     medium.phase(segment.ray.direction, towards) / (density * samples)

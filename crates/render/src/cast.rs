@@ -63,5 +63,5 @@ impl RenderPlan {
 /// The name of the first material of a chain of modifiers; `void` for none.
 pub(crate) fn material_name(scene: &Scene, modifier: Option<ModifierHandle>) -> &str {
     let material = scene.chain(modifier).find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(_)));
-    scene.modifier_name(material.map(|(handle, _)| handle))
+    scene.original_name(material.map(|(handle, _)| handle))
 }

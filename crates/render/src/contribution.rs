@@ -94,9 +94,27 @@ impl<const BANDS: usize> Contributions<BANDS> {
     /// the radiance from there.
     pub(crate) fn close(&mut self, radiance: [f64; BANDS], waiting: usize) {
         while let Some(open) = self.open.pop_if(|open| waiting < open.waiting) {
-            let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
-            self.push(open.modifier, &open.encounter, value);
+            self.close_one(&open, radiance);
         }
+    }
+
+    /// How many surfaces wait for what comes from there.
+    pub(crate) fn open(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Tells what the ray has brought to all but the first `open` of them.
+    pub(crate) fn close_until(&mut self, open: usize, radiance: [f64; BANDS]) {
+        while self.open.len() > open
+            && let Some(last) = self.open.pop()
+        {
+            self.close_one(&last, radiance);
+        }
+    }
+
+    fn close_one(&mut self, open: &Open<BANDS>, radiance: [f64; BANDS]) {
+        let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
+        self.push(open.modifier, &open.encounter, value);
     }
 
     fn push(&mut self, modifier: u32, encounter: &Encounter, value: [f64; BANDS]) {
@@ -120,9 +138,9 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         }
     }
 
-    /// What the last ray owes.
-    pub(crate) fn take_contributions(&mut self) -> Vec<Contribution> {
-        let Some(contributions) = &mut self.contributions else { return Vec::new() };
+    /// Tells what the last ray owes.
+    pub(crate) fn take_contributions(&mut self, visit: impl FnMut(Contribution)) {
+        let Some(contributions) = &mut self.contributions else { return };
         // Nothing waits any more, not even what began before the first ray.
         contributions.open.iter_mut().for_each(|open| open.waiting += 1);
         contributions.close(self.radiance, 0);
@@ -139,7 +157,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             value: values(debt.value),
             encounter: debt.encounter,
         };
-        contributions.settled.drain(..).map(told).collect()
+        contributions.settled.drain(..).map(told).for_each(visit);
     }
 }
 

@@ -5,6 +5,7 @@ use crate::light::{Light, LightId};
 use crate::light_form::{LightForm, LightSample};
 use crate::light_tree::{Cut, LightTree, Reception};
 use crate::openings::Outlook;
+use crate::options::{Quantity, RenderOptions, Unshared};
 use crate::plan::RenderPlan;
 use crate::ray::PrimitiveId;
 use crate::reach::Between;
@@ -25,6 +26,10 @@ struct Thrift {
 /// about the least error for the time.
 const THRIFT: [Thrift; 2] = [Thrift { all: 24, draws: 8 }, Thrift { all: 12, draws: 4 }];
 
+/// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn
+/// there.
+const SPLIT_THRIFT: Thrift = Thrift { all: 128, draws: 64 };
+
 /// So many images of lights count as one light: from most places most of them are not seen.
 const IMAGES_FOR_ONE: usize = 3;
 
@@ -37,7 +42,16 @@ pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     let real = plan.lights.partition_point(|light| light.relays.is_empty());
     let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
     let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
-    THRIFT.map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
+    let first = if splits_first(&plan.options) { SPLIT_THRIFT } else { THRIFT[0] };
+    [first, THRIFT[1]].map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
+}
+
+/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface:
+/// at sensors, and where it splits.
+fn splits_first(options: &RenderOptions) -> bool {
+    let is_sensor = options.quantity != Quantity::Radiance;
+    let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;
+    options.gathering.unshared == Unshared::Split && (is_sensor || splits)
 }
 
 /// The direct light at one point.
@@ -62,6 +76,8 @@ pub(crate) struct DirectSampler<'o> {
     pub(crate) normal: DVec3,
     /// Whether the path to it has a drawn ray.
     pub(crate) drawn: bool,
+    /// The unit normal of a matte point, which takes no light from behind it.
+    pub(crate) facing: Option<DVec3>,
 }
 
 /// A light and its place in the plan's list.
@@ -69,6 +85,8 @@ pub(crate) struct DirectSampler<'o> {
 pub(crate) struct NumberedLight<'p> {
     pub(crate) index: usize,
     pub(crate) light: &'p Light,
+    /// How many places on it are sampled at the point.
+    pub(crate) places: u32,
 }
 
 impl DirectSampler<'_> {
@@ -104,7 +122,7 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let mut sum = [0.0; BANDS];
         self.for_each_light(tracer, first_set, |tracer, light, between, u| {
-            let given = self.sample_light(tracer, point, light.light, between, u, 1.0);
+            let given = self.sample_light(tracer, point, light.light, between, u, f64::from(light.places));
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }
@@ -125,7 +143,7 @@ impl DirectSampler<'_> {
         let mut drawn: (u32, [f64; 4]) = (u32::MAX, [0.0; 4]);
         for (index, light) in plan.lights.iter().enumerate() {
             let between = receiver.map_or(&Between::Anything, |receiver| &receiver.between[index]);
-            if *between == Between::Dark || light.misses(self.point) {
+            if *between == Between::Dark || light.misses(self.point) || self.faces_away(light) {
                 continue;
             }
             // Two lights share a set of four dimensions.
@@ -134,7 +152,29 @@ impl DirectSampler<'_> {
                 drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
             }
             let half = 2 * (index % 2);
-            visit(tracer, NumberedLight { index, light }, between, [drawn.1[half], drawn.1[half + 1]]);
+            let places = self.reception.places_on(light, self.point);
+            if places == 1 {
+                visit(tracer, NumberedLight { index, light, places }, between, [drawn.1[half], drawn.1[half + 1]]);
+                continue;
+            }
+            let sampler = tracer.sampler;
+            for place in 0..places {
+                let u =
+                    sampler.branch(DimensionSet::render(set), place, places).take(DimensionSet::render(half as u32));
+                visit(tracer, NumberedLight { index, light, places }, between, [u[0], u[1]]);
+            }
+        }
+    }
+
+    /// Whether all of a distant light is behind a matte point. Skies are made of hundreds of suns,
+    /// half of them behind each wall.
+    fn faces_away(&self, light: &Light) -> bool {
+        match (self.facing, &light.form) {
+            (Some(normal), LightForm::Distant { direction, half_angle_sin_squared_half, .. }) => {
+                let (half, above) = (*half_angle_sin_squared_half, normal.dot(*direction));
+                half < 0.5 && above < 0.0 && above * above > 4.0 * half * (1.0 - half)
+            }
+            _ => false,
         }
     }
 
@@ -332,12 +372,12 @@ impl DirectSampler<'_> {
 /// The step between the numbers of a sample sequence.
 const SEQUENCE_STEP: f64 = 1.0 / (1 << 24) as f64;
 
-/// How often a light is drawn at a point, on average.
+/// How many places on a light are sampled at a point, on average.
 pub(crate) fn selection_density(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
     match &plan.light_tree {
         Some(tree) if reception.draws > 0 => {
             f64::from(reception.draws) * Cut::new(tree, &plan.lights, point, reception).chance(id)
         }
-        _ => 1.0,
+        _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
     }
 }

@@ -7,7 +7,6 @@ use crate::light_tree::Reception;
 use crate::link::{Link, Lobe};
 use crate::look_out::Surroundings;
 use crate::medium::Medium;
-use crate::options::Unshared;
 use crate::ray::{PrimitiveId, Ray, Spread};
 use crate::surface_light::LitPoint;
 use crate::trace::{Segment, Tracer};
@@ -110,6 +109,9 @@ const LEAST_WIDTHS_IN_CAUSTICS: f64 = 0.3;
 /// view that it must be known better.
 const REACH_SEEN: f64 = 2.0;
 
+/// Steps of the golden section are spread evenly.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
 /// Rays that look around are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
@@ -128,9 +130,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let options = &self.plan.options;
         let bounces_behind = options.ambient_bounces - segment.ambient_bounces;
         let cache = self.caches.get(bounces_behind as usize).copied().flatten();
-        let looks_around =
-            bounces_behind == 0 && options.gathering.unshared == Unshared::LookAround && options.gathering.rays() > 1;
-        if !(looks_around || cache.is_some()) || point.is_retroreflector() {
+        if cache.is_none() || point.is_retroreflector() {
             return None;
         }
         let mut radiance = [0.0; BANDS];
@@ -159,7 +159,6 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             });
             let irradiance = match shared {
                 Some(irradiance) => irradiance,
-                None if looks_around => self.look_around_between(&place).irradiance_on(facet),
                 None => {
                     complete = false;
                     continue;
@@ -170,17 +169,6 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             }
         }
         complete.then_some(radiance)
-    }
-
-    /// Looks around in the middle of a ray, which goes on afterwards as if nothing had happened.
-    fn look_around_between(&mut self, place: &Place<BANDS>) -> Record<BANDS> {
-        let hemisphere = Hemisphere::with_divisions(self.plan.options.gathering.rays());
-        let number = self.index.wrapping_add(u64::from(self.next_set) << 40);
-        let before = self.set_aside();
-        let look = Look { hemisphere: &hemisphere, sample: None, number, bright: None };
-        let (record, _) = self.look_around(place, &look, &self.plan.gathering_limits());
-        self.take_up(before);
-        record
     }
 
     /// The irradiance of a place, and what is around it.
@@ -195,7 +183,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
         let around = self.glance_around(place, look);
         let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
-        (record.resting_on(around.rays), around)
+        let offset = (look.number as f64 * GOLDEN).fract();
+        (record.resting_on(around.rays).with_hits(&around.hits, offset), around)
     }
 
     /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.
@@ -217,6 +206,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cuts: [cut; 2],
             normal: place.normal,
             drawn: true,
+            facing: Some(place.normal),
         };
         PI * direct.sample(self, &white).iter().sum::<f64>() / BANDS as f64
     }
@@ -248,6 +238,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             ray: Ray { origin: place.point, direction },
             from: place.primitive,
             throughput: [1.0; BANDS],
+            split: 1.0,
             travelled: 0.0,
             link: Some(link),
             depth: 0,

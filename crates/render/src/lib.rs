@@ -60,6 +60,7 @@ mod survey;
 mod tilt;
 mod trace;
 mod tree;
+mod veils;
 mod view;
 mod visible_side;
 mod weak_highlight;

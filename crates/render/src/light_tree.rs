@@ -85,6 +85,19 @@ pub(crate) struct Reception {
     pub(crate) floor: f64,
     /// How many lights are drawn here; 0 where each is sampled.
     pub(crate) draws: u32,
+    pub(crate) places: Places,
+}
+
+/// How many places on a light are sampled where each light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Places {
+    /// For each steradian that it fills.
+    pub(crate) per_sr: f64,
+    pub(crate) least: f64,
+}
+
+impl Places {
+    pub(crate) const ONE: Places = Places { per_sr: 0.0, least: 1.0 };
 }
 
 /// A light that was drawn.
@@ -172,10 +185,24 @@ const ROUNDING: f64 = 1e-9;
 /// Of a light at the edge of what it can reach, so that it keeps a chance.
 const LEAST_COSINE: f64 = 1e-3;
 
+/// No more places on a light are sampled.
+const MOST_PLACES: f64 = 64.0;
+
 impl Reception {
     /// Of a point that samples every light, and wherever it is.
     pub(crate) const NONE: Reception =
-        Reception { normal: DVec3::Z, diffuse: 0.0, peak: Peak::NONE, floor: 1.0, draws: 0 };
+        Reception { normal: DVec3::Z, diffuse: 0.0, peak: Peak::NONE, floor: 1.0, draws: 0, places: Places::ONE };
+
+    /// How many places on a light are sampled at a point where each light is.
+    pub(crate) fn places_on(&self, light: &Light, point: DVec3) -> u32 {
+        if self.places == Places::ONE {
+            return 1;
+        }
+        let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
+        let places = (self.places.per_sr * light.form.solid_angle(distance)).clamp(self.places.least, MOST_PLACES);
+        // Only powers of two of a scrambled sequence are evenly spread in both directions.
+        if places > 1.0 { (places.ceil() as u32).next_power_of_two() } else { 1 }
+    }
 
     /// A bound on what is made of light from within `half_width` of a unit direction, with the cosine.
     fn response(&self, towards: DVec3, half_width: Angle) -> f64 {
@@ -441,7 +468,8 @@ mod tests {
     }
 
     fn receptions() -> [Reception; 2] {
-        let matte = Reception { normal: DVec3::Z, diffuse: 0.3, peak: Peak::NONE, floor: 0.0, draws: 1 };
+        let matte =
+            Reception { normal: DVec3::Z, diffuse: 0.3, peak: Peak::NONE, floor: 0.0, draws: 1, places: Places::ONE };
         let peak = Peak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
         [matte, Reception { peak, floor: 0.01, ..matte }]
     }

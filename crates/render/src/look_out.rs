@@ -9,14 +9,11 @@ use crate::surface_light::{Drawn, LitPoint};
 use crate::trace::Tracer;
 use glam::DVec3;
 use radsight_brdf::Density;
-use radsight_irradiance::{Gathered, Record};
+use radsight_irradiance::{Gathered, Hit, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Of rays that are drawn one by one.
-const OUTWARD_CHANCE: f64 = 0.5;
-
-/// Of rays that look around together: so many more.
+/// Of rays that look around together, so many more are sent towards openings.
 const OUTWARD_SHARE: f64 = 0.25;
 
 /// Rays towards openings are numbered apart from the others.
@@ -33,7 +30,7 @@ const MOST_BRIGHT: u64 = 1 << 12;
 impl Outlook<'_> {
     /// The density of a single ray that is drawn by the cosine, with `diffuse_density`, or towards an opening, 1/sr.
     pub(crate) fn mixed_density(&self, direction: DVec3, diffuse_density: f64) -> f64 {
-        OUTWARD_CHANCE * self.density(direction) + (1.0 - OUTWARD_CHANCE) * diffuse_density
+        self.chance * self.density(direction) + (1.0 - self.chance) * diffuse_density
     }
 }
 
@@ -46,8 +43,8 @@ impl<const BANDS: usize> LitPoint<'_, BANDS> {
 
     /// Draws from the diffuse component or towards an opening.
     pub(crate) fn draw_outward(&self, outlook: &Outlook<'_>, u: [f64; 4]) -> Option<Drawn<BANDS>> {
-        let direction = if u[0] < OUTWARD_CHANCE {
-            outlook.draw([u[0] / OUTWARD_CHANCE, u[2], u[3]])?
+        let direction = if u[0] < outlook.chance {
+            outlook.draw([u[0] / outlook.chance, u[2], u[3]])?
         } else {
             self.draw_diffuse(u[2], u[3])?.direction
         };
@@ -93,6 +90,8 @@ struct Glance<const BANDS: usize> {
     found: Gathered<BANDS>,
     /// How far away what it found appears.
     distance: f64,
+    /// Where what it found comes from: how far away, and the unit normal there if it is known.
+    source: (f64, Option<DVec3>),
 }
 
 impl<const BANDS: usize> Tracer<'_, BANDS> {
@@ -150,7 +149,17 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         let seen = self.effective_distance();
         // The sky appears where the way to it is free.
         let distance = if seen.is_finite() { seen } else { found.distance };
-        Glance { cell, way: *way, weight: aims.balance(way), found, distance }
+        Glance { cell, way: *way, weight: aims.balance(way), found, distance, source: self.source(way, distance, aims) }
+    }
+
+    /// Where light comes from that appears at a distance: through an opening it changes from place to place as if the opening
+    /// itself emitted it.
+    fn source(&self, way: &Way, distance: f64, aims: &Aims<'_>) -> (f64, Option<DVec3>) {
+        let opening = aims.outlook.as_ref().and_then(|outlook| outlook.crossed(way.direction));
+        match opening {
+            Some((before, normal)) if before < distance => (before, Some(normal)),
+            _ => (distance, self.first_normal(way.direction).filter(|_| distance == self.first_distance())),
+        }
     }
 }
 
@@ -160,6 +169,7 @@ pub(crate) struct Surroundings<const BANDS: usize> {
     /// One a cell of the hemisphere.
     pub(crate) cells: Vec<Gathered<BANDS>>,
     pub(crate) bright: Vec<BrightPlace>,
+    pub(crate) hits: Vec<Hit<BANDS>>,
     /// Rays that looked.
     pub(crate) rays: usize,
 }
@@ -184,6 +194,17 @@ impl<const BANDS: usize> Surroundings<BANDS> {
                 power: radiance * glance.weight / total * squared / glance.way.local.z.max(GRAZING),
             })
         };
-        Surroundings { bright: glances.iter().filter_map(bright).collect(), rays: glances.len(), cells }
+        let hit = |glance: &Glance<BANDS>| Hit {
+            direction: glance.way.direction,
+            distance: glance.source.0,
+            normal: glance.source.1,
+            irradiance: glance.found.radiance.map(|band| band * glance.weight * PI / around as f64),
+        };
+        Surroundings {
+            bright: glances.iter().filter_map(bright).collect(),
+            hits: glances.iter().map(hit).collect(),
+            rays: glances.len(),
+            cells,
+        }
     }
 }

@@ -24,10 +24,12 @@ pub(crate) struct ModelBatch {
 struct Place {
     light: usize,
     sample: LightSample,
+    /// How many were drawn on it.
+    of: u32,
 }
 
 impl DirectSampler<'_> {
-    /// Radiance that the point sends on from all lights, each sampled once.
+    /// Radiance that the point sends on from all lights.
     pub(crate) fn sample_all_of_model<const BANDS: usize>(
         &self,
         tracer: &mut Tracer<'_, BANDS>,
@@ -40,7 +42,7 @@ impl DirectSampler<'_> {
         batch.incident.clear();
         self.for_each_light(tracer, first_set, |tracer, light, _, u| {
             let Some(sample) = self.place(tracer, light.light, u) else { return };
-            batch.places.push(Place { light: light.index, sample });
+            batch.places.push(Place { light: light.index, sample, of: light.places });
             batch.incident.push(point.frame.to_local(sample.direction));
         });
         batch.values.clear();
@@ -63,7 +65,7 @@ impl DirectSampler<'_> {
             };
             let light = &tracer.plan.lights[place.light];
             let between = self.between(tracer.plan, place.light);
-            let given = self.gather(tracer, light, &place.sample, between, 1.0, &response);
+            let given = self.gather(tracer, light, &place.sample, between, f64::from(place.of), &response);
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }

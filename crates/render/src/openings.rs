@@ -47,6 +47,8 @@ pub(crate) struct Outlook<'p> {
     promises: [(u32, f64); MOST_OPENINGS],
     len: usize,
     total: f64,
+    /// The share of rays that are sent towards openings.
+    pub(crate) chance: f64,
 }
 
 /// No more openings are known: the brightest ones.
@@ -106,7 +108,9 @@ impl Openings {
         if self.0.is_empty() {
             return None;
         }
-        let mut outlook = Outlook { openings: &self.0, point, promises: [(0, 0.0); MOST_OPENINGS], len: 0, total: 0.0 };
+        let promises = [(0, 0.0); MOST_OPENINGS];
+        let mut outlook =
+            Outlook { openings: &self.0, point, promises, len: 0, total: 0.0, chance: Outlook::OF_SINGLE_RAYS };
         for (index, opening) in self.0.iter().enumerate() {
             let promise = opening.promise(point, normal);
             if promise > 0.0 {
@@ -185,6 +189,9 @@ impl Opening {
 }
 
 impl Outlook<'_> {
+    /// The share of rays that are drawn one by one.
+    const OF_SINGLE_RAYS: f64 = 0.5;
+
     /// Draws a unit direction towards an opening.
     pub(crate) fn draw(&self, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
         let mut left = choice * self.total;
@@ -198,6 +205,16 @@ impl Outlook<'_> {
         }
         let (_, place) = self.openings[chosen? as usize].form.point([u, v])?;
         (place - self.point).try_normalize()
+    }
+
+    /// The nearest opening in a unit direction: how far away it is, and its unit normal on the side of the point.
+    pub(crate) fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
+        let met = |(index, _): &(u32, f64)| {
+            let opening = &self.openings[*index as usize];
+            opening.form.met(self.point, direction).map(|(distance, _)| (distance, opening.normal))
+        };
+        let nearer = |one: &(f64, DVec3), two: &(f64, DVec3)| one.0.total_cmp(&two.0);
+        self.promises[..self.len].iter().filter_map(met).min_by(nearer)
     }
 
     /// The density with which [`Outlook::draw`] finds a unit direction, 1/sr.

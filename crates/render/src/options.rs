@@ -17,6 +17,10 @@ pub struct RenderOptions {
     /// Rough highlights of no more than this share are not looked into for anything but sources: their share joins the diffuse
     /// component (`-st`). Default 0, which draws from all.
     pub highlight_threshold: f64,
+    /// Size of a light over its distance from which a ray that counts by itself
+    /// ([`Unshared::Split`]) samples more than one place on it (`-ds`); 0 always samples one.
+    /// Default 0.2, as in Radiance.
+    pub source_sampling: f64,
     /// How many rays look into the highlight at the first surface (`-ss`); fewer where it counts less, one at least, 16 at most. Default 1.
     pub highlight_samples: f64,
     /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
@@ -59,6 +63,7 @@ impl Default for RenderOptions {
             ambient_value: Rgb::BLACK,
             gathering: Gathering::default(),
             highlight_threshold: 0.0,
+            source_sampling: 0.2,
             highlight_samples: 1.0,
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
@@ -133,8 +138,9 @@ impl Gathering {
 pub enum Unshared {
     /// Draws one ray: for pictures, whose pixels are means over many.
     DrawOne,
-    /// Looks around with all its rays: for single rays, whose value counts by itself.
-    LookAround,
+    /// Splits into as many rays as `-ad` gives to a ray of its weight: for single rays, whose value
+    /// counts by itself.
+    Split,
 }
 
 /// On which surfaces diffuse interreflections are followed. The names are those of the modifiers that surfaces name themselves.

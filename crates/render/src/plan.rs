@@ -15,9 +15,10 @@ use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::openings::{Openings, makes_caustics};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
-use crate::ray::{Hit, PrimitiveId, Ray, ShaderId};
+use crate::ray::{Hit, MemberId, PrimitiveId, Ray, ShaderId};
 use crate::reach::{Reach, Receiver};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
+use crate::veils::find_veils;
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
@@ -49,6 +50,8 @@ pub struct RenderPlan {
     pub(crate) reach: Reach,
     /// Whether anything lets light through, or is taken to, so that a shadow ray goes on after a hit.
     pub(crate) see_through: bool,
+    /// What lets light through in front of what it lies on, though it counts as opaque.
+    pub(crate) veils: Vec<MemberId>,
     /// Whether anything bends or dims shadow rays, or stands in for something else, so that they are followed from surface to surface.
     pub(crate) shadows_bend: bool,
     /// Whether anything fills the space that rays cross.
@@ -121,6 +124,7 @@ impl RenderPlan {
         let any = |is: fn(&Kind) -> bool| shaders.iter().any(|shader| is(&shader.kind));
         let see_through = shaders.iter().any(|shader| shader.lets_light_through() || meets_bare && is_bare(shader))
             || geometry.holds_void(&scene, &shader_table, |id| shaders.get(id.0 as usize).is_some_and(is_bare));
+        let veils = find_veils(&scene, &geometry, shader);
         let in_medium = !options.medium.extinction.is_black();
         let has_media = in_medium || any(|kind| matches!(kind, Kind::Dielectric(_) | Kind::Mist(_)));
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
@@ -151,6 +155,7 @@ impl RenderPlan {
             has_caustics: false,
             sky,
             reach,
+            veils,
             see_through: see_through || !may_skip(Skip::BehindShadows),
             shadows_bend: shadows_bend || !may_skip(Skip::BentShadows),
             has_media: has_media || !may_skip(Skip::Media),

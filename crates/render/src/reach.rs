@@ -78,7 +78,10 @@ impl Reach {
         let receivers = bodies
             .iter()
             .map(|body| Receiver {
-                between: lights.iter().map(|light| between(body, light, &bodies, tolerance)).collect(),
+                between: lights
+                    .iter()
+                    .map(|light| between(body, light, &bodies, [tolerance, geometry.tolerance()]))
+                    .collect(),
                 sees_only_lights: !unsampled_light && sees_only_lights(body, &bodies, lights, tolerance),
                 lights_suffice: lights_are_small(body, lights),
             })
@@ -176,8 +179,8 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     }
 }
 
-/// What can stand between a body and a light.
-fn between(body: &Body, light: &Light, bodies: &[Body], tolerance: f64) -> Between {
+/// What can stand between a body and a light. What is no farther from the light than `touch` may hide it, wherever it lies.
+fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64; 2]) -> Between {
     if !light.relays.is_empty() || light.radius.is_infinite() {
         return Between::Anything;
     }
@@ -193,11 +196,14 @@ fn between(body: &Body, light: &Light, bodies: &[Body], tolerance: f64) -> Betwe
     let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
     axes.extend(body.plane.map(|(normal, _)| normal));
     axes.extend(source.plane.map(|(normal, _)| normal));
+    let stands_between = |other: &&Body| {
+        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance))
+    };
     let blockers: Vec<MemberId> = bodies
         .iter()
         .filter(|other| other.surface != light.surface)
         .filter(|other| other.member != body.member || body.plane.is_none())
-        .filter(|other| !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance)))
+        .filter(stands_between)
         .map(|other| other.member)
         .collect();
     match blockers.len() {
@@ -215,6 +221,19 @@ fn separated(axis: DVec3, body: &Body, source: &Body, other: &Body, tolerance: f
     // What only touches the hull where the hull itself is flat stands beside the segments, not between their ends; a hull
     // without extent along the axis has no inside to reach into.
     high - low > 4.0 * tolerance && (other_high <= low + tolerance || other_low >= high - tolerance)
+}
+
+/// Whether a body touches a flat light in more than an edge, as far as the boxes around them tell.
+fn lies_on(source: &Body, other: &Body, touch: f64) -> bool {
+    let overlap = |axis: DVec3| {
+        let (a, b) = (source.range(axis), other.range(axis));
+        a.1.min(b.1) - a.0.max(b.0)
+    };
+    let Some((normal, _)) = source.plane else { return false };
+    let overlaps = [DVec3::X, DVec3::Y, DVec3::Z].map(overlap);
+    overlap(normal) >= -touch
+        && overlaps.iter().all(|overlap| *overlap >= -touch)
+        && overlaps.iter().filter(|overlap| **overlap > touch).count() > 1
 }
 
 /// Whether all that lies in front of a flat body is lights.

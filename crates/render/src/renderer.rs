@@ -132,9 +132,9 @@ fn tracer<'r, const BANDS: usize>(
 
 impl RayWorker<'_> {
     /// Answers ray number `index` of its stream by what it owes to each modifier that is tracked, in the order in which it met them.
-    pub fn contributions(&mut self, index: u64, ray: &Ray) -> Vec<Contribution> {
+    pub fn contributions(&mut self, index: u64, ray: &Ray, visit: impl FnMut(Contribution)) {
         let _ = self.trace(index, ray);
-        in_bands!(&mut self.0, Bands(tracer) => tracer.take_contributions())
+        in_bands!(&mut self.0, Bands(tracer) => tracer.take_contributions(visit))
     }
 
     /// Answers ray number `index` of its stream, and tells all rays that came of it where the options ask for that: each after those that came of

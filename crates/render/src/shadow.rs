@@ -69,6 +69,10 @@ impl DirectSampler<'_> {
         between: &Between,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
+        // A light that the point itself lies on is not met by a ray from there.
+        if sample.distance <= tracer.plan.geometry.tolerance() {
+            return [0.0; BANDS];
+        }
         let straight = !light.is_redirected()
             && tracer.tree.is_none()
             && (!tracer.plan.shadows_bend || self.is_clear(tracer, between));
@@ -334,26 +338,40 @@ impl DirectSampler<'_> {
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let mut through = [1.0; BANDS];
-        // The target itself lies at the end, give or take rounding.
-        let end = distance * (1.0 - 1e-9);
         let travelled = self.travelled;
         let scratch = &mut tracer.workspace.scratch;
+        // What lies on the target may hide it.
+        let tolerance = plan.geometry.tolerance();
+        let mut passed = plan.see_through.then(Passed::default);
+        let mut is_blocked = false;
         let mut block = |crossing: ray::Crossing| {
             if crossing.primitive == target {
                 return false;
             }
-            let open = if plan.see_through {
+            if crossing.distance > distance - tolerance {
+                is_blocked = plan.geometry.chosen_near(&plan.scene, ray, from, distance) != Some(target);
+                return is_blocked;
+            }
+            let open = if let Some(passed) = &mut passed {
                 let hit = plan.geometry.hit(&plan.scene, &plan.shader_table, ray, crossing);
                 let shader = plan.shader_at(hit.shader);
+                passed.add(crossing.distance, tolerance);
                 straight(plan, shader, (ray, &hit, travelled + hit.distance), scratch)
             } else {
                 None
             };
-            through = product(through, open.unwrap_or([0.0; BANDS]));
-            open.is_none()
+            match open {
+                Some(open) => through = product(through, open),
+                None if plan.is_veiled(ray, from, &crossing) => {
+                    passed.get_or_insert_default().is_tied = true;
+                }
+                None => is_blocked = true,
+            }
+            is_blocked
         };
+        let end = distance + tolerance;
         match between {
-            Between::Dark => through = [0.0; BANDS],
+            Between::Dark => is_blocked = true,
             Between::Nothing => {}
             Between::Few(list) => {
                 let frame = RayFrame::new(ray);
@@ -367,7 +385,64 @@ impl DirectSampler<'_> {
                 plan.geometry.any_between(&plan.scene, ray, from, end, block);
             }
         }
-        through
+        if is_blocked {
+            return [0.0; BANDS];
+        }
+        match passed {
+            Some(Passed { is_tied: true, .. }) => self.one_by_one(tracer, ray, from, distance),
+            _ => through,
+        }
+    }
+
+    /// [`DirectSampler::segment`] where surfaces that let light through lie on each other: only one of them is there for the ray.
+    #[cold]
+    fn one_by_one<const BANDS: usize>(
+        &self,
+        tracer: &mut Tracer<'_, BANDS>,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        distance: f64,
+    ) -> [f64; BANDS] {
+        let plan = tracer.plan;
+        let scratch = &mut tracer.workspace.scratch;
+        let end = distance - plan.geometry.tolerance();
+        let (mut onward, mut from, mut gone) = (*ray, from, 0.0);
+        let mut through = [1.0; BANDS];
+        for _ in 0..MAX_CROSSINGS {
+            let Some(hit) = plan.first_hit(&onward, from).filter(|hit| gone + hit.distance <= end) else {
+                return through;
+            };
+            gone += hit.distance;
+            let Some(open) = straight(plan, plan.shader_at(hit.shader), (ray, &hit, self.travelled + gone), scratch)
+            else {
+                return [0.0; BANDS];
+            };
+            through = product(through, open);
+            (onward.origin, from) = (hit.point, Some(hit.primitive));
+        }
+        [0.0; BANDS]
+    }
+}
+
+/// Where a shadow ray crossed surfaces, to notice two in one place.
+#[derive(Default)]
+struct Passed {
+    distances: [f64; MOST_PASSED],
+    count: usize,
+    is_tied: bool,
+}
+
+/// Surfaces behind so many on a shadow ray are not compared with each other.
+const MOST_PASSED: usize = 16;
+
+impl Passed {
+    #[inline]
+    fn add(&mut self, distance: f64, tolerance: f64) {
+        self.is_tied |= self.distances[..self.count].iter().any(|passed| (passed - distance).abs() <= tolerance);
+        if let Some(place) = self.distances.get_mut(self.count) {
+            *place = distance;
+            self.count += 1;
+        }
     }
 }
 

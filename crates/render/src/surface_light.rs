@@ -4,7 +4,7 @@ use crate::bands::spread;
 use crate::beyond::{Beyond, chance_of_second, strongest};
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
-use crate::light_tree::Reception;
+use crate::light_tree::{Places, Reception};
 use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::tilt::Peak;
@@ -114,6 +114,11 @@ impl<const BANDS: usize> Drawn<BANDS> {
         };
         Drawn { weight: self.weight.map(|band| band / draws), density, ..self }
     }
+
+    /// One of several branches, which count as one where they share the work with light sampling.
+    pub(crate) fn branch(self, branches: f64) -> Self {
+        Drawn { weight: self.weight.map(|band| band / branches), ..self }
+    }
 }
 
 impl<const BANDS: usize> Response<BANDS> {
@@ -130,7 +135,7 @@ impl<const BANDS: usize> Response<BANDS> {
 
 impl<const BANDS: usize> Highlight<'_, BANDS> {
     /// What it reflects, about.
-    fn strength(&self) -> f64 {
+    pub(crate) fn strength(&self) -> f64 {
         match self {
             Highlight::None | Highlight::Function(_) => 0.0,
             Highlight::Ward(ward) => strongest(&ward.specularity),
@@ -304,6 +309,7 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             peak,
             floor: (from_anywhere + beyond) * FRAC_1_PI,
             draws,
+            places: Places::ONE,
         }
     }
 
@@ -316,6 +322,19 @@ impl<'a, const BANDS: usize> LitPoint<'a, BANDS> {
             _ => !own_left_out,
         };
         own || self.beyond.is_some_and(|beyond| beyond.lobe.is_some() && !through_left_out)
+    }
+
+    /// The unit normal of a point that is matte on the viewer's side and lets nothing through.
+    pub(crate) fn facing(&self) -> Option<DVec3> {
+        let is_matte = matches!(self.highlight, Highlight::None) && self.beyond.is_none();
+        is_matte.then_some(self.diffuse_normal)
+    }
+
+    /// What the highlights of both sides send on, about.
+    pub(crate) fn highlight_strength(&self) -> f64 {
+        let through =
+            self.beyond.and_then(|beyond| beyond.lobe).map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
+        self.highlight.strength() + through
     }
 
     /// Whether its highlight sends light back to where it comes from.

@@ -102,7 +102,7 @@ fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
 #[test]
 fn a_single_ray_looks_around_with_all_its_rays() {
     let scene = integrating_sphere();
-    let gathering = Gathering { divisions: 512, unshared: Unshared::LookAround, ..Gathering::default() };
+    let gathering = Gathering { divisions: 512, unshared: Unshared::Split, ..Gathering::default() };
     let options = RenderOptions { quantity: Quantity::Irradiance, gathering, ..options(1, 0.0) };
     let renderer = renderer(&scene, options);
     let ray = Ray::new(DVec3::new(1.5, 0.0, 0.0), -DVec3::X);

@@ -65,7 +65,7 @@ fn a_skylight_gives_the_irradiance_of_its_form_factor() {
         let scene = skylight(panes);
         let one_by_one = mean(&scene, options(Unshared::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 13);
         assert_close(one_by_one, expected, 0.01);
-        let together = mean(&scene, options(Unshared::LookAround), DVec3::ZERO, DVec3::Z, 32);
+        let together = mean(&scene, options(Unshared::Split), DVec3::ZERO, DVec3::Z, 32);
         assert_close(together, expected, 0.01);
     }
 }
@@ -77,7 +77,7 @@ fn a_glow_that_is_no_light_gives_the_irradiance_of_its_form_factor() {
     scene.polygon(glow, &square(0.3, 1.5));
     let expected = 5.0 * square_overhead(0.3, 1.5);
     assert_close(mean(&scene, options(Unshared::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
-    assert_close(mean(&scene, options(Unshared::LookAround), DVec3::ZERO, DVec3::Z, 32), expected, 0.01);
+    assert_close(mean(&scene, options(Unshared::Split), DVec3::ZERO, DVec3::Z, 32), expected, 0.01);
     let without_bounces = RenderOptions { ambient_bounces: 0, ..options(Unshared::DrawOne) };
     assert_eq!(mean(&scene, without_bounces, DVec3::ZERO, DVec3::Z, 16), 0.0);
 }

@@ -6,7 +6,7 @@
 //! Guarantees: no input makes it panic. Reads no file and runs nothing: dates and sizes come from a [`Site`].
 //!
 //! ```
-//! use radsight_rif::{Cube, Date, How, Rif, Site, Step};
+//! use radsight_rif::{Cube, Date, How, NamedBy, Rif, Site};
 //! struct Empty;
 //! impl Site for Empty {
 //!     fn date(&self, name: &str) -> Date {
@@ -19,8 +19,9 @@
 //! let mut rif = Rif::read("room.rif", "scene= room.rad\nEXPOSURE= 2 # bright\nview= def -vp 1 2 3\n").unwrap();
 //! rif.check().unwrap();
 //! let steps = rif.steps(&How::default(), &Empty).unwrap();
-//! assert_eq!(steps[0], Step::run("oconv room.rad > room.oct", &["room.oct"]));
-//! assert_eq!(steps[2], Step::run("pfilt -1 -e 2 room_def.unf > room_def.hdr", &["room_def.hdr"]));
+//! assert_eq!(steps[0].command_line(), "oconv room.rad > room.oct");
+//! assert_eq!(steps[2].command_line(), "pfilt -1 -e 2 room_def.unf > room_def.hdr");
+//! assert_eq!(steps[0].outputs()[0].named_by, NamedBy::CommandLine);
 //! ```
 #![forbid(unsafe_code)]
 
@@ -31,5 +32,5 @@ mod variables;
 mod views;
 
 pub use error::RifError;
-pub use steps::{Cube, Date, How, Site, Step};
-pub use variables::Rif;
+pub use steps::{Cube, Date, How, OutputFile, OutputKind, Site, Step};
+pub use variables::{NamedBy, Rif};

@@ -2,7 +2,7 @@
 
 use crate::RifError;
 use crate::quality::{Level, QualityOptions, Zone, own_options};
-use crate::variables::{Rif, Variable};
+use crate::variables::{NamedBy, Rif, Variable};
 use crate::views::{NamedView, views};
 use radsight_generate::padded;
 
@@ -38,34 +38,117 @@ pub struct How {
     pub show_views: bool,
 }
 
+/// What a file that is written is; one that is there already may be replaced only by its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputKind {
+    /// An octree.
+    Octree,
+    /// Scene text that `mkillum` wrote.
+    IllumScene,
+    /// A picture.
+    Picture,
+    /// Distances (`rpict -z`).
+    Distances,
+    /// Options of rendering.
+    Options,
+    /// Values of `-af`.
+    AmbientValues,
+    /// Messages of programs, to which more are added.
+    Messages,
+    /// A photon map.
+    PhotonMap,
+}
+
+/// A file that is written, removed or given another date.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OutputFile {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub kind: OutputKind,
+    /// Who says so.
+    pub named_by: NamedBy,
+}
+
 /// One thing to do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Run a command.
+    /// Run a program.
     Run {
-        /// As a shell would read it.
+        /// The program and its options, as a shell would read them.
         command: String,
+        /// Where its standard output goes.
+        output: Option<OutputFile>,
+        /// What else it writes.
+        also_writes: Vec<OutputFile>,
         /// Files that are removed if it fails.
         removed_on_failure: Vec<String>,
     },
     /// Tell the whole view of these options.
     ShowView(String),
     /// Set a file's date to now.
-    Touch(String),
+    Touch(OutputFile),
     /// Remove a file.
-    Remove(String),
+    Remove(OutputFile),
     /// Give a file another name.
-    Rename(String, String),
+    Rename(OutputFile, OutputFile),
     /// Write the options of rendering to a file, one a line.
-    WriteOptions(String, String),
+    WriteOptions(OutputFile, String),
 }
 
 impl Step {
-    /// A command with the files that are removed if it fails.
+    /// The files that it writes, removes or changes.
     #[must_use]
-    pub fn run(command: impl Into<String>, removed_on_failure: &[&str]) -> Step {
-        let removed_on_failure = removed_on_failure.iter().map(|name| (*name).to_owned()).collect();
-        Step::Run { command: command.into(), removed_on_failure }
+    pub fn outputs(&self) -> Vec<&OutputFile> {
+        match self {
+            Step::Run { output, also_writes, .. } => output.iter().chain(also_writes).collect(),
+            Step::ShowView(_) => Vec::new(),
+            Step::Touch(file) | Step::Remove(file) | Step::WriteOptions(file, _) => vec![file],
+            Step::Rename(from, to) => vec![from, to],
+        }
+    }
+
+    /// The command with where its output goes, as a shell would read it; empty for what is no
+    /// command.
+    #[must_use]
+    pub fn command_line(&self) -> String {
+        match self {
+            Step::Run { command, output: Some(output), .. } => format!("{command} > {}", output.name),
+            Step::Run { command, output: None, .. } => command.clone(),
+            _ => String::new(),
+        }
+    }
+
+    fn run(command: String) -> Step {
+        Step::Run { command, output: None, also_writes: Vec::new(), removed_on_failure: Vec::new() }
+    }
+
+    /// With its standard output in a file, which stays if the program fails.
+    fn into_file(mut self, file: OutputFile) -> Step {
+        if let Step::Run { output, .. } = &mut self {
+            *output = Some(file);
+        }
+        self
+    }
+
+    fn also_writing(mut self, files: impl IntoIterator<Item = OutputFile>) -> Step {
+        if let Step::Run { also_writes, .. } = &mut self {
+            also_writes.extend(files);
+        }
+        self
+    }
+
+    fn removing_on_failure(mut self, names: &[&str]) -> Step {
+        if let Step::Run { removed_on_failure, .. } = &mut self {
+            removed_on_failure.extend(names.iter().map(|name| (*name).to_owned()));
+        }
+        self
+    }
+}
+
+impl OutputFile {
+    fn new(name: impl Into<String>, kind: OutputKind, named_by: NamedBy) -> OutputFile {
+        OutputFile { name: name.into(), kind, named_by }
     }
 }
 
@@ -113,6 +196,7 @@ impl Rif {
 /// The octree and what it is made of.
 struct Octree {
     name: String,
+    named_by: NamedBy,
     scene: Date,
     date: Date,
     illum: Date,
@@ -136,7 +220,12 @@ impl Octree {
         if date == 0 && scene == 0 && illum == 0 {
             return Err(RifError::NoScene);
         }
-        Ok(Octree { date, scene, illum, materials: latest(Variable::Materials)?, name })
+        let named_by = rif.named_by(Variable::Octree);
+        Ok(Octree { date, scene, illum, materials: latest(Variable::Materials)?, name, named_by })
+    }
+
+    fn file(&self, name: &str) -> OutputFile {
+        OutputFile::new(name, OutputKind::Octree, self.named_by)
     }
 
     fn cube(&self, rif: &Rif, site: &dyn Site) -> Option<Cube> {
@@ -161,8 +250,10 @@ struct Maker<'a> {
 const NOW: Date = Date::MAX;
 
 impl Maker<'_> {
-    fn run(&mut self, command: String, output: &str) {
-        self.steps.push(Step::run(command, &[output]));
+    /// A command whose output is removed if it fails.
+    fn run(&mut self, command: String, output: OutputFile) {
+        let step = Step::run(command).removing_on_failure(&[&output.name]);
+        self.steps.push(step.into_file(output));
     }
 
     /// The octree, and with `illum` files the second one, whose windows shine.
@@ -177,9 +268,9 @@ impl Maker<'_> {
         };
         if self.octree.date < self.octree.scene {
             if self.how.touch_only && self.octree.date > 0 {
-                self.steps.push(Step::Touch(name.clone()));
+                self.steps.push(Step::Touch(self.octree.file(&name)));
             } else {
-                self.run(format!("{oconv}{materials} {} > {name}", value(Variable::Scene)), &name);
+                self.run(format!("{oconv}{materials} {}", value(Variable::Scene)), self.octree.file(&name));
             }
             self.octree.date = NOW;
         }
@@ -199,22 +290,24 @@ impl Maker<'_> {
         if before_date < scene || before_date < illum_date {
             if self.how.touch_only && (before_date > 0 || after_date > 0) {
                 if before_date > 0 {
-                    self.steps.push(Step::Touch(before.clone()));
+                    self.steps.push(Step::Touch(self.octree.file(&before)));
                 }
             } else {
-                self.run(format!("{oconv}{from} {illum} > {before}"), &before);
+                self.run(format!("{oconv}{from} {illum}"), self.octree.file(&before));
             }
         }
         if self.how.touch_only && after_date > 0 {
-            self.steps.push(Step::Touch(after));
+            self.steps.push(Step::Touch(self.octree.file(&after)));
         } else {
             let (program, options) = own_options(rif, Variable::Mkillum);
             let mkillum = format!("{}{options}", program.as_deref().unwrap_or("mkillum"));
             let made = format!("{}_illum.rad", rif.root);
-            self.run(format!("{mkillum} {before} \"<\" {illum} > {made}"), &made);
-            self.steps.push(Step::Remove(before));
-            self.steps.push(Step::run(format!("{oconv} -f{from} {made} > {after}"), &[&after, &made]));
-            self.steps.push(Step::Remove(made));
+            let scene = OutputFile::new(&made, OutputKind::IllumScene, NamedBy::CommandLine);
+            self.run(format!("{mkillum} {before} \"<\" {illum}"), scene.clone());
+            self.steps.push(Step::Remove(self.octree.file(&before)));
+            let step = Step::run(format!("{oconv} -f{from} {made}")).removing_on_failure(&[&after, &made]);
+            self.steps.push(step.into_file(self.octree.file(&after)));
+            self.steps.push(Step::Remove(scene));
         }
         self.octree.date = NOW;
     }
@@ -232,20 +325,21 @@ impl Maker<'_> {
             let date = self.site.date(file);
             all_there &= date > 0;
             if date < self.octree.date {
-                outdated.push((file, format!(" {option} {file} {photons}")));
+                let map = OutputFile::new(file, OutputKind::PhotonMap, rif.named_by(variable));
+                outdated.push((map, format!(" {option} {file} {photons}")));
             }
         }
         if outdated.is_empty() {
             return Ok(());
         }
         if self.how.touch_only && all_there {
-            self.steps.extend(outdated.iter().map(|(file, _)| Step::Touch((*file).to_owned())));
+            self.steps.extend(outdated.into_iter().map(|(file, _)| Step::Touch(file)));
         } else {
             let (program, options) = own_options(rif, Variable::Mkpmap);
             let mut command = format!("{}{options} -fo+{}", program.as_deref().unwrap_or("mkpmap"), report(rif)?);
             outdated.iter().for_each(|(_, map)| command.push_str(map));
-            let files: Vec<&str> = outdated.iter().map(|(file, _)| *file).collect();
-            self.steps.push(Step::run(format!("{command} {}", self.octree.name), &files));
+            let files: Vec<&str> = outdated.iter().map(|(file, _)| file.name.as_str()).collect();
+            self.steps.push(Step::run(format!("{command} {}", self.octree.name)).removing_on_failure(&files));
         }
         self.octree.date = NOW;
         Ok(())
@@ -255,7 +349,7 @@ impl Maker<'_> {
         let Some(file) = rif.value(Variable::AmbientFile) else { return };
         let date = self.site.date(file);
         if date > 0 && self.octree.date > date {
-            let file = file.to_owned();
+            let file = OutputFile::new(file, OutputKind::AmbientValues, rif.named_by(Variable::AmbientFile));
             self.steps.push(if self.how.touch_only { Step::Touch(file) } else { Step::Remove(file) });
         }
     }
@@ -265,8 +359,8 @@ impl Maker<'_> {
         let cube = cube.ok_or(RifError::NoCube)?;
         let mut options = QualityOptions::new(rif, &zone, &cube)?;
         if let Some(file) = rif.value(Variable::OptionFile) {
-            let file = file.to_owned();
             let render = std::mem::replace(&mut options.render, format!(" @{file}"));
+            let file = OutputFile::new(file, OutputKind::Options, rif.named_by(Variable::OptionFile));
             self.steps.push(Step::WriteOptions(file, one_a_line(&render)));
         }
         let size = Size::of(rif)?;
@@ -283,45 +377,60 @@ impl Maker<'_> {
         }
         let value = |variable| rif.value(variable).unwrap_or_default();
         let root = value(Variable::Picture);
-        let picture = format!("{root}_{}.hdr", view.name);
+        let named = |root: Variable, root_name: &str, suffix: &str, kind| {
+            // A view's name may lead elsewhere.
+            let by = if view.name.contains('/') { rif.named_by(Variable::View) } else { rif.named_by(root) };
+            OutputFile::new(format!("{root_name}_{}.{suffix}", view.name), kind, by)
+        };
+        let picture_file = named(Variable::Picture, root, "hdr", OutputKind::Picture);
+        let picture = picture_file.name.clone();
         let date = self.site.date(&picture);
         if date >= self.octree.date {
             return;
         }
         let raw_root = rif.value(Variable::RawFile);
-        let raw = format!("{}_{}.unf", raw_root.unwrap_or(root), view.name);
+        let raw_variable = if raw_root.is_some() { Variable::RawFile } else { Variable::Picture };
+        let raw_file = named(raw_variable, raw_root.unwrap_or(root), "unf", OutputKind::Picture);
+        let raw = raw_file.name.clone();
         let raw_date = self.site.date(&raw);
         if self.how.touch_only {
-            let outdated = if raw_date > 0 { (raw_date < self.octree.date).then_some(raw) } else { Some(picture) };
+            let outdated =
+                if raw_date > 0 { (raw_date < self.octree.date).then_some(raw_file) } else { Some(picture_file) };
             let outdated = outdated.filter(|_| raw_date > 0 || date > 0);
             return self.steps.extend(outdated.map(Step::Touch));
         }
         let (program, _) = own_options(rif, Variable::Rpict);
         let rpict = format!("{}{report}", program.as_deref().unwrap_or("rpict"));
-        let depths = rif.value(Variable::ZFile).map(|root| format!(" -z {root}_{}.zbf", view.name)).unwrap_or_default();
+        let distances = rif.value(Variable::ZFile);
+        let distances = distances.map(|root| named(Variable::ZFile, root, "zbf", OutputKind::Distances));
+        let depths = distances.as_ref().map(|file| format!(" -z {}", file.name)).unwrap_or_default();
+        let messages = messages(rif);
         let (octree, QualityOptions { render, pixels, .. }) = (&self.octree.name, options);
         if raw_date >= self.octree.date {
             let command = format!("{rpict}{render}{pixels}{depths} -ro {raw} {octree}");
-            self.steps.push(Step::run(command, &[]));
+            self.steps.push(
+                Step::run(command).also_writing(distances.into_iter().chain(messages)).also_writing([raw_file.clone()]),
+            );
         } else {
             let view = &view.options;
             if options.overture {
-                let small = format!("{rpict} {view}{render}{pixels} -x 64 -y 64 -ps 1 {octree} > /dev/null");
-                self.steps.push(Step::run(small, &[]));
+                let small = format!("{rpict} {view}{render}{pixels} -x 64 -y 64 -ps 1 {octree}");
+                let nowhere = OutputFile::new("/dev/null", OutputKind::Picture, NamedBy::CommandLine);
+                self.steps.push(Step::run(small).into_file(nowhere));
             }
             let size = &size.rendered;
-            let command = format!("{rpict} {view} {size}{render}{pixels}{depths} {} > {raw}", self.octree.name);
-            self.steps.push(Step::run(command, &[]));
+            let command = format!("{rpict} {view} {size}{render}{pixels}{depths} {}", self.octree.name);
+            let step = Step::run(command).into_file(raw_file.clone());
+            self.steps.push(step.also_writing(distances.into_iter().chain(messages)));
         }
         if raw_root != Some(root) {
             let (program, pfilt) = filter_options(rif);
-            let command =
-                format!("{}{pfilt}{} {raw} > {picture}", program.as_deref().unwrap_or("pfilt"), size.reduction);
-            self.run(command, &picture);
+            let command = format!("{}{pfilt}{} {raw}", program.as_deref().unwrap_or("pfilt"), size.reduction);
+            self.run(command, picture_file);
         }
         self.steps.push(match raw_root {
-            Some(root) => Step::Rename(raw, format!("{root}_{}.hdr", view.name)),
-            None => Step::Remove(raw),
+            Some(root) => Step::Rename(raw_file, named(Variable::RawFile, root, "hdr", OutputKind::Picture)),
+            None => Step::Remove(raw_file),
         });
     }
 }
@@ -366,6 +475,12 @@ fn report(rif: &Rif) -> Result<String, RifError> {
         Some(file) => format!(" -t {seconds} -e {file}"),
         None => format!(" -t {seconds}"),
     })
+}
+
+/// The file for messages of `REPORT`.
+fn messages(rif: &Rif) -> Option<OutputFile> {
+    let file = rif.value(Variable::Report)?.split_whitespace().nth(1)?;
+    Some(OutputFile::new(file, OutputKind::Messages, rif.named_by(Variable::Report)))
 }
 
 fn filter_options(rif: &Rif) -> (Option<String>, String) {

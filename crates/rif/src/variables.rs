@@ -97,12 +97,26 @@ const VARIABLES: [(Variable, &str, usize, Kind); 31] = [
 const JOINED_WIDTH: usize = 64;
 const OTHER_WIDTH: usize = 236;
 
+/// Who says something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedBy {
+    /// The user: on the command line, or by the name of the `.rif` file where nothing else is said.
+    CommandLine,
+    /// The `.rif` file.
+    File {
+        /// The line, from 1.
+        line: usize,
+    },
+}
+
 /// What a `.rif` file says.
 #[derive(Clone, Debug)]
 pub struct Rif {
     /// The file's name without its suffix.
     pub(crate) root: String,
     values: [Vec<String>; VARIABLES.len()],
+    /// Who gave the values.
+    named_by: [NamedBy; VARIABLES.len()],
 }
 
 impl Rif {
@@ -112,9 +126,10 @@ impl Rif {
     /// [`RifError::UnknownVariable`].
     pub fn read(file: &str, text: &str) -> Result<Rif, RifError> {
         let values = std::array::from_fn(|_| Vec::new());
-        let mut rif = Rif { root: without_suffix(file).to_owned(), values };
+        let named_by = [NamedBy::CommandLine; VARIABLES.len()];
+        let mut rif = Rif { root: without_suffix(file).to_owned(), values, named_by };
         for (line, assignment) in logical_lines(text) {
-            rif.set(&assignment, &format!("{file}:{line}"))?;
+            rif.set(&assignment, &format!("{file}:{line}"), NamedBy::File { line })?;
         }
         Ok(rif)
     }
@@ -124,10 +139,10 @@ impl Rif {
     /// # Errors
     /// [`RifError::UnknownVariable`].
     pub fn assign(&mut self, assignment: &str) -> Result<bool, RifError> {
-        self.set(assignment, "command line")
+        self.set(assignment, "command line", NamedBy::CommandLine)
     }
 
-    fn set(&mut self, assignment: &str, place: &str) -> Result<bool, RifError> {
+    fn set(&mut self, assignment: &str, place: &str, by: NamedBy) -> Result<bool, RifError> {
         let assignment = assignment.trim();
         let end = assignment.find(|c: char| c.is_whitespace() || c == '=').unwrap_or(assignment.len());
         let (name, value) = assignment.split_at(end);
@@ -139,6 +154,11 @@ impl Rif {
         let Some(known) = known else {
             return Err(RifError::UnknownVariable { place: place.to_owned(), name: name.to_owned() });
         };
+        // Where values add up, one of the file makes the whole the file's.
+        let adds_up = matches!(VARIABLES[known].3, Kind::Joined | Kind::Each);
+        if !(adds_up && matches!(self.named_by[known], NamedBy::File { .. })) {
+            self.named_by[known] = by;
+        }
         self.values[known].push(value);
         Ok(true)
     }
@@ -210,6 +230,11 @@ impl Rif {
     /// All values of a variable.
     pub(crate) fn all(&self, variable: Variable) -> &[String] {
         &self.values[place(variable)]
+    }
+
+    /// Who gave a variable its value.
+    pub(crate) fn named_by(&self, variable: Variable) -> NamedBy {
+        self.named_by[place(variable)]
     }
 
     /// Gives a variable without a value one.
@@ -330,6 +355,17 @@ mod tests {
         assert_eq!(rif.check().unwrap(), ["multiple assignment of variable 'EXPOSURE'"]);
         assert_eq!(rif.value(Variable::Scene), Some("a.rad b.rad \"!xform -n c d.rad\""));
         assert_eq!(rif.value(Variable::Quality), Some("Hi"));
+    }
+
+    #[test]
+    fn the_last_word_on_a_name_is_told() {
+        let mut rif = Rif::read("a.rif", "# one\nOCT= a.oct\nrender= -ab 1\n").unwrap();
+        assert_eq!(rif.named_by(Variable::Octree), NamedBy::File { line: 2 });
+        assert_eq!(rif.named_by(Variable::Picture), NamedBy::CommandLine);
+        rif.assign("OCTREE=b.oct").unwrap();
+        rif.assign("render=-ab 2").unwrap();
+        assert_eq!(rif.named_by(Variable::Octree), NamedBy::CommandLine);
+        assert_eq!(rif.named_by(Variable::Render), NamedBy::File { line: 3 }, "values that add up stay the file's");
     }
 
     #[test]

@@ -24,6 +24,9 @@ pub use warp::{cosine_hemisphere, unit_disk};
 /// Rays after which the sequence is scrambled anew: what `sobol_burley` has points for.
 const SEQUENCE_LENGTH_LOG2: u32 = 16;
 
+/// Tells the sequences of branches from those of rays.
+const BRANCH_SEED: u64 = 0x6272_616e_6368;
+
 /// Four dimensions of the sequence that are used together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DimensionSet(u32);
@@ -45,6 +48,8 @@ impl DimensionSet {
 /// The sample point of one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RaySampler {
+    seed: u64,
+    ray: u64,
     index: u32,
     scramble: u32,
 }
@@ -56,7 +61,21 @@ impl RaySampler {
     pub fn new(seed: u64, ray: u64) -> Self {
         let index = (ray & ((1 << SEQUENCE_LENGTH_LOG2) - 1)) as u32;
         let block = ray >> SEQUENCE_LENGTH_LOG2;
-        RaySampler { index, scramble: (mix(seed ^ mix(block)) >> 32) as u32 }
+        RaySampler { seed, ray, index, scramble: (mix(seed ^ mix(block)) >> 32) as u32 }
+    }
+
+    /// The point of one of `branches` rays into which this ray splits where it would take `set`.
+    ///
+    /// Branches walk along a sequence of their own, a block of a power of two for each ray, as the
+    /// rays of a pixel do: the branches of one ray are evenly spread, and so are those of
+    /// neighbouring rays together.
+    #[must_use]
+    pub fn branch(&self, set: DimensionSet, branch: u32, branches: u32) -> Self {
+        let seed = mix(self.seed ^ mix(BRANCH_SEED ^ u64::from(set.0)));
+        RaySampler::new(
+            seed,
+            self.ray.wrapping_mul(u64::from(branches.next_power_of_two())).wrapping_add(branch.into()),
+        )
     }
 
     /// Four coordinates of the point.
@@ -100,6 +119,32 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn branches_of_one_ray_and_of_neighbouring_rays_are_stratified() {
+        let (set, branches) = (DimensionSet::render(3), 32_u32);
+        let mut all = vec![false; 256];
+        for ray in 0..8 {
+            let mut own = [false; 32];
+            for branch in 0..branches {
+                let u = RaySampler::new(5, ray).branch(set, branch, branches).take(DimensionSet::render(0))[0];
+                own[(u * 32.0) as usize] = true;
+                all[(u * 256.0) as usize] = true;
+            }
+            assert!(own.iter().all(|&met| met), "ray {ray} misses a strip");
+        }
+        assert!(all.iter().all(|&met| met));
+    }
+
+    #[test]
+    fn rays_that_split_elsewhere_take_other_points() {
+        let of = |set| {
+            let points =
+                (0..8).map(|branch| RaySampler::new(5, 7).branch(set, branch, 8).take(DimensionSet::CAMERA)[0]);
+            points.collect::<Vec<_>>()
+        };
+        assert_ne!(of(DimensionSet::render(0)), of(DimensionSet::render(1)));
     }
 
     #[test]

@@ -5,11 +5,13 @@
 //! moment, as `gendaymtx` writes it; with `-n` it is text without a header. `-o` with a number in the name (`%04d`) makes a file of each moment. `-N -m` change nothing.
 
 use super::input::{format, read_bytes, read_factor, read_matrix, wrong};
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::commands::words::Words;
+use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::file_pattern::{holds_number, named};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::OutputName;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_picture::{Encoding, Header, Image, Picture, leading_number, scientific};
 
@@ -19,7 +21,9 @@ struct Request {
     steps: usize,
     sky_format: Option<Stored>,
     format: Stored,
-    files: Option<String>,
+    files: Option<OutputName>,
+    /// Whether commands may run that stand in the place of a file.
+    commands: Commands,
     header: bool,
     /// Rows and columns of what is written; 0 for what comes out.
     size: [usize; 2],
@@ -48,20 +52,24 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     };
     let mut result = request.sky(sky_source)?;
     for source in factors.into_iter().flatten().rev() {
-        result = times(source, &in_color(source, read_factor(PROGRAM, source, Wanted::Transmission)?)?, &result)?;
+        result = times(
+            source,
+            &in_color(source, read_factor(PROGRAM, source, Wanted::Transmission, request.commands)?)?,
+            &result,
+        )?;
     }
     if holds_number(view) {
         return request.sum_pictures(view, &result);
     }
-    request.write(times(view, &color_matrix(view)?, &result)?)
+    request.write(times(view, &color_matrix(view, request.commands)?, &result)?)
 }
 
 fn times(source: &str, left: &Matrix, right: &Matrix) -> Result<Matrix, Failure> {
     left.times(right).map_err(|error| wrong(PROGRAM, source, &error))
 }
 
-fn color_matrix(source: &str) -> Result<Matrix, Failure> {
-    in_color(source, read_matrix(PROGRAM, source)?)
+fn color_matrix(source: &str, commands: Commands) -> Result<Matrix, Failure> {
+    in_color(source, read_matrix(PROGRAM, source, commands)?)
 }
 
 fn in_color(source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
@@ -78,6 +86,7 @@ impl Request {
             sky_format: None,
             format: Stored::Ascii,
             files: None,
+            commands: words.commands(),
             header: true,
             size: [0, 0],
             sources: Vec::new(),
@@ -89,7 +98,7 @@ impl Request {
                 "-n" => request.steps = count(words)?,
                 "-N" | "-m" => drop(words.number(option)?),
                 "-h" => request.header = !request.header,
-                "-o" => request.files = Some(words.value(option, "a file")?.to_owned()),
+                "-o" => request.files = Some(words.output_value(option, "a file")?),
                 "-x" => request.size[1] = count(words)?,
                 "-y" => request.size[0] = count(words)?,
                 "-ia" | "-if" | "-id" => request.sky_format = format(&option[2..]),
@@ -106,7 +115,7 @@ impl Request {
 
     /// The sky: a column for each moment.
     fn sky(&self, source: &str) -> Result<Matrix, Failure> {
-        let bytes = read_bytes(source)?;
+        let bytes = read_bytes(source, self.commands)?;
         let is_text = self.sky_format.is_none_or(|format| format == Stored::Ascii);
         if self.steps > 0 && is_text {
             return self.sky_of_text(source, &bytes);
@@ -153,7 +162,7 @@ impl Request {
     fn begin(&self, frame: Option<usize>) -> Header {
         let mut header = Header::new("RADIANCE");
         header.push_command(self.command.iter().map(String::as_str));
-        header.push_variable("GMT", &format!(" {}", greenwich_time()));
+        push_date(&mut header);
         if let Some(frame) = frame {
             header.push_variable("FRAME", &frame.to_string());
         }
@@ -161,9 +170,12 @@ impl Request {
     }
 
     /// The name of a moment's file; `None` where all go to one.
-    fn file(&self, step: usize) -> Option<String> {
+    fn file(&self, step: usize) -> Option<OutputName> {
         let files = self.files.as_ref().filter(|files| holds_number(files))?;
-        named(PROGRAM, files, "", step).ok().map(|(name, _, _)| name)
+        Some(
+            files
+                .numbered(|files| named(PROGRAM, files, "", step).map_or_else(|_| files.to_owned(), |(name, ..)| name)),
+        )
     }
 
     fn write(&self, result: Matrix) -> Outcome {
@@ -213,12 +225,12 @@ impl Request {
                 sky.columns()
             )));
         }
-        let first = read_picture(pattern, 0)?;
+        let first = read_picture(pattern, 0, self.commands)?;
         let picture_bytes = 24 * first.values().width() * first.values().height();
         let at_a_time = (MOST_BYTES / picture_bytes.max(1)).max(1);
         for start in (0..sky.columns()).step_by(at_a_time) {
             let steps = start..(start + at_a_time).min(sky.columns());
-            let sums = sums(pattern, sky, steps.clone(), &first)?;
+            let sums = sums((pattern, self.commands), sky, steps.clone(), &first)?;
             for (step, sum) in steps.zip(sums) {
                 self.write_picture(&first, sum, (step, sky.columns()))?;
             }
@@ -249,10 +261,10 @@ fn header_length(bytes: &[u8]) -> usize {
     Header::read(bytes).map_or(0, |(_, length)| length)
 }
 
-fn read_picture(pattern: &str, number: usize) -> Result<Picture, Failure> {
+fn read_picture(pattern: &str, number: usize, commands: Commands) -> Result<Picture, Failure> {
     let (name, _, _) = named(PROGRAM, pattern, "", number)?;
     let failed = |error| wrong(PROGRAM, &name, &MatrixError::Picture(error));
-    let picture = Picture::read(&read_bytes(&name)?).map_err(failed)?;
+    let picture = Picture::read(&read_bytes(&name, commands)?).map_err(failed)?;
     match picture.components() {
         3 => Ok(picture),
         found => Err(wrong(PROGRAM, &name, &MatrixError::Components { found, expected: 3 })),
@@ -260,7 +272,12 @@ fn read_picture(pattern: &str, number: usize) -> Result<Picture, Failure> {
 }
 
 /// The sums for some moments. A picture is read once for all of them, and not where the sky is dark in all.
-fn sums(pattern: &str, sky: &Matrix, steps: std::ops::Range<usize>, first: &Picture) -> Result<Vec<Vec<f64>>, Failure> {
+fn sums(
+    (pattern, commands): (&str, Commands),
+    sky: &Matrix,
+    steps: std::ops::Range<usize>,
+    first: &Picture,
+) -> Result<Vec<Vec<f64>>, Failure> {
     let expected = [first.values().height(), first.values().width()];
     let mut sums = vec![vec![0.0; 3 * expected[0] * expected[1]]; steps.len()];
     for direction in 0..sky.rows() {
@@ -268,7 +285,7 @@ fn sums(pattern: &str, sky: &Matrix, steps: std::ops::Range<usize>, first: &Pict
         if steps.clone().all(|step| of_step(step).iter().all(|band| *band == 0.0)) {
             continue;
         }
-        let picture = read_picture(pattern, direction)?;
+        let picture = read_picture(pattern, direction, commands)?;
         let failed = |error| wrong(PROGRAM, &format!("picture {direction}"), &error);
         let values = picture.values();
         let found = [values.height(), values.width()];

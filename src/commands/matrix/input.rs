@@ -1,6 +1,7 @@
 //! Matrices from files, standard input and commands, and the options that change each of them.
 
 use crate::commands::words::Words;
+use crate::disk::Commands;
 use crate::failure::Failure;
 use crate::input::{read_file, read_source};
 use radsight_generate::source_name;
@@ -27,8 +28,8 @@ pub(super) enum Components {
 }
 
 /// The bytes of a file, of standard input (`-`), or of what a command after `!` writes.
-pub(super) fn read_bytes(source: &str) -> Result<Vec<u8>, Failure> {
-    read_source(source, |path| read_file(path, "matrix"))
+pub(super) fn read_bytes(source: &str, commands: Commands) -> Result<Vec<u8>, Failure> {
+    read_source(source, commands, |path| read_file(path, "matrix"))
 }
 
 /// What is wrong with a matrix of this name.
@@ -37,16 +38,16 @@ pub(super) fn wrong(program: &str, source: &str, error: &MatrixError) -> Failure
 }
 
 /// Reads a picture or a float matrix.
-pub(super) fn read_matrix(program: &str, source: &str) -> Result<Matrix, Failure> {
-    Matrix::read(&read_bytes(source)?).map_err(|error| wrong(program, source, &error))
+pub(super) fn read_matrix(program: &str, source: &str, commands: Commands) -> Result<Matrix, Failure> {
+    Matrix::read(&read_bytes(source, commands)?).map_err(|error| wrong(program, source, &error))
 }
 
 /// Reads a matrix, or the BSDF file that a name ending in `.xml` means.
-pub(super) fn read_factor(program: &str, source: &str, wanted: Wanted) -> Result<Matrix, Failure> {
+pub(super) fn read_factor(program: &str, source: &str, wanted: Wanted, commands: Commands) -> Result<Matrix, Failure> {
     if source.starts_with('!') || !source.to_ascii_lowercase().ends_with(".xml") {
-        return read_matrix(program, source);
+        return read_matrix(program, source, commands);
     }
-    bsdf_matrix(&read_bytes(source)?, wanted).map_err(|error| wrong(program, source, &error))
+    bsdf_matrix(&read_bytes(source, commands)?, wanted).map_err(|error| wrong(program, source, &error))
 }
 
 impl Change {
@@ -58,13 +59,19 @@ impl Change {
     }
 
     /// Applies components and factors, and then the transpose.
-    pub(super) fn apply(&self, program: &str, source: &str, matrix: Matrix) -> Result<Matrix, Failure> {
+    pub(super) fn apply(
+        &self,
+        program: &str,
+        source: &str,
+        matrix: Matrix,
+        commands: Commands,
+    ) -> Result<Matrix, Failure> {
         let failed = |error: MatrixError| wrong(program, source, &error);
         let mut changed = matrix;
         if let Some(components) = &self.components {
             let transform = match components {
                 Components::Coefficients(coefficients) => Transform::Coefficients(coefficients.clone()),
-                Components::Named(name) if name.contains('.') => read_matrix(program, name)?.kind(),
+                Components::Named(name) if name.contains('.') => read_matrix(program, name, commands)?.kind(),
                 Components::Named(letters) => Transform::Letters(letters.clone()),
             };
             changed = changed.transformed(&transform, &self.factors).map_err(failed)?;

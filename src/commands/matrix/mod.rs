@@ -7,6 +7,7 @@ mod rmtxop;
 
 use super::words::Words;
 use crate::failure::Outcome;
+use crate::trust::Trust;
 
 /// What runs a program.
 type Program = fn(Words<'_>) -> Outcome;
@@ -21,8 +22,8 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Runs a program, if it is one of these; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Option<Outcome> {
+pub(crate) fn run(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?;
     let (_, program) = PROGRAMS.iter().find(|(known, _)| known == name)?;
-    Some(program(Words::new(words)))
+    Some(program(Words::new(words, trust)))
 }

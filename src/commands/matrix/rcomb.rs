@@ -5,7 +5,7 @@
 //! `-s` and `-c` change the matrix that follows, after the last one the result, which `-m` multiplies by a matrix, `-mt` by a transposed one.
 
 use super::input::{Change, format, read_matrix, result_format, wrong};
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
@@ -45,10 +45,10 @@ const EXPECTED: &str = "-h -w -f -n -e -s -c -C or -m";
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let request = Request::read(&mut words)?;
-    let program = words.program();
+    let (program, commands) = (words.program(), words.commands());
     let mut inputs = Vec::new();
     for (source, change) in &request.inputs {
-        inputs.push(change.apply(program, source, read_matrix(program, source)?)?);
+        inputs.push(change.apply(program, source, read_matrix(program, source, commands)?, commands)?);
     }
     let header = header(&request, &words, &inputs);
     let failed = |(index, error): (usize, MatrixError)| {
@@ -57,7 +57,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut combination = Combination::new(inputs).map_err(failed)?;
     define(&mut combination, &request.definitions)?;
     let combined = combination.compute().map_err(|error| wrong(program, "the result", &error))?;
-    let result = finish(program, combined, &request)?;
+    let result = finish(program, combined, &request, commands)?;
     let written = result.write(&header, result_format(request.format, &result));
     write_standard_output(&written.map_err(|error| wrong(program, "the result", &error))?)
 }
@@ -125,10 +125,10 @@ fn define(combination: &mut Combination, definitions: &[Definition]) -> Outcome 
 }
 
 /// What is done with the combination: its components are changed, and it is multiplied.
-fn finish(program: &str, combined: Matrix, request: &Request) -> Result<Matrix, Failure> {
-    let changed = |matrix| request.trailing.apply(program, "the result", matrix);
+fn finish(program: &str, combined: Matrix, request: &Request, commands: Commands) -> Result<Matrix, Failure> {
+    let changed = |matrix| request.trailing.apply(program, "the result", matrix, commands);
     let Some(factor) = &request.factor else { return changed(combined) };
-    let right = read_matrix(program, &factor.source)?;
+    let right = read_matrix(program, &factor.source, commands)?;
     let right = if factor.transposes { right.transposed() } else { right };
     let times = |left: Matrix| {
         let stored = left.stored;
@@ -147,6 +147,6 @@ fn header(request: &Request, words: &Words<'_>, inputs: &[Matrix]) -> Header {
         }
     }
     header.push_command(words.all());
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     header
 }

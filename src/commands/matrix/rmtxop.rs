@@ -6,6 +6,7 @@
 
 use super::input::{Change, format, read_factor, result_format, wrong};
 use crate::commands::words::Words;
+use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::output::write_standard_output;
 use radsight_bsdf::Side;
@@ -41,9 +42,12 @@ const EXPECTED: &str = "-v -f -t -s -c -C -rf or -rb";
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let Request { operands, trailing, format } = Request::read(&mut words)?;
-    let program = words.program();
-    let result = if is_chain(&operands) { product(program, &operands)? } else { from_the_left(program, &operands)? };
-    let result = trailing.apply(program, "the result", result)?;
+    let (program, commands) = (words.program(), words.commands());
+    let result = match is_chain(&operands) {
+        true => product(program, &operands, commands)?,
+        false => from_the_left(program, &operands, commands)?,
+    };
+    let result = trailing.apply(program, "the result", result, commands)?;
     let mut header = Header::new("RADIANCE");
     header.push_command(words.all());
     for line in result.header.lines().filter(|line| !line.starts_with(b"#?")) {
@@ -123,8 +127,9 @@ impl Operation {
 }
 
 impl Operand {
-    fn load(&self, program: &str) -> Result<Matrix, Failure> {
-        self.change.apply(program, &self.source, read_factor(program, &self.source, self.wanted)?)
+    fn load(&self, program: &str, commands: Commands) -> Result<Matrix, Failure> {
+        let matrix = read_factor(program, &self.source, self.wanted, commands)?;
+        self.change.apply(program, &self.source, matrix, commands)
     }
 }
 
@@ -133,10 +138,10 @@ fn is_chain(operands: &[Operand]) -> bool {
     operands.len() > 2 && operands[1..].iter().all(|operand| operand.operation == Operation::Product)
 }
 
-fn from_the_left(program: &str, operands: &[Operand]) -> Result<Matrix, Failure> {
+fn from_the_left(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
     let mut result: Option<Matrix> = None;
     for operand in operands {
-        let matrix = operand.load(program)?;
+        let matrix = operand.load(program, commands)?;
         result = Some(match result {
             None => matrix,
             Some(left) => operand.operation.join(program, &operand.source, left, &matrix)?,
@@ -146,10 +151,10 @@ fn from_the_left(program: &str, operands: &[Operand]) -> Result<Matrix, Failure>
 }
 
 /// A product of several matrices, from the end with fewer values: a sky at one moment is a vector.
-fn product(program: &str, operands: &[Operand]) -> Result<Matrix, Failure> {
+fn product(program: &str, operands: &[Operand], commands: Commands) -> Result<Matrix, Failure> {
     let mut chain = Vec::new();
     for operand in operands {
-        chain.push((operand.source.as_str(), operand.load(program)?));
+        chain.push((operand.source.as_str(), operand.load(program, commands)?));
     }
     let from_the_right = chain[chain.len() - 1].1.columns() < chain[0].1.rows();
     while chain.len() > 1 {

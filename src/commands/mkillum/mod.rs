@@ -11,12 +11,12 @@ mod parameters;
 
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planner, conclude_all, expanded_scene_text, read_valid_scene, use_threads};
-use crate::output::write_standard_output;
+use crate::trust::{Refusal, Trust};
 use lights::LightFinder;
 use options::Options;
 use output::{Output, Written, brightness, mean};
 use parameters::{Becomes, Parameters};
-use radsight_diag::SourceMap;
+use radsight_diag::{SourceMap, Span};
 use radsight_flux::{FluxError, IllumDetail, IllumSurface, Shape};
 use radsight_frame::average;
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
@@ -31,11 +31,8 @@ const MARK: &str = "#@mkillum";
 const TINY: f64 = 1e-6;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(options.defaults().as_bytes());
-    }
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     use_threads(options.threads)?;
     let (scene, sources) = read_valid_scene(&options.scenes, &options.reading)?;
     let planner = Planner::new(&scene, &options.scenes, &options.reading, &sources);
@@ -45,7 +42,7 @@ pub(crate) fn run(words: &[String]) -> Outcome {
         renderer: Renderer::new(plan),
         light_finder: None,
         parameters: Parameters::default(),
-        output: Output::new(&options.command),
+        output: Output::new(&options.command, &options.reading.trust),
         next_ray: 0,
         options: &options,
     };
@@ -62,7 +59,7 @@ struct Work<'a> {
     /// Once a surface becomes a `light`: then lights are not seen by chance but looked for.
     light_finder: Option<LightFinder>,
     parameters: Parameters,
-    output: Output,
+    output: Output<'a>,
     next_ray: u64,
 }
 
@@ -74,7 +71,7 @@ impl Work<'_> {
     }
 
     fn read(&mut self, path: &str) -> Outcome {
-        let text = expanded_scene_text("mkillum", path, self.options.reading.commands())?;
+        let text = expanded_scene_text("mkillum", path, &self.options.reading.trust)?;
         let mistake = |error: SyntaxError| {
             let mut sources = SourceMap::default();
             let source = sources.add(path, text.clone(), None);
@@ -85,7 +82,14 @@ impl Work<'_> {
             match item.map_err(mistake)? {
                 Item::Comment(place) => {
                     let comment = String::from_utf8_lossy(&text[place.start as usize..place.end as usize]);
-                    self.comment(comment.trim_end(), path)?;
+                    let named = self.comment(comment.trim_end(), path)?;
+                    named.map_err(|refusal| {
+                        let mut sources = SourceMap::default();
+                        let source = sources.add(path, text.clone(), None);
+                        let end = place.start + comment.trim_end().len() as u32;
+                        let span = Span { source, start: place.start, end: end.min(place.end) };
+                        Failure::diagnostics(&[refusal.at(span)], &sources)
+                    })?;
                 }
                 Item::Alias(alias) => {
                     let [modifier, name, target] = [alias.modifier, alias.name, alias.target]
@@ -100,19 +104,30 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn comment(&mut self, comment: &str, path: &str) -> Outcome {
+    /// Does what a comment says; the refusal is that of a file which it names.
+    fn comment(&mut self, comment: &str, path: &str) -> Result<Result<(), Refusal>, Failure> {
         let ours = comment.strip_prefix(MARK).filter(|rest| rest.starts_with(char::is_whitespace));
         let Some(words) = ours else {
             self.output.line(comment);
-            return Ok(());
+            return Ok(Ok(()));
         };
         let said = self.parameters.read(words);
+        let trust = &self.options.reading.trust;
+        if self.parameters.density > 0
+            && let Some(name) = &said.names_data
+            && let Err(refusal) = output::check_data_files(trust, name)
+        {
+            return Ok(Err(refusal));
+        }
         if let Some(file) = said.output {
-            self.output.go_to(file)?;
+            match output::scene_file(trust, &file) {
+                Ok(file) => self.output.go_to(file)?,
+                Err(refusal) => return Ok(Err(refusal)),
+            }
         }
         if said.is_processed {
             self.warn(&format!("{path} was processed before, and is passed on as it is"));
-            return Ok(());
+            return Ok(Ok(()));
         }
         self.output.put_header();
         if !said.unknown.is_empty() {
@@ -123,7 +138,7 @@ impl Work<'_> {
             self.output.line(&format!("# mkillum: the following option line has {} error(s):", said.unknown.len()));
         }
         self.output.line(&format!("# {}", &comment[2..]));
-        Ok(())
+        Ok(Ok(()))
     }
 
     fn primitive(&mut self, primitive: &Primitive<'_>) -> Outcome {

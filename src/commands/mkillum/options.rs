@@ -3,9 +3,11 @@
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::args::Reading;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
-use crate::render_args::{self, number, take_definition, take_irradiance, take_one, take_own};
+use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
+use crate::trust::Trust;
 use radsight_frame::Effort;
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
@@ -21,8 +23,8 @@ pub(super) struct Options {
     pub(super) inputs: Vec<String>,
     /// The words up to the inputs, as the header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    shown: ShownOptions,
 }
 
 /// Paths of each ray, unless another number is asked for: rays that look around bring each direction of a window about as much noise.
@@ -31,9 +33,20 @@ const USUAL_PATHS: u32 = 8;
 /// Paths that no ray exceeds for an asked error.
 const MOST_PATHS: u32 = 4096;
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.shown.note(words);
+        self.take_option(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         // Radiance's defaults; but thousands of rays of a window are averaged, and share nothing.
         let gathering = Gathering { accuracy: 0.0, divisions: 1024, super_samples: 512, ..Gathering::default() };
         let render = RenderOptions {
@@ -49,16 +62,14 @@ impl Options {
             render,
             effort: None,
             threads: None,
-            reading: Reading::default(),
+            reading: Reading::trusted(trust),
             scenes: Vec::new(),
             inputs: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Mkillum),
         };
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
-        if options.print_defaults {
-            return Ok(options);
-        }
+        (options.command, options.scenes) =
+            options_before_scenes(CommandWords::new(words, trust.origin()), &mut options)?;
         if let Some(place) = options.scenes.iter().position(|word| word == "<") {
             options.inputs = options.scenes.split_off(place + 1);
             options.scenes.pop();
@@ -82,7 +93,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = take_one(words, &mut self.render)?;
         if used == 0 {
             used = take_own(words, &mut self.reading, &mut self.render)?;
@@ -103,7 +114,7 @@ impl Options {
         let word = words[0].as_str();
         match word {
             "-w" => self.reading.no_warnings = true,
-            "-defaults" => self.print_defaults = true,
+            "-defaults" => return Err(Failure::answer(self.defaults())),
             "-n" => {
                 self.threads = Some(number(words, word, "a number of threads")?);
                 return Ok(2);
@@ -115,11 +126,12 @@ impl Options {
 
     /// How many paths each ray stands for.
     pub(super) fn effort(&self) -> Effort {
-        self.effort.unwrap_or(Effort::Samples(USUAL_PATHS))
+        let paths = if self.render.ambient_bounces > 0 { USUAL_PATHS } else { 1 };
+        self.effort.unwrap_or(Effort::Samples(paths))
     }
 
     /// The options as they stand, for `-defaults`.
-    pub(super) fn defaults(&self) -> String {
+    fn defaults(&self) -> String {
         let parameters = Parameters::default();
         let colors = match parameters.colors {
             Colors::Nothing => "c=n\t\t\t\t# color none",
@@ -139,7 +151,8 @@ impl Options {
             format!("s={}\t\t\t\t# samples per direction", parameters.samples),
             format!("b={:.6}\t\t\t# minimum average brightness", parameters.least_brightness),
         ];
-        lines.extend(render_args::defaults(&self.render));
+        lines.extend(self.shown.lines());
+        lines.push(format!("--seed {:<6}\t\t\t# sample sequence", self.render.seed));
         lines.join("\n") + "\n"
     }
 }

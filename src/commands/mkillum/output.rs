@@ -3,6 +3,7 @@
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::failure::{Failure, Outcome};
 use crate::output::{replace_file, write_file};
+use crate::trust::{Existing, OutputName, Refusal, Trust};
 use radsight_flux::IllumSurface;
 use radsight_generate::padded;
 use radsight_picture::scientific;
@@ -19,9 +20,10 @@ const MOST_FILES: u32 = 1 << 20;
 
 /// A text that becomes a file.
 #[derive(Debug)]
-pub(super) struct Output {
+pub(super) struct Output<'a> {
+    trust: &'a Trust,
     /// `-` for standard output.
-    target: String,
+    target: OutputName,
     text: String,
     /// The command, which stands before everything else.
     header: String,
@@ -39,14 +41,14 @@ pub(super) struct Written {
     pub(super) reals: Vec<f64>,
 }
 
-impl Output {
-    pub(super) fn new(command: &[String]) -> Output {
+impl<'a> Output<'a> {
+    pub(super) fn new(command: &[String], trust: &'a Trust) -> Output<'a> {
         let header = format!("# {}\n#@mkillum !\n", command.join(" "));
-        Output { target: "-".to_owned(), text: String::new(), header, has_header: false }
+        Output { trust, target: OutputName::standard_output(), text: String::new(), header, has_header: false }
     }
 
     /// Goes on in another file.
-    pub(super) fn go_to(&mut self, file: String) -> Outcome {
+    pub(super) fn go_to(&mut self, file: OutputName) -> Outcome {
         self.finish()?;
         self.target = file;
         self.has_header = false;
@@ -56,7 +58,7 @@ impl Output {
     /// Writes what there is; where all of it went to files, standard output stays empty.
     pub(super) fn finish(&mut self) -> Outcome {
         let text = std::mem::take(&mut self.text);
-        if text.is_empty() && self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
+        if text.is_empty() && &*self.target == "-" { Ok(()) } else { write_file(&self.target, text.as_bytes()) }
     }
 
     pub(super) fn line(&mut self, line: &str) {
@@ -129,13 +131,14 @@ impl Output {
         mean: [f64; 3],
     ) -> Outcome {
         let (material, colors) = (&parameters.material, parameters.colors);
+        let trust = self.trust;
         let mut text = match colors {
             Colors::Spread => format!("\nvoid colordata {material}.dist\n9 red green blue"),
             _ => format!("\nvoid brightdata {material}.dist\n5 noneg"),
         };
         let share = |value: f64, mean: f64| if mean > 0.0 { value / mean } else { 0.0 };
         let mut put = |letter: &str, value: &dyn Fn([f64; 3]) -> f64| -> Outcome {
-            let file = data_file(parameters, letter)?;
+            let file = data_file(parameters, letter, trust)?;
             let values: Vec<f64> = means.iter().map(|radiance| share(value(*radiance), value(mean))).collect();
             // A scene may have been made with the data that `f=` replaces.
             replace_file(&file, data(surface, &values).as_bytes())?;
@@ -175,21 +178,37 @@ pub(super) fn brightness(color: [f64; 3]) -> f64 {
 }
 
 /// The next data file: one that is not there yet, unless it may be replaced.
-fn data_file(parameters: &mut Parameters, letter: &str) -> Result<String, Failure> {
+fn data_file(parameters: &mut Parameters, letter: &str, trust: &Trust) -> Result<OutputName, Failure> {
     loop {
         let number = match parameters.data_number {
             0 => String::new(),
             number => number.to_string(),
         };
-        let file = format!("{}{letter}{number}.dat", parameters.data_file);
+        let file = data_file_name(&parameters.data_file, letter, &number);
         if parameters.replaces_data || fs::symlink_metadata(&file).is_err() {
-            return Ok(file);
+            return Ok(trust.output_of_file(&file, Existing::IllumData)?);
         }
         parameters.data_number += 1;
         if parameters.data_number > MOST_FILES {
             return Err(Failure::fault(format!("mkillum: \"{file}\" and all before it are there already")));
         }
     }
+}
+
+fn data_file_name(name: &str, letter: &str, number: &str) -> String {
+    format!("{name}{letter}{number}.dat")
+}
+
+/// Checks the files that a comment names for data (`f=`, `m=`) before rays are traced for them.
+pub(super) fn check_data_files(trust: &Trust, name: &str) -> Result<(), Refusal> {
+    let files = ["", "R", "G", "B"].map(|letter| data_file_name(name, letter, ""));
+    // Whether those that are there may be replaced is known when they are written.
+    files.iter().try_for_each(|file| trust.output_of_file(file, Existing::Replaced).map(drop))
+}
+
+/// The file for scene text that a comment names (`o=`); `-` is standard output.
+pub(super) fn scene_file(trust: &Trust, name: &str) -> Result<OutputName, Refusal> {
+    if name == "-" { Ok(OutputName::standard_output()) } else { trust.output_of_file(name, Existing::IllumScene) }
 }
 
 /// A data file of two dimensions.

@@ -82,6 +82,8 @@ impl Default for Parameters {
 pub(super) struct Said {
     /// A file for all that follows.
     pub(super) output: Option<String>,
+    /// What data files are to be called, if that changes.
+    pub(super) names_data: Option<String>,
     /// Whether the text is output of this program already; then nothing more of the comment counts.
     pub(super) is_processed: bool,
     /// Words that mean nothing.
@@ -92,6 +94,7 @@ impl Parameters {
     /// Reads the words of a comment.
     pub(super) fn read(&mut self, text: &str) -> Said {
         let mut said = Said::default();
+        let before = self.data_file.clone();
         for word in text.split_ascii_whitespace() {
             if word.starts_with('!') {
                 self.selected = Selected::Nothing;
@@ -104,6 +107,7 @@ impl Parameters {
                 None => said.unknown.push(word.to_owned()),
             }
         }
+        said.names_data = Some(self.data_file.clone()).filter(|name| *name != before);
         said
     }
 

@@ -337,7 +337,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         shows_palettes: false,
     };
     while let Some(option) = words.option() {
-        options.take(option, words)?;
+        options.take(meant(option), words)?;
     }
     if let [word, ..] = words.rest() {
         return Err(words.unknown(word, EXPECTED));
@@ -346,6 +346,38 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         options.legend = [0, 0];
     }
     Ok(options)
+}
+
+/// The option that a word means: Radiance's program looks at the first letters of most, in this order, so that
+/// `-mask` is `-m`.
+fn meant(option: &str) -> &str {
+    const EXACT: [&str; 5] = ["-l", "-pal", "-i", "-p", "-odim"];
+    const BEGINNINGS: [&str; 19] = [
+        "-lw",
+        "-lh",
+        "-m",
+        "-s",
+        "-d",
+        "-log",
+        "-r",
+        "-g",
+        "-b",
+        "-ip",
+        "-pi",
+        "-n",
+        "-orct",
+        "-cl",
+        "-cb",
+        "-cp",
+        "-c0",
+        "-palettes",
+        "-e",
+    ];
+    // It has gone, and says what to write instead.
+    if EXACT.contains(&option) || option.starts_with("-spec") {
+        return option;
+    }
+    BEGINNINGS.into_iter().find(|beginning| option.starts_with(beginning)).unwrap_or(option)
 }
 
 impl Options {
@@ -405,6 +437,7 @@ impl Options {
                 }
                 self.overlay.part = Some(part);
             }
+            "-spec" => return Err(words.unknown(option, "-pal spec")),
             _ => return Err(words.unknown(option, EXPECTED)),
         }
         Ok(())

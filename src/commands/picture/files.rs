@@ -1,15 +1,18 @@
 //! Pictures from files and pipes.
 
+use crate::clock::push_date;
+use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::{StandardOutput, standard_output, write_file};
 use crate::read_once;
+use crate::trust::shell;
 use radsight_generate::source_name;
 use radsight_picture::{Header, PictureError, PictureReader};
 use radsight_picture_tools::ToolError;
 use std::fs::File;
 use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 
 /// What a picture is read from.
 pub(super) type Source = Box<dyn Read>;
@@ -146,13 +149,15 @@ fn shown(path: &str) -> &str {
 
 /// The header of a new picture.
 pub(super) fn dated_header() -> Header {
-    Header::new("RADIANCE")
+    let mut header = Header::new("RADIANCE");
+    push_date(&mut header);
+    header
 }
 
 /// Opens a file, standard input (`-`), or what a command (`!…`) writes.
-pub(super) fn open_any(path: &str) -> Result<Source, Failure> {
+pub(super) fn open_any(path: &str, commands: Commands) -> Result<Source, Failure> {
     match path.strip_prefix('!') {
-        Some(command) => Ok(Box::new(CommandOutput::start(command)?)),
+        Some(command) => Ok(Box::new(CommandOutput::start(command, commands)?)),
         None => open(path),
     }
 }
@@ -164,9 +169,9 @@ struct CommandOutput {
 }
 
 impl CommandOutput {
-    fn start(command: &str) -> Result<CommandOutput, Failure> {
+    fn start(command: &str, commands: Commands) -> Result<CommandOutput, Failure> {
         let wrong = |words: &str| Failure::input(format!("cannot run \"{command}\": {words}"));
-        let started = Command::new("sh").args(["-c", command]).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let started = shell(commands.permit(command)?, command).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
         let mut child = started.map_err(|error| wrong(&reason(&error)))?;
         let output = child.stdout.take().ok_or_else(|| wrong("it has no output"))?;
         Ok(CommandOutput { child, output })

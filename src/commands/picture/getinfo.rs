@@ -6,11 +6,12 @@
 
 use super::files::{finish, open_file, output, read_header, write_failed};
 use crate::commands::words::Words;
+use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason};
+use crate::trust::program;
 use radsight_picture::{Header, Resolution};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, StdinLock, Write};
-use std::process::Command;
 
 /// Whether sizes are printed.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,9 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     match words.rest() {
         [] => of_standard_input(sizes),
         [word] if word == "-" => without_header(sizes),
-        [option, command @ ..] if option == "-c" && !command.is_empty() => with_command(sizes, command),
+        [option, command @ ..] if option == "-c" && !command.is_empty() => {
+            with_command(sizes, command, words.commands())
+        }
         [option, lines @ ..] if option == "-a" && !lines.is_empty() => change(|header| add(header, lines)),
         [option, lines @ ..] if option == "-r" && !lines.is_empty() => change(|header| replace(header, lines)),
         files => of_files(sizes, files),
@@ -198,7 +201,8 @@ fn takes_place(new: &[u8], old: &[u8]) -> bool {
 }
 
 /// Adds the command to the header, and lets it have the rest of standard input.
-fn with_command(sizes: Sizes, command: &[String]) -> Outcome {
+fn with_command(sizes: Sizes, command: &[String], commands: Commands) -> Outcome {
+    let permit = commands.permit(&command.join(" "))?;
     // One byte at a time, since what is read is lost for the command.
     let mut input = BufReader::with_capacity(1, unbuffered_input().map_err(|error| bad_header(reason(&error)))?);
     let mut header = read_header(&mut input).map_err(bad_header)?;
@@ -216,7 +220,7 @@ fn with_command(sizes: Sizes, command: &[String]) -> Outcome {
         }
     }
     print(&text)?;
-    let status = Command::new(&command[0]).args(&command[1..]).status();
+    let status = program(permit, command[0].as_ref()).args(&command[1..]).status();
     let failed = |words: &str| Failure::fault(format!("getinfo: \"{}\" {words}", command[0]));
     match status {
         Ok(status) if status.success() => Ok(()),

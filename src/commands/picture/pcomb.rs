@@ -84,10 +84,10 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
             "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
             "-e" => options.definitions.push(Definition::Text(words.value(option, "definitions")?.to_owned())),
             "-f" => options.definitions.push(Definition::File(words.value(option, "a file")?.to_owned())),
-            "-w" => {}
-            "-h" => options.history = options.history.other(),
-            "-ff" => options.floats = true,
-            "-fc" => options.floats = false,
+            // As in Radiance the first letter counts: scripts have -w- and -h-.
+            _ if option.starts_with("-w") => {}
+            _ if option.starts_with("-h") => options.history = options.history.other(),
+            _ if option.starts_with("-f") && option.len() > 2 => options.floats = option.starts_with("-ff"),
             _ => return Err(words.unknown(option, "-h -w -ff -fc -x -y -f or -e")),
         }
     }
@@ -100,7 +100,8 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
     let (mut names, mut inputs) = (Vec::new(), Vec::new());
     let (mut factors, mut exposures) = ([1.0f32; 3], Exposures::AsStored);
     while let Some(word) = words.next_if(|_| true) {
-        match word {
+        // As in Radiance the first letter counts.
+        match word.get(..2).unwrap_or(word) {
             "-o" => exposures = Exposures::Undone,
             "-s" => {
                 let factor = words.number(word)?;
@@ -111,12 +112,14 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
                     *part = (f64::from(*part) * words.number(word)?) as f32;
                 }
             }
-            option if option.len() > 1 && option.starts_with('-') => {
-                return Err(words.unknown(option, "-o -s -c or a picture"));
+            _ if word.len() > 1 && word.starts_with('-') => {
+                return Err(words.unknown(word, "-o -s -c or a picture"));
             }
-            path => {
+            _ => {
+                let path = word;
                 let wrong = |error| failed(path, error);
-                let reader = PictureReader::picture_or_matrix(open_any(path)?).map_err(|error| wrong(error.into()))?;
+                let reader = PictureReader::picture_or_matrix(open_any(path, words.commands())?)
+                    .map_err(|error| wrong(error.into()))?;
                 inputs.push(CombineInput::new(reader, factors, exposures).map_err(wrong)?);
                 names.push(path.to_owned());
                 (factors, exposures) = ([1.0; 3], Exposures::AsStored);

@@ -158,7 +158,8 @@ impl Composition {
     ) -> Outcome {
         let placing = Placing::read(words)?;
         let path = words.value("a placement", "a picture")?;
-        let reader = PictureReader::new(open_any(path)?).map_err(|error| failed(path, error.into()))?;
+        let reader =
+            PictureReader::new(open_any(path, words.commands())?).map_err(|error| failed(path, error.into()))?;
         self.note(&reader, path)?;
         let mut nested = reader.header().clone();
         nested.remove("FORMAT");

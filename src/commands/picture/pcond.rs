@@ -11,6 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{check_writable, write_file};
 use crate::switch::switched;
+use crate::trust::OutputName;
 use radsight_picture::{leading_number, scientific};
 use radsight_picture_tools::condition::{
     Adaptation, ColorWarp, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram,
@@ -32,7 +33,7 @@ struct Typed {
     options: ConditionOptions,
     source: Source,
     center_weighted: bool,
-    map: Option<String>,
+    map: Option<OutputName>,
 }
 
 /// Runs the program.
@@ -142,7 +143,7 @@ impl Typed {
             }
             "-u" => self.options.display_top = above(words.number(option)?, LEAST, "-u")?,
             "-d" => self.options.display_range = above(words.number(option)?, 1.0, "-d")?,
-            "-x" => self.map = Some(words.value(option, "a file")?.to_owned()),
+            "-x" => self.map = Some(words.output_value(option, "a file")?),
             _ => return Err(words.unknown(option, EXPECTED)),
         }
         Ok(())

@@ -11,6 +11,7 @@ use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, read_standard_input};
 use crate::output::{write_file, write_standard_output};
+use crate::trust::OutputName;
 use crate::view_args;
 use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, leading_number};
 use radsight_picture_tools::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
@@ -31,7 +32,7 @@ struct Request {
     averages: Option<bool>,
     /// Whether all views of standard input are averaged.
     blurs: bool,
-    depths: Option<String>,
+    depths: Option<OutputName>,
     exposure: f64,
     /// The command line of `rtrace` by which rays find what is left, its name first.
     rays: Option<Vec<String>>,
@@ -67,7 +68,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let options = InterpolateOptions { averages, ..request.interpolate };
     let mut sums = vec![0.0f64; 3 * columns * rows];
     let mut last = None;
-    let mut rays = request.rays.as_ref().map(|words| RayAnswers::new(words)).transpose()?;
+    let mut rays = request.rays.as_ref().map(|rtrace| RayAnswers::new(rtrace, words.trust())).transpose()?;
     if rays.is_some() && sources[0].is_xyz() {
         return Err(Failure::usage("pinterp: rays (-fr) bring red, green and blue, expected pictures in RGBE"));
     }
@@ -148,7 +149,7 @@ impl Request {
                 "-y" => request.size[1] = words.integer(option)?.max(0) as usize,
                 "-pa" => request.pixel_aspect = words.number(option)?,
                 "-t" => options.tolerance = words.number(option)?.max(0.0),
-                "-z" => request.depths = Some(words.value(option, "a file for distances")?.to_owned()),
+                "-z" => request.depths = Some(words.output_value(option, "a file for distances")?),
                 "-e" => {
                     let word = words.value(option, "an exposure")?;
                     let number = words.number_in(word, option)?;
@@ -266,7 +267,10 @@ fn header(words: &Words<'_>, request: &Request, sources: &[Source], (view, shape
         History::Copied.push(&mut header, &source.name, &nested);
     }
     header.push_command(words.all());
-    header.push_variable("VIEW", &view.options().to_full_string());
+    // As in Radiance the view is told where it is not all in the command.
+    if request.blurs || words.all().contains(&"-vf") {
+        header.push_variable("VIEW", &view.options().to_full_string());
+    }
     let aspect = view.aspect() * shape;
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));

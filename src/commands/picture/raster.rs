@@ -108,17 +108,29 @@ pub(super) fn rows_of(matrix: DMat3) -> [[f32; 3]; 3] {
     std::array::from_fn(|i| matrix.row(i).to_array().map(|value| value as f32))
 }
 
+/// What a picture that comes of another format is like.
+struct Made<'d> {
+    /// Columns and rows.
+    size: (usize, usize),
+    encoding: Encoding,
+    /// When it was taken, if that is known.
+    date: Option<&'d str>,
+}
+
 /// Writes a picture of pixels that `row` gives, from the top.
 fn write_picture(
     words: &Words<'_>,
     target: &str,
-    (columns, rows): (usize, usize),
-    encoding: Encoding,
+    made: &Made<'_>,
     mut row: impl FnMut(usize, &mut Vec<u8>) -> Outcome,
 ) -> Outcome {
+    let Made { size: (columns, rows), encoding, date } = *made;
     let mut header = Header::new("RADIANCE");
     header.push_command(words.taken());
     header.push_variable("FORMAT", encoding.name());
+    if let Some(date) = date {
+        header.push_variable("CAPDATE", &format!(" {date}"));
+    }
     let wrong = |error: radsight_picture::PictureError| failed(target, error.into());
     put_file(target, |out: &mut dyn Write| {
         let mut writer = PictureWriter::new(out, &header, 3, Resolution::standard(columns, rows)).map_err(wrong)?;

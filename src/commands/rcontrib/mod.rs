@@ -11,10 +11,11 @@ mod recover;
 mod streams;
 mod tracked;
 
+use crate::expand::CommandWords;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, plan_changed, use_threads};
-use crate::output::write_standard_output;
 use crate::ray_input::{InputRay, RayReader};
+use crate::trust::{Existing, Trust};
 use bins::Bins;
 use options::{Options, Wanted};
 use radsight_render::{Renderer, TrackedValue};
@@ -24,16 +25,21 @@ use std::io::{self, Read};
 use streams::Streams;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    run_on(words, io::stdin().lock())
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let mut options = Options::parse(CommandWords::new(words, trust.origin()), trust)?;
+    options.existing_of_files = if options.overwrites { Existing::Replaced } else { Existing::Kept };
+    run_with(options, io::stdin().lock())
 }
 
-/// Runs it on rays from elsewhere, in the form that the words say.
-pub(crate) fn run_on(words: &[String], input: impl Read) -> Outcome {
-    let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
+/// Runs it on rays from elsewhere, in the form that the words say. `existing` are the files that
+/// those which words of files name may write over.
+pub(crate) fn run_on(words: CommandWords, trust: &Trust, existing: Existing<'static>, input: impl Read) -> Outcome {
+    let mut options = Options::parse(words, trust)?;
+    options.existing_of_files = existing;
+    run_with(options, input)
+}
+
+fn run_with(options: Options, input: impl Read) -> Outcome {
     use_threads(options.threads)?;
     let bins = options.bins()?;
     let mut render = options.render.clone();

@@ -1,18 +1,25 @@
 //! The options of `rcontrib`, as Radiance writes them.
 
 use super::bins::{BinRequest, Bins, Functions};
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::input::read_file;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
+use crate::trust::{Existing, Origin, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions};
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
 use std::collections::HashSet;
+
+/// Into no more branches does a ray split at once.
+const MOST_BRANCHES: f64 = 16_384.0;
 
 /// Whose radiance counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +34,19 @@ pub(super) enum Wanted {
 #[derive(Clone, Debug)]
 pub(super) struct Tracked {
     pub(super) name: String,
-    /// Where they go: a file name, which may hold `%s` and `%d`, or a command after `!`; `None` for standard output.
-    pub(super) output: Option<String>,
+    /// Who names it.
+    pub(super) origin: Origin,
+    /// Where they go; `None` for standard output.
+    pub(super) output: Option<OutputPattern>,
     pub(super) bin: BinRequest,
+}
+
+/// A file's name, which may hold `%s` and `%d`, or a command after `!`.
+#[derive(Clone, Debug)]
+pub(super) struct OutputPattern {
+    pub(super) text: String,
+    /// Who gives it.
+    pub(super) origin: Origin,
 }
 
 /// What is asked.
@@ -42,6 +59,8 @@ pub(super) struct Options {
     pub(super) accumulate: u64,
     pub(super) header: bool,
     pub(super) overwrites: bool,
+    /// Which files that are there already are written over where a file names them.
+    pub(super) existing_of_files: Existing<'static>,
     /// Whether records that are in the files already are kept.
     pub(super) recovers: bool,
     /// Whether rays end where their direction does.
@@ -54,18 +73,23 @@ pub(super) struct Options {
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// Seconds between reports, which none are made of (`-t`).
+    pub(super) report: u64,
     effort: Option<Effort>,
+    /// How often a ray is followed that splits.
+    rounds: u64,
     functions: Functions,
     /// What holds for the modifiers that are named next.
-    next_output: Option<String>,
+    next_output: Option<OutputPattern>,
     next_bin: BinRequest,
 }
 
 impl Default for Options {
     fn default() -> Self {
         // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
-        let gathering = Gathering { accuracy: 0.0, divisions: 350, ..Gathering::default() };
+        let gathering = Gathering { accuracy: 0.0, divisions: 350, unshared: Unshared::Split, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 1,
@@ -82,6 +106,7 @@ impl Default for Options {
             accumulate: 1,
             header: true,
             overwrites: false,
+            existing_of_files: Existing::Kept,
             recovers: false,
             limits_distance: false,
             input_format: NumberFormat::Ascii,
@@ -91,8 +116,10 @@ impl Default for Options {
             reading: Reading::default(),
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rcontrib),
+            report: 0,
             effort: None,
+            rounds: 1,
             functions: Functions::new(),
             next_output: None,
             next_bin: BinRequest::default(),
@@ -100,14 +127,23 @@ impl Default for Options {
     }
 }
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.shown.note(words);
+        self.take_option(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+    pub(super) fn parse(words: CommandWords, trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
-        if options.print_defaults {
-            return Ok(options);
-        }
+        options.reading.trust = trust.clone();
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         options.check()?;
         Ok(options)
     }
@@ -125,11 +161,28 @@ impl Options {
             self.size = [0, 0];
         }
         self.render.gathering.accuracy = 0.0;
+        if self.effort.is_some() {
+            self.render.gathering.unshared = Unshared::DrawOne;
+        } else if self.render.ambient_bounces > 0 {
+            self.share_branches();
+        }
         Ok(())
     }
 
+    /// Follows each ray several times where it would split into very many: threads share these, and
+    /// what they owe fits into memory. No white surface splits a ray into more than 0.8 over the
+    /// least weight.
+    fn share_branches(&mut self) {
+        let divisions = f64::from(self.render.gathering.divisions.max(1));
+        let most = divisions.min(0.8 / self.render.least_weight).max(1.0);
+        self.rounds = (most / MOST_BRANCHES).ceil() as u64;
+        if self.rounds > 1 {
+            self.render.gathering.divisions = (most / self.rounds as f64).ceil() as u32;
+        }
+    }
+
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         // Some options of rendering begin with the same letter as these.
         let mut used = self.take_named(words)?;
         if used == 0 {
@@ -163,8 +216,11 @@ impl Options {
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-c" => self.accumulate = number(words, word, "a number of rays for each record, 0 for all")?,
-            "-t" => drop(number::<u64>(words, word, "a number of seconds")?),
-            "-o" => self.next_output = Some(number(words, word, "a file for what follows")?),
+            "-t" => self.report = number(words, word, "a number of seconds")?,
+            "-o" => {
+                let text = number(words, word, "a file for what follows")?;
+                self.next_output = Some(OutputPattern { text, origin: self.reading.trust.word_origin() });
+            }
             "-p" => self.next_bin.parameters = Some(number(words, word, "parameters, as in MF=4")?),
             "-b" => self.next_bin.expression = Some(number(words, word, "an expression for the bin")?),
             "-bn" => {
@@ -173,12 +229,10 @@ impl Options {
             }
             "-f" => self.functions.load_file(&number::<String>(words, word, "a file of functions")?)?,
             "-e" => self.functions.define(&number::<String>(words, word, "a definition, as in MF:4")?)?,
-            "-m" => self.track(number(words, word, "the name of a modifier")?)?,
+            "-m" => self.track(number(words, word, "the name of a modifier")?, self.reading.trust.word_origin())?,
             "-M" => self.track_all(&number::<String>(words, word, "a file of modifiers' names")?)?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ => return Ok(0),
         }
         Ok(2)
@@ -191,12 +245,14 @@ impl Options {
         } else if let Some(on) = switched(word, "-I", quantity == Quantity::Irradiance) {
             self.render.quantity = if on { Quantity::Irradiance } else { Quantity::Radiance };
         } else if let Some(on) = switched(word, "-fo", self.overwrites) {
+            self.reading.trust.check_overwriting(word)?;
             self.overwrites = on;
         } else if let Some(on) = switched(word, "-h", self.header) {
             self.header = on;
         } else if let Some(on) = switched(word, "-w", !self.reading.no_warnings) {
             self.reading.no_warnings = !on;
         } else if let Some(on) = switched(word, "-r", self.recovers) {
+            self.reading.trust.check_overwriting(word)?;
             self.recovers = on;
         } else if let Some(on) = switched(word, "-ld", self.limits_distance) {
             self.limits_distance = on;
@@ -218,14 +274,14 @@ impl Options {
         Ok(())
     }
 
-    fn track(&mut self, name: String) -> Result<(), Failure> {
+    fn track(&mut self, name: String, origin: Origin) -> Result<(), Failure> {
         if name == "void" {
             return Err(Failure::usage("rcontrib: \"void\" cannot be tracked"));
         }
         if self.tracked.iter().any(|tracked| tracked.name == name) {
             return Err(Failure::usage(format!("rcontrib: modifier \"{name}\" is named twice")));
         }
-        self.tracked.push(Tracked { name, output: self.next_output.clone(), bin: self.next_bin.clone() });
+        self.tracked.push(Tracked { name, origin, output: self.next_output.clone(), bin: self.next_bin.clone() });
         Ok(())
     }
 
@@ -234,10 +290,10 @@ impl Options {
         let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
         for name in names_in(&bytes) {
             if name == "void" || !known.insert(name.clone()) {
-                return self.track(name);
+                return self.track(name, Origin::File);
             }
             let (output, bin) = (self.next_output.clone(), self.next_bin.clone());
-            self.tracked.push(Tracked { name, output, bin });
+            self.tracked.push(Tracked { name, origin: Origin::File, output, bin });
         }
         Ok(())
     }
@@ -248,12 +304,20 @@ impl Options {
         self.functions.compile(requests)
     }
 
-    /// Paths that are followed for each ray.
+    /// How often each ray is followed: mostly once, where it splits into as many as are asked for,
+    /// else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
             Some(Effort::Samples(samples)) => u64::from(samples),
-            _ if self.render.ambient_bounces > 0 => u64::from(self.render.gathering.divisions.max(1)),
-            _ => 1,
+            _ => self.rounds,
+        }
+    }
+
+    /// About how many paths come of a ray.
+    pub(super) fn paths(&self) -> u64 {
+        match self.effort {
+            None if self.render.ambient_bounces > 0 => self.rounds * u64::from(self.render.gathering.divisions.max(1)),
+            _ => self.samples(),
         }
     }
 

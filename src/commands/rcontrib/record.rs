@@ -37,6 +37,8 @@ pub(super) struct Records {
     /// Rays in a record; 0 for all.
     accumulate: u64,
     samples: u64,
+    /// About how many paths come of a ray.
+    paths: u64,
     limits_distance: bool,
     rays_at_a_time: usize,
     /// Rays of the record in hand, and of all.
@@ -59,15 +61,16 @@ struct Work {
 
 impl Records {
     pub(super) fn new(options: &Options, bins: usize) -> Records {
-        let samples = options.samples();
+        let (samples, paths) = (options.samples(), options.paths());
         let values = bins * options.components();
-        let most = (PATHS_IN_A_BATCH / samples).clamp(1, 1 << 15) as usize;
+        let most = (PATHS_IN_A_BATCH / paths).clamp(1, 1 << 15) as usize;
         let fitting = (MOST_BYTES / (size_of::<f64>() * values.max(1))).max(1);
         let until_flush = options.flush_interval().map(|records| records.saturating_mul(options.accumulate.max(1)));
         let rays_at_a_time = until_flush.map_or(most, |rays| most.min(rays.min(1 << 15) as usize)).min(fitting);
         Records {
             accumulate: options.accumulate,
             samples,
+            paths,
             limits_distance: options.limits_distance && options.render.quantity != Quantity::Irradiance,
             rays_at_a_time,
             rays: 0,
@@ -132,7 +135,8 @@ impl Records {
 
     /// Splits rays into pieces that do not cross the border of a record.
     fn work(&self, rays: usize) -> Vec<Work> {
-        let rays_a_piece = (PATHS_AT_A_TIME / self.samples).max(1);
+        let rays_a_piece = (PATHS_AT_A_TIME / self.paths).max(1);
+        let samples_a_piece = (PATHS_AT_A_TIME * self.samples / self.paths).max(1);
         let mut pieces = Vec::new();
         let (mut at, mut in_record) = (0, self.rays);
         while at < rays {
@@ -140,7 +144,7 @@ impl Records {
             let count = rays_a_piece.min(left).min((rays - at) as u64);
             let mut sample = 0;
             while sample < self.samples {
-                let end = (sample + PATHS_AT_A_TIME).min(self.samples);
+                let end = (sample + samples_a_piece).min(self.samples);
                 let finished = if end == self.samples { count } else { 0 };
                 pieces.push(Work { rays: at..at + count as usize, samples: sample..end, finished });
                 sample = end;
@@ -177,12 +181,12 @@ fn add_path(
     (number, ray): (u64, &Ray),
     sums: &mut [f64],
 ) {
-    for contribution in worker.contributions(number, ray) {
+    worker.contributions(number, ray, |contribution| {
         if let Some(bin) = bins.of(&contribution, scratch) {
             let value = contribution.value.as_slice();
             for (sum, band) in sums[bin * value.len()..].iter_mut().zip(value) {
                 *sum += f64::from(*band);
             }
         }
-    }
+    });
 }

@@ -1,20 +1,21 @@
 //! Where records go: standard output, files whose names hold the modifier's name or the bin's number, commands.
 
 use super::bins::Bins;
-use super::options::Options;
-use crate::clock::greenwich_time;
+use super::options::{Options, OutputPattern, Tracked};
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
-use crate::output::{Output, file_path, standard_output};
+use crate::output::{self, Output, file_path};
 use crate::output_format::OutputFormat;
+use crate::trust::{CommandPermit, Existing, Origin, OutputName, PROJECT, shell};
+use radsight_brdf_host::guard::standard_output;
 use radsight_output::ClosedFile;
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
 use std::io::Write;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 
 /// Bytes that all files together hold back.
 const MOST_HELD: usize = 1 << 24;
@@ -53,11 +54,20 @@ enum Target {
 pub(super) struct Planned {
     /// A file's name, or a command after `!`; `None` for standard output.
     pub(super) name: Option<String>,
+    target: Allowed,
     /// The modifier and the bin that its name holds.
     modifier: Option<String>,
     bin: Option<usize>,
     /// Values in a record.
     pub(super) values: usize,
+}
+
+/// A place that may be written to.
+#[derive(Clone, Debug)]
+enum Allowed {
+    StandardOutput,
+    File(OutputName),
+    Command(String, CommandPermit),
 }
 
 /// The streams, and which of them each bin goes to.
@@ -72,10 +82,7 @@ impl<'o> Streams<'o> {
         let Layout { planned, of_bin } = Layout::new(options, bins)?;
         let mut streams = Vec::new();
         for planned in &planned {
-            let target = match &planned.name {
-                None => Target::StandardOutput,
-                Some(name) => Target::open(name, options.overwrites || options.recovers)?,
-            };
+            let target = Target::open(&planned.target, options.overwrites || options.recovers)?;
             streams.push(Stream { target, held: head(options, planned) });
         }
         let mut streams = Streams { options, streams, of_bin, held: 0 };
@@ -141,7 +148,7 @@ impl Stream {
         }
         let (written, what) = match &mut self.target {
             Target::StandardOutput => {
-                let mut out = standard_output();
+                let mut out = output::standard_output();
                 (out.write_all(&held).and_then(|()| out.flush()), "standard output".to_owned())
             }
             Target::Stream(output) => return output.put(&held),
@@ -178,23 +185,28 @@ impl Stream {
 }
 
 impl Target {
-    fn open(name: &str, overwrites: bool) -> Result<Target, Failure> {
-        if let Some(command) = name.strip_prefix('!') {
-            let child = Command::new("sh").args(["-c", command]).stdin(Stdio::piped()).spawn();
-            let child = child
-                .map_err(|error| Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error))))?;
-            return Ok(Target::Command { name: command.to_owned(), child: Some(child) });
-        }
-        if Path::new(name).exists() && !overwrites {
-            return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
-        }
-        match file_path(name)? {
-            None => Output::create(name).map(Target::Stream),
-            Some(path) => {
-                let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
-                Ok(Target::File { name: name.to_owned(), file: Some(file) })
+    fn open(allowed: &Allowed, overwrites: bool) -> Result<Target, Failure> {
+        match allowed {
+            Allowed::StandardOutput => Ok(Target::StandardOutput),
+            Allowed::File(name) => Target::open_file(name, overwrites),
+            Allowed::Command(command, permit) => {
+                let child = shell(*permit, command).stdin(Stdio::piped()).stdout(standard_output::for_child()).spawn();
+                let child = child.map_err(|error| {
+                    Failure::fault(format!("rcontrib: cannot run \"{command}\": {}", reason(&error)))
+                })?;
+                Ok(Target::Command { name: command.clone(), child: Some(child) })
             }
         }
+    }
+
+    fn open_file(name: &OutputName, overwrites: bool) -> Result<Target, Failure> {
+        let name: &str = name;
+        let Some(path) = file_path(name)? else { return Output::create(name).map(Target::Stream) };
+        if path.exists() && !overwrites {
+            return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
+        }
+        let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+        Ok(Target::File { name: name.to_owned(), file: Some(file) })
     }
 }
 
@@ -208,7 +220,9 @@ impl Layout {
             let bins = all_bins.of_modifier(index);
             // Pictures have one value a pixel: where modifiers share numbered files, each has numbers of its own.
             let mut first = 0;
-            if let (OutputFormat::Pixels, Some(pattern)) = (options.output_format, &tracked.output) {
+            if let (OutputFormat::Pixels, Some(OutputPattern { text: pattern, .. })) =
+                (options.output_format, &tracked.output)
+            {
                 while holds_number(pattern)
                     && by_name.contains_key(&Some(named("rcontrib", pattern, &tracked.name, first)?.0))
                 {
@@ -218,19 +232,24 @@ impl Layout {
             for bin in 0..bins {
                 let (name, modifier, number) = match &tracked.output {
                     None => (None, None, None),
-                    Some(pattern) => {
+                    Some(OutputPattern { text: pattern, .. }) => {
                         let (name, has_modifier, has_bin) = named("rcontrib", pattern, &tracked.name, first + bin)?;
                         (Some(name), has_modifier.then(|| tracked.name.clone()), has_bin.then_some(first + bin))
                     }
                 };
-                let stream = *by_name.entry(name.clone()).or_insert_with(|| {
-                    planned.push(Planned { name, modifier, bin: number, values: 0 });
-                    planned.len() - 1
-                });
+                let stream = match by_name.get(&name) {
+                    Some(stream) => *stream,
+                    None => {
+                        let target = allowed(options, tracked, name.as_deref(), modifier.as_deref())?;
+                        by_name.insert(name.clone(), planned.len());
+                        planned.push(Planned { name, target, modifier, bin: number, values: 0 });
+                        planned.len() - 1
+                    }
+                };
                 if planned[stream].values == 0 && planned[stream].modifier.is_none() {
                     planned[stream].modifier = Some(tracked.name.clone()).filter(|_| bins == 1 || number.is_some());
                 } else if planned[stream].values > 0
-                    && !matches!(&tracked.output, Some(pattern) if pattern.contains("%s"))
+                    && !matches!(&tracked.output, Some(pattern) if pattern.text.contains("%s"))
                 {
                     planned[stream].modifier = None;
                 }
@@ -240,6 +259,35 @@ impl Layout {
         }
         Ok(Layout { planned, of_bin })
     }
+}
+
+/// Where a modifier's values go, if who named that, and who named the modifier, may say so.
+///
+/// `modifier` is the one whose name stands in that of the file.
+fn allowed(
+    options: &Options,
+    tracked: &Tracked,
+    name: Option<&str>,
+    modifier: Option<&str>,
+) -> Result<Allowed, Failure> {
+    let (Some(pattern), Some(name)) = (&tracked.output, name) else { return Ok(Allowed::StandardOutput) };
+    let trust = &options.reading.trust;
+    let part = modifier.filter(|_| tracked.origin == Origin::File);
+    if pattern.text.starts_with('!') {
+        if let Some(part) = part {
+            trust.check_command_part(part)?;
+        }
+        let commands = if pattern.origin == Origin::File { trust.commands() } else { trust.own_commands() };
+        return Ok(Allowed::Command(name[1..].to_owned(), commands.permit(&name[1..])?));
+    }
+    if pattern.origin == Origin::CommandLine {
+        return Ok(Allowed::File(trust.output_with_part(name, part)?));
+    }
+    let existing = match (options.existing_of_files, trust.project()) {
+        (Existing::Kept, Some(receiver)) => Existing::MadeBy(receiver),
+        (existing, _) => existing,
+    };
+    Ok(Allowed::File(trust.output_of_file(name, existing)?))
 }
 
 impl Planned {
@@ -261,7 +309,10 @@ fn head(options: &Options, planned: &Planned) -> Vec<u8> {
 
 fn header(options: &Options, planned: &Planned) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    if let Some(receiver) = options.reading.trust.project() {
+        header.push_variable(PROJECT, &format!(" {receiver}"));
+    }
+    push_date(&mut header);
     header.push_variable("NCOMP", &options.components().to_string());
     if options.components() > 3 {
         let splits = options.render.sampling.splits_nm().map(|split| split.to_string());

@@ -7,21 +7,23 @@ mod options;
 mod surfaces;
 
 use super::rcontrib;
+use crate::expand::CommandWords;
 use crate::failure::{Failure, Outcome, say};
+use crate::trust::{Origin, Trust};
 use options::Options;
 use radsight_flux::{FluxError, Group, ReceiverWords, Sender};
 use std::io::{self, Read};
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     let receivers = surfaces::receivers(&options)?;
     if receivers.is_empty() {
         return Err(wrong(&options.receiver, &FluxError::Nothing));
     }
     let Some(path) = &options.sender else {
         let words = contribution_words(&options, &receivers, options.pass_through_words())?;
-        return rcontrib::run(&words);
+        return rcontrib::run_on(words, &options.trust, options.existing, io::stdin().lock());
     };
     let group = surfaces::sender(&options, path)?;
     let sender = Sender::new(&group, options.samples).map_err(|error| wrong(path, &error))?;
@@ -36,22 +38,25 @@ pub(crate) fn run(words: &[String]) -> Outcome {
     (0..sender.bins())
         .try_for_each(|bin| sender.ray(bin * options.samples).map(drop))
         .map_err(|error| wrong(path, &error))?;
-    rcontrib::run_on(&words, RayBytes { sender, number: 0, bytes: Vec::new(), read: 0 })
+    let rays = RayBytes { sender, number: 0, bytes: Vec::new(), read: 0 };
+    rcontrib::run_on(words, &options.trust, options.existing, rays)
 }
 
-/// The command line of `rcontrib`.
-fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) -> Result<Vec<String>, Failure> {
-    let mut words = vec!["rcontrib".to_owned(), "-fo+".to_owned()];
-    words.extend(options.passed.iter().cloned());
-    words.extend(own);
+/// The command line of `rcontrib`. What the user names is written over as in Radiance, what
+/// receivers name is not.
+fn contribution_words(options: &Options, receivers: &[Group], own: Vec<String>) -> Result<CommandWords, Failure> {
+    let mut words = CommandWords::default();
+    words.extend(["rcontrib", "-fo+"].map(str::to_owned), Origin::CommandLine);
+    words.append(options.passed.clone());
+    words.extend(own, Origin::CommandLine);
     let mut receiver_words = ReceiverWords::with_jitter(options.jitter.clone());
     for receiver in receivers {
-        words.extend(receiver_words.of(receiver).map_err(|error| wrong(&options.receiver, &error))?);
+        let said = receiver_words.of(receiver).map_err(|error| wrong(&options.receiver, &error))?;
+        words.extend(said, Origin::File);
     }
-    words.extend(options.system.iter().cloned());
-    words.push(options.receiver.clone());
+    words.extend(options.system.iter().chain([&options.receiver]).cloned(), Origin::CommandLine);
     if options.is_verbose {
-        say(&format!("rfluxmtx: running: {}\n", words.join(" ")));
+        say(&format!("rfluxmtx: running: {}\n", words.words().join(" ")));
     }
     Ok(words)
 }

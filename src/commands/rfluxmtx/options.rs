@@ -1,8 +1,10 @@
 //! The options of `rfluxmtx`: its own, and those that `rcontrib` gets.
 
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::{Failure, say};
 use crate::render_args::number;
+use crate::switch::switched;
+use crate::trust::{Existing, Trust};
 
 /// What is asked.
 #[derive(Debug)]
@@ -14,7 +16,11 @@ pub(super) struct Options {
     /// Rays for each direction of the sender, or in a record.
     pub(super) samples: u64,
     /// Options that `rcontrib` gets as they are.
-    pub(super) passed: Vec<String>,
+    pub(super) passed: CommandWords,
+    /// What the command line lets files cause.
+    pub(super) trust: Trust,
+    /// Which files that are there already the receivers may write over.
+    pub(super) existing: Existing<'static>,
     /// `-I`, `-i`, `-x`, `-y` and `-ld`, which are for rays from standard input.
     ray_words: Vec<String>,
     /// The letters of `-f`: of input and output.
@@ -33,15 +39,27 @@ const USAGE: &str = "rfluxmtx: expected a sender (or -) and a receiver after the
 /// Rays for each direction of a sender, unless another number is asked for.
 const USUAL_SAMPLES: u64 = 10_000;
 
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.take_one(words)
+    }
+}
+
 impl Options {
     /// Reads the words, of which the first is the program's name.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options {
             is_verbose: false,
             no_warnings: false,
             jitter: None,
             samples: 0,
-            passed: Vec::new(),
+            passed: CommandWords::default(),
+            trust: trust.clone(),
+            existing: Existing::Kept,
             ray_words: Vec::new(),
             formats: ['a', 'a'],
             divisions: 350.0,
@@ -50,10 +68,15 @@ impl Options {
             receiver: String::new(),
             system: Vec::new(),
         };
-        let (_, files) = options_before_scenes(words, |words| options.take(words))?;
+        let words = CommandWords::new(words, trust.origin());
+        let (_, files) = options_before_scenes(words, &mut options)?;
         let [sender, receiver, system @ ..] = &files[..] else { return Err(Failure::usage(USAGE)) };
         options.sender = (sender != "-").then(|| sender.clone());
         options.receiver.clone_from(receiver);
+        // What is piped in has no name of its own.
+        if receiver != "-" && !receiver.starts_with('!') {
+            options.trust.work_for(receiver);
+        }
         options.take_system(system)?;
         if options.samples == 0 {
             options.samples = if options.sender.is_some() { USUAL_SAMPLES } else { 1 };
@@ -63,8 +86,17 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_one(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
+        let used = self.trust.take(words)?;
+        if used > 0 {
+            return Ok(used);
+        }
+        if let Some(overwrites) = switched(word, "-fo", self.existing == Existing::Replaced) {
+            self.trust.check_overwriting(word)?;
+            self.existing = if overwrites { Existing::Replaced } else { Existing::Kept };
+            return Ok(1);
+        }
         match word {
             "-v" => self.is_verbose = !self.is_verbose,
             "-bj" => return self.jitter(words),
@@ -119,7 +151,7 @@ impl Options {
             "--samples" => self.says_paths = true,
             _ => {}
         }
-        self.passed.extend(taken.iter().cloned());
+        self.passed.extend(taken.iter().cloned(), self.trust.word_origin());
         Ok(1 + values)
     }
 
@@ -161,7 +193,7 @@ impl Options {
     pub(super) fn sampling_words(&self, bins: u64) -> Vec<String> {
         let mut words = vec![format!("-fd{}", self.formats[1])];
         if !self.says_paths {
-            words.extend(["--samples".to_owned(), self.paths().to_string()]);
+            words.extend(["-ad".to_owned(), self.paths().to_string()]);
         }
         words.extend(["-c".to_owned(), self.samples.to_string(), "-y".to_owned(), bins.to_string()]);
         words
@@ -183,7 +215,6 @@ impl Options {
 fn values_of(word: &str) -> Option<usize> {
     Some(match word {
         "-f" | "-e" | "-o" | "-n" | "-t" | "--samples" | "--seed" => 1,
-        "--allow-commands" => 0,
         "-cs" => 1,
         "-cw" => 2,
         "-av" | "-me" | "-ma" => 3,

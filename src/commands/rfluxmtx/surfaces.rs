@@ -2,10 +2,10 @@
 
 use super::options::Options;
 use super::wrong;
-use crate::disk::Commands;
 use crate::failure::Failure;
 use crate::input::expanded_scene_text;
-use radsight_diag::SourceMap;
+use crate::trust::{Existing, Refusal, Trust};
+use radsight_diag::{SourceMap, Span};
 use radsight_flux::{FluxError, FluxSurface, Group, Parameters, Shape};
 use radsight_parse::Kind;
 use radsight_parse::syntax::{Item, Items, Primitive, SyntaxError};
@@ -16,7 +16,7 @@ const MARK: &str = "#@rfluxmtx";
 /// The receivers, in the order of their file: surfaces of one modifier that follow each other are one.
 pub(super) fn receivers(options: &Options) -> Result<Vec<Group>, Failure> {
     let mut groups: Vec<Group> = Vec::new();
-    for (said, modifier, surface) in surfaces(options, &options.receiver)? {
+    for (said, modifier, surface) in surfaces(options, &options.receiver, Flux::Received)? {
         if groups.last().is_none_or(|group| group.modifier != modifier) {
             let mut group = Group::new(&modifier);
             group.parameters = groups.last().map_or_else(Parameters::default, |before| before.parameters.next());
@@ -33,7 +33,7 @@ pub(super) fn receivers(options: &Options) -> Result<Vec<Group>, Failure> {
 /// The sender: all surfaces of its file.
 pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
     let mut sender: Option<Group> = None;
-    for (said, modifier, surface) in surfaces(options, path)? {
+    for (said, modifier, surface) in surfaces(options, path, Flux::Sent)? {
         let group = sender.get_or_insert_with(|| Group::new(&modifier));
         if group.modifier != modifier {
             options.warn("multiple modifiers in sender");
@@ -45,9 +45,34 @@ pub(super) fn sender(options: &Options, path: &str) -> Result<Group, Failure> {
     sender.ok_or_else(|| wrong(path, &FluxError::Nothing))
 }
 
+/// What surfaces do with light here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Flux {
+    Sent,
+    Received,
+}
+
+/// Checks the file that a receiver names where the comment stands. What patterns become is checked
+/// when it is known, as commands are.
+fn check_output(options: &Options, parameters: &str) -> Result<(), Refusal> {
+    let mut said = Parameters::default();
+    let (Ok(()), Some(name)) = (said.read(parameters), said.output) else { return Ok(()) };
+    match name.starts_with('!') {
+        true if options.trust.runs_commands() => return Ok(()),
+        true => return Err(Trust::refused_output_command(&name)),
+        false if name.contains('%') => return Ok(()),
+        false => {}
+    }
+    let existing = match options.existing {
+        Existing::Kept => Existing::MadeBy(&options.receiver),
+        existing => existing,
+    };
+    options.trust.output_of_file(&name, existing).map(drop)
+}
+
 /// Each surface with its modifier, and what comments say between it and the one before. A surface without area is left out.
-fn surfaces(options: &Options, path: &str) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
-    let text = expanded_scene_text("rfluxmtx", path, Commands::Refused)?;
+fn surfaces(options: &Options, path: &str, surfaces_of: Flux) -> Result<Vec<(String, String, FluxSurface)>, Failure> {
+    let text = expanded_scene_text("rfluxmtx", path, &options.trust)?;
     let mistake = |error: SyntaxError| {
         let mut sources = SourceMap::default();
         let source = sources.add(path, text.clone(), None);
@@ -63,6 +88,14 @@ fn surfaces(options: &Options, path: &str) -> Result<Vec<(String, String, FluxSu
                 if let Some(parameters) =
                     comment.strip_prefix(MARK).filter(|rest| rest.starts_with(char::is_whitespace))
                 {
+                    if surfaces_of == Flux::Received {
+                        check_output(options, parameters).map_err(|refusal| {
+                            let mut sources = SourceMap::default();
+                            let source = sources.add(path, text.clone(), None);
+                            let span = Span { source, start: place.start, end: place.end };
+                            Failure::diagnostics(&[refusal.at(span)], &sources)
+                        })?;
+                    }
                     said.push(' ');
                     said.push_str(parameters);
                 }

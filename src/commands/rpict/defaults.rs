@@ -1,13 +1,14 @@
 //! What `rpict -defaults` prints.
 
 use super::options::Options;
-use crate::render_args;
+use crate::shown_options::warning_line;
 use radsight_frame::Effort;
+use radsight_picture::ViewKind;
 
-/// The options as they stand, a line each, as Radiance prints those that both have.
+/// The options as they stand, a line each, as Radiance prints them, and after them our own.
 pub(super) fn text(options: &Options) -> String {
     let view = options.view;
-    let mut lines = vec![format!("-vt{}\t\t\t\t# view type", view.kind.letter())];
+    let mut lines = vec![format!("-vt{}\t\t\t\t# view type {}", view.kind.letter(), name_of(view.kind))];
     for (name, vector, what) in
         [("vp", view.point, "view point"), ("vd", view.direction, "view direction"), ("vu", view.up, "view up")]
     {
@@ -25,6 +26,7 @@ pub(super) fn text(options: &Options) -> String {
     }
     lines.push(format!("-x  {:<9}\t\t\t# x resolution", options.size[0]));
     lines.push(format!("-y  {:<9}\t\t\t# y resolution", options.size[1]));
+    lines.push(options.shown.color_line());
     for (name, value, what) in [
         ("pa", options.pixel_aspect, "pixel aspect ratio"),
         ("pj", options.pixel_jitter, "pixel jitter"),
@@ -33,11 +35,25 @@ pub(super) fn text(options: &Options) -> String {
     ] {
         lines.push(format!("-{name} {value:.6}\t\t\t# {what}"));
     }
-    lines.push(match options.effort() {
+    lines.extend(options.shown.pixel_lines());
+    lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
+    lines.push(warning_line(options.reading.no_warnings));
+    lines.extend(options.shown.lines());
+    lines.extend(options.effort.map(|effort| match effort {
         Effort::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
         Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of the picture"),
-    });
-    lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
-    lines.extend(render_args::defaults(&options.render));
+    }));
+    lines.push(format!("--seed {:<6}\t\t\t# sample sequence", options.render.seed));
     lines.join("\n") + "\n"
+}
+
+fn name_of(kind: ViewKind) -> &'static str {
+    match kind {
+        ViewKind::Perspective => "perspective",
+        ViewKind::Parallel => "parallel",
+        ViewKind::Hemispherical => "hemispherical",
+        ViewKind::Angular => "angular",
+        ViewKind::Cylindrical => "cylindrical",
+        ViewKind::Planispheric => "planisphere",
+    }
 }

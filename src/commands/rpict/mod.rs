@@ -3,32 +3,30 @@
 mod defaults;
 mod options;
 mod output;
+mod report;
 mod sequence;
 
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
-use crate::output::write_standard_output;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
+use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Replaces, Start};
-use radsight_frame::{Estimate, Frame, Lens};
+use radsight_frame::{Effort, Estimate, Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
+use report::Report;
 use sequence::Sequence;
-use std::time::{Duration, Instant};
 
 /// A picture needs memory for each of its pixels until it is done.
 const MOST_PIXELS: usize = 1 << 27;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
         say_in(path)?;
     }
@@ -59,8 +57,8 @@ pub(crate) fn run(words: &[String]) -> Outcome {
 struct Picture {
     lens: Lens,
     header: Header,
-    output: Option<String>,
-    depths: Option<String>,
+    output: Option<OutputName>,
+    depths: Option<OutputName>,
     recovered: Option<Recovered>,
     replaces: Replaces,
 }
@@ -73,15 +71,16 @@ impl Picture {
         frame: Option<(i64, Option<View>)>,
     ) -> Result<Picture, Failure> {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
-        let named = |name: &Option<String>| name.as_ref().map(|name| sequence::numbered(name, number));
+        let named =
+            |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
         let output = named(&options.output);
         let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
             // A number says at which frame to go on, and that with what there is of it.
-            Some(recovered) => output.clone().filter(|_| recovered == number),
-            None => named(&options.recover),
+            Some(recovered) => output.as_deref().filter(|_| recovered == number).map(str::to_owned),
+            None => options.recover.as_ref().map(|name| sequence::numbered(name, number)),
         };
         let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
-        let goes_over = recovered.is_some() && recover == output;
+        let goes_over = recovered.is_some() && recover.as_deref() == output.as_deref();
         let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
         let ([columns, rows], aspect);
         if let Some(recovered) = &recovered {
@@ -144,7 +143,7 @@ impl Picture {
             let depths = if writer.wants_depths() { frame.depths(row..block.end) } else { Vec::new() };
             writer.write(block.end - row, &bytes, &depths)?;
             row = block.end;
-            report.tell(row as f64 / rows as f64);
+            report.tell(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
         }
         writer.finish()?;
         if options.effort.is_some() && !options.reading.no_warnings {
@@ -152,6 +151,15 @@ impl Picture {
         }
         Ok(())
     }
+}
+
+/// How many rays went through so many pixels that are done.
+fn rays_through(pixels: usize, frame: &Frame<'_>, options: &Options) -> f64 {
+    let of_each = match options.pixel_effort() {
+        Effort::Samples(samples) => f64::from(samples),
+        Effort::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
+    };
+    of_each * pixels as f64
 }
 
 /// What came of an error that was asked for.
@@ -170,6 +178,9 @@ fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
 /// What stands before the pixels.
 fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     let mut header = program_history(&options.scenes, &options.command);
+    if let Some(project) = options.reading.trust.project() {
+        header.push_variable(PROJECT, &format!(" {project}"));
+    }
     if frame > 0 {
         header.push_variable("FRAME", &frame.to_string());
     }
@@ -179,7 +190,7 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     if !(0.995..=1.005).contains(&aspect) {
         header.push_variable("PIXASPECT", &format!("{aspect:.6}"));
     }
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     if options.format != OutputFormat::Pixels {
         header.push_variable("NCOMP", "3");
     }
@@ -192,34 +203,4 @@ fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
     };
     options.format.end_header(&mut header, pixels.name());
     header
-}
-
-/// Says now and then how far the picture is.
-struct Report {
-    every: Duration,
-    begun: Instant,
-    told: Instant,
-}
-
-impl Report {
-    fn new(seconds: u64) -> Report {
-        let now = Instant::now();
-        let report = Report { every: Duration::from_secs(seconds), begun: now, told: now };
-        report.say(0.0);
-        report
-    }
-
-    fn tell(&mut self, share: f64) {
-        if share >= 1.0 || self.told.elapsed() >= self.every {
-            self.told = Instant::now();
-            self.say(share);
-        }
-    }
-
-    fn say(&self, share: f64) {
-        if !self.every.is_zero() {
-            let hours = self.begun.elapsed().as_secs_f64() / 3600.0;
-            say(&format!("rpict: {:.2}% after {hours:.5} hours\n", 100.0 * share));
-        }
-    }
 }

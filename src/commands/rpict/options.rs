@@ -1,14 +1,18 @@
 //! The options of `rpict`, as Radiance writes them.
 
+use super::defaults;
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
+use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
 use radsight_frame::{Effort, MAX_SAMPLES};
 use radsight_picture::ViewOptions;
@@ -80,16 +84,16 @@ pub(super) struct Options {
     pub(super) report: u64,
     /// The number of the first frame of a sequence; 0 for a single picture.
     pub(super) first_frame: i64,
-    pub(super) output: Option<String>,
-    pub(super) depths: Option<String>,
+    pub(super) output: Option<OutputName>,
+    pub(super) depths: Option<OutputName>,
     pub(super) recover: Option<String>,
-    pub(super) error_file: Option<String>,
-    control_file: Option<String>,
+    pub(super) error_file: Option<OutputName>,
+    control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
 }
 
 impl Default for Options {
@@ -131,8 +135,19 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rpict),
         }
+    }
+}
+
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
@@ -143,12 +158,12 @@ impl Options {
     }
 
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::parse_once(words)?;
-        if let Some(file) = options.control_file.as_deref().filter(|_| !options.print_defaults)
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
+        let mut options = Options::parse_once(words, trust.clone())?;
+        if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
-            options = Options::parse_once(&kept)?;
+            options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         options.share_error();
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
@@ -160,9 +175,11 @@ impl Options {
         Ok(options)
     }
 
-    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+    fn parse_once(words: &[String], trust: Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let words = CommandWords::new(words, trust.origin());
+        options.reading.trust = trust;
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         Ok(options)
     }
 
@@ -209,7 +226,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         const TAKERS: [Taker; 8] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
@@ -233,13 +250,12 @@ impl Options {
             "-t" => self.report = number(words, word, "a number of seconds")?,
             "-n" | "--threads" => self.threads = Some(number(words, word, "a number of threads")?),
             _ if control_file::is_option(word) => {
-                self.control_file = Some(number(words, word, "a control file")?);
+                let file: String = number(words, word, "a control file")?;
+                self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
             }
             "-S" => self.first_frame = number(words, word, "the number of a frame")?,
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             "-pRGB" | "-pXYZ" | "-pc" => {
                 let (color, used) = OutputColor::from_option(words)?.unwrap_or((OutputColor::Rgb, 1));
                 self.color = color;
@@ -285,14 +301,17 @@ impl Options {
     fn take_file(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
         let file = || number::<String>(words, word, "a file");
+        let output = |existing| self.reading.trust.output(&file()?, existing);
         match word {
-            "-o" => self.output = Some(file()?),
-            "-z" => self.depths = Some(file()?),
-            "-e" => self.error_file = Some(file()?),
+            // Pictures are never written over, so that a pattern of names will do.
+            "-o" => self.output = Some(self.reading.trust.new_output(&file()?)?),
+            "-z" => self.depths = Some(output(Existing::Kept)?),
+            "-e" => self.error_file = Some(output(Existing::Messages)?),
             "-r" => self.recover = Some(file()?),
             "-ro" => {
-                self.recover = Some(file()?);
-                self.output = self.recover.clone();
+                let file = output(Existing::Kept)?;
+                self.recover = Some(file.to_string());
+                self.output = Some(file);
             }
             _ => return Ok(0),
         }
@@ -322,7 +341,10 @@ mod tests {
 
     fn parsed(words: &str) -> Options {
         let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
-        let Ok(options) = Options::parse(&words) else { panic!("{words:?} are options") };
+        let Ok(options) = Trust::of_process(words.clone()).and_then(|(trust, words)| Options::parse(&words, &trust))
+        else {
+            panic!("{words:?} are options")
+        };
         options
     }
 

@@ -46,9 +46,9 @@ impl<'o> Sequence<'o> {
                 Some(frame) => frame == self.number,
                 None => self.options.recover.is_some(),
             };
-            let is_there = |name: &String| !is_recovered && Path::new(&numbered(name, self.number)).exists();
-            let alike = |name: &String| numbered(name, self.number) == *name;
-            if self.options.output.as_ref().is_none_or(|name| alike(name) || !is_there(name)) {
+            let is_there = |name: &str| !is_recovered && Path::new(&numbered(name, self.number)).exists();
+            let alike = |name: &str| numbered(name, self.number) == *name;
+            if self.options.output.as_deref().is_none_or(|name| alike(name) || !is_there(name)) {
                 return Ok(Some((view, self.number)));
             }
         }

@@ -1,6 +1,7 @@
 //! The options of `rsplit`.
 
 use crate::commands::words::Words;
+use crate::disk::Commands;
 use crate::failure::Failure;
 use radsight_picture::Resolution;
 
@@ -80,6 +81,8 @@ pub(super) struct Options {
     pub(super) records: Option<u64>,
     /// `-x`, `-y`
     pub(super) resolution: Option<Resolution>,
+    /// Whether commands may run that stand in the place of a file.
+    pub(super) commands: Commands,
     /// At least one.
     pub(super) parts: Vec<Part>,
 }
@@ -91,6 +94,7 @@ impl Options {
             input_resolution: false,
             records: None,
             resolution: None,
+            commands: words.commands(),
             parts: Vec::new(),
         };
         let mut now = Part {
@@ -132,7 +136,10 @@ impl Options {
                     }
                 }
                 _ if word.len() > 1 && word.starts_with('-') => return Err(words.unknown(word, EXPECTED)),
-                name => options.add(Part { name: name.to_owned(), ..now.clone() })?,
+                name if name.starts_with('!') || name == "." => {
+                    options.add(Part { name: name.to_owned(), ..now.clone() })?
+                }
+                name => options.add(Part { name: words.output(name)?.to_string(), ..now.clone() })?,
             }
         }
         if size[0] > 0 && size[1] > 0 {

@@ -3,6 +3,7 @@
 use super::options::Options;
 use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, conclude, plan};
+use crate::trust::Trust;
 use radsight_brdf_host::Registry;
 use radsight_diag::SourceMap;
 use radsight_frame::average;
@@ -19,8 +20,8 @@ pub(crate) struct RayAnswers {
 
 impl RayAnswers {
     /// `words` are those of `rtrace`, its name first.
-    pub(crate) fn new(words: &[String]) -> Result<RayAnswers, Failure> {
-        let options = Options::parse(words)?;
+    pub(crate) fn new(words: &[String], trust: &Trust) -> Result<RayAnswers, Failure> {
+        let options = Options::parse(words, trust)?;
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
         }

@@ -6,12 +6,13 @@ mod options;
 mod record;
 mod tree;
 
-use crate::clock::greenwich_time;
+use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
-use crate::output::{standard_output, write_standard_output};
+use crate::output::standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
+use crate::trust::Trust;
 pub(crate) use answers::RayAnswers;
 use options::Options;
 use radsight_frame::{Effort, average};
@@ -28,11 +29,8 @@ const RAYS_AT_A_TIME: usize = 1 << 15;
 const RECORDS_AT_A_TIME: usize = 1 << 10;
 
 /// Runs the program; `words[0]` is its name.
-pub(crate) fn run(words: &[String]) -> Outcome {
-    let options = Options::parse(words)?;
-    if options.print_defaults {
-        return write_standard_output(defaults::text(&options).as_bytes());
-    }
+pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
         say_in(path)?;
     }
@@ -167,7 +165,7 @@ fn start(options: &Options) -> Vec<u8> {
 
 fn header(options: &Options) -> Vec<u8> {
     let mut header = program_history(&options.scenes, &options.command);
-    header.push_variable("GMT", &format!(" {}", greenwich_time()));
+    push_date(&mut header);
     if options.tree.is_none() {
         header.push_variable("NCOMP", &options.numbers().to_string());
     }

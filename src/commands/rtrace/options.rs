@@ -1,15 +1,19 @@
 //! The options of `rtrace`, as Radiance writes them.
 
+use super::defaults;
 use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
+use crate::commands::features;
 use crate::control_file;
 use crate::effort_args;
-use crate::expand::options_before_scenes;
+use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
+use crate::trust::{Existing, OutputName, Trust};
 use radsight_frame::Effort;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BareSurfaces, Gathering, Quantity, RenderOptions, ToldRays, Unshared};
@@ -34,13 +38,15 @@ pub(super) struct Options {
     asked_effort: Option<Effort>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
-    pub(super) error_file: Option<String>,
-    control_file: Option<String>,
+    pub(super) error_file: Option<OutputName>,
+    control_file: Option<OutputName>,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
-    /// Whether only the defaults are to be printed.
-    pub(super) print_defaults: bool,
+    /// What `-defaults` shows.
+    pub(super) shown: ShownOptions,
+    /// The letters after `-o`.
+    pub(super) letters: String,
 }
 
 /// Rays that none exceeds for an asked error.
@@ -127,7 +133,7 @@ impl Default for Options {
             resolution: 256,
             divisions: 1024,
             super_samples: 512,
-            unshared: Unshared::LookAround,
+            unshared: Unshared::Split,
             ..Gathering::default()
         };
         Options {
@@ -148,22 +154,31 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            print_defaults: false,
+            shown: ShownOptions::new(Program::Rtrace),
+            letters: "v".to_owned(),
         }
+    }
+}
+
+impl TakesOptions for Options {
+    fn trust(&mut self) -> &mut Trust {
+        &mut self.reading.trust
+    }
+
+    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+        self.shown.note(words);
+        self.take_option(words)
     }
 }
 
 impl Options {
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
-    pub(super) fn parse(words: &[String]) -> Result<Options, Failure> {
-        let mut options = Options::parse_once(words)?;
-        if options.print_defaults {
-            return Ok(options);
-        }
+    pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
+        let mut options = Options::parse_once(words, trust.clone())?;
         if let Some(file) = &options.control_file
             && let Some(kept) = control_file::keep_or_recall(file, words, &options.scenes)?
         {
-            options = Options::parse_once(&kept)?;
+            options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
@@ -173,9 +188,11 @@ impl Options {
         Ok(options)
     }
 
-    fn parse_once(words: &[String]) -> Result<Options, Failure> {
+    fn parse_once(words: &[String], trust: Trust) -> Result<Options, Failure> {
         let mut options = Options::default();
-        (options.command, options.scenes) = options_before_scenes(words, |words| options.take(words))?;
+        let words = CommandWords::new(words, trust.origin());
+        options.reading.trust = trust;
+        (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         Ok(options)
     }
 
@@ -217,7 +234,7 @@ impl Options {
     }
 
     /// Takes one option; gives how many words it used.
-    fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
+    fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
         let mut used = self.take_highlight_samples(words)?;
         if used == 0 {
             used = take_one(words, &mut self.render)?;
@@ -245,18 +262,20 @@ impl Options {
             "-n" => self.threads = Some(number(words, word, "a number of threads")?),
             "-x" => self.size[0] = number(words, word, "a number of columns, or a flush interval")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
-            "-e" => self.error_file = Some(number(words, word, "a file for messages")?),
+            "-e" => {
+                let file: String = number(words, word, "a file for messages")?;
+                self.error_file = Some(self.reading.trust.output(&file, Existing::Messages)?);
+            }
             "-ti" | "-te" => self.tree_ends.name(word, vec![number(words, word, "the name of a modifier")?]),
             "-tI" | "-tE" => {
                 let file: String = number(words, word, "a file of modifiers' names")?;
                 self.tree_ends.name(word, names_in_file(word, &file)?);
             }
-            "-defaults" | "-help" => {
-                self.print_defaults = true;
-                return Ok(1);
-            }
+            "-defaults" | "-help" => return Err(Failure::answer(defaults::text(self))),
+            "-version" => return Err(features::version()),
             _ if control_file::is_option(word) => {
-                self.control_file = Some(number(words, word, "a control file")?);
+                let file: String = number(words, word, "a control file")?;
+                self.control_file = Some(self.reading.trust.output(&file, Existing::Kept)?);
             }
             _ if word.starts_with("-f") => return self.formats(word).map(|()| 1),
             _ if word.starts_with("-o") => return self.fields(word).map(|()| 1),
@@ -309,6 +328,7 @@ impl Options {
     }
 
     fn fields(&mut self, word: &str) -> Result<(), Failure> {
+        word[2..].clone_into(&mut self.letters);
         self.output.clear();
         self.tree = None;
         let mut rays = ToldRays::All;
@@ -339,12 +359,9 @@ impl Options {
         Ok(())
     }
 
-    /// How often each ray is traced: a ray of a stream once, since its sender averages, but irradiance until it is known well.
+    /// How often each ray is traced: once, unless more is asked for.
     pub(super) fn effort(&self) -> Effort {
-        self.asked_effort.unwrap_or(match self.render.quantity {
-            Quantity::Radiance => Effort::Samples(1),
-            _ => Effort::Error { error: 0.02, most: MOST_SAMPLES },
-        })
+        self.asked_effort.unwrap_or(Effort::Samples(1))
     }
 
     /// Whether rays end where their direction does, and tell so.

@@ -75,6 +75,8 @@ pub(super) struct Request {
     pub(super) model: String,
     pub(super) examples: Vec<Example>,
     pub(super) seed: u64,
+    /// Bytes of memory that the plugin may have.
+    pub(super) memory: Option<u64>,
 }
 
 /// What it answers.

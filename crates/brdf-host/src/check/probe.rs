@@ -3,6 +3,7 @@
 use super::CHECK_BANDS;
 use super::example::Example;
 use super::job::{Response, instantiate};
+use crate::guard::{self, Breadcrumb};
 use crate::table::Arguments;
 use crate::{Band, Error, Label, Library, ParameterKind, PluginBrdf};
 use glam::DVec3;
@@ -39,13 +40,9 @@ pub(super) fn arguments(library: &Arc<Library>, index: u32, examples: &[Example]
 fn wrong_index(library: &Arc<Library>, response: &mut Response) {
     let count = library.models().len() as u32;
     for index in [count, count + 1000, u32::MAX] {
-        let _one_thread = library.one_thread();
-        // SAFETY: the header allows any index.
-        let found = library.entry().describe.is_some_and(|describe| !unsafe { describe(index) }.is_null());
-        if found {
+        if describes(library, index) {
             response.findings.push(format!("describe({index}) is not NULL, but there are {count} models"));
         }
-        drop(_one_thread);
         if raw_create(library, index, &Arguments { numbers: vec![], words: vec![] }).is_ok() {
             response.findings.push(format!("create accepts model index {index}, but there are {count} models"));
         }
@@ -55,6 +52,16 @@ fn wrong_index(library: &Arc<Library>, response: &mut Response) {
     {
         response.findings.push("extension knows a name or revision that does not exist".to_owned());
     }
+}
+
+/// Whether the library says something of a model with this index.
+fn describes(library: &Library, index: u32) -> bool {
+    let Some(loaded) = library.loaded() else { return false };
+    let Some(describe) = loaded.entry().describe else { return false };
+    let _one_thread = loaded.one_thread();
+    let _trail = guard::enter(Breadcrumb::for_library(library.name(), "describe"));
+    // SAFETY: the header allows any index.
+    !unsafe { describe(index) }.is_null()
 }
 
 fn wrong_counts(library: &Arc<Library>, index: u32, response: &mut Response) {

@@ -1,4 +1,5 @@
 use super::*;
+use radsight_loader::MemoryLoader;
 
 fn words(line: &str) -> Vec<String> {
     match &split(line).unwrap().pipelines[0].stages[0] {
@@ -54,7 +55,6 @@ fn groups_hold_sequences() {
 fn what_needs_a_shell_is_named() {
     assert_eq!(needs_shell("xform $HOME/a.rad"), ("a variable", "$HOME".into()));
     assert_eq!(needs_shell("rcalc -e \"$1=2\""), ("a variable", "$1".into()));
-    assert_eq!(needs_shell("cat *.rad"), ("a file name pattern", "*".into()));
     assert_eq!(needs_shell("xform `ls a` b"), ("a command in back-quotes", "`ls a`".into()));
     assert_eq!(needs_shell("a && b"), ("the operator \"and\"", "&&".into()));
     assert_eq!(needs_shell("a > b"), ("output into a file", ">".into()));
@@ -82,4 +82,23 @@ fn broken_lines_say_what_is_wrong() {
 fn joined_words_split_to_the_same_words() {
     let originals: Vec<String> = ["a", "", "b c", "it's", "$1=\"x\"", "a\\b", "*"].map(String::from).into();
     assert_eq!(words(&join(&originals)), originals);
+}
+
+#[test]
+fn a_pattern_becomes_the_files_that_it_matches_and_else_stays() {
+    let loader = MemoryLoader::default().with("a.rad", "").with("b.rad", "").with(".c.rad", "").with("d/e.rad", "");
+    let after = |line: &str| -> Vec<String> {
+        let script = split(line).unwrap();
+        let Stage::Command(command) = &script.pipelines[0].stages[0] else { panic!() };
+        expanded(&command.words, &loader).into_iter().map(|word| word.text).collect()
+    };
+    assert_eq!(after("xform *.rad"), ["xform", "a.rad", "b.rad"]);
+    assert_eq!(after("xform [b-z].rad ?.rad"), ["xform", "b.rad", "a.rad", "b.rad"]);
+    assert_eq!(after("xform .*.rad d/*"), ["xform", ".c.rad", "d/e.rad"]);
+    assert_eq!(after("xform '*.rad' \\*.rad \"?\".rad"), ["xform", "*.rad", "*.rad", "?.rad"]);
+    assert_eq!(after("genrev m tube t*0.994 0.05 32"), ["genrev", "m", "tube", "t*0.994", "0.05", "32"]);
+    assert_eq!(after("gensurf a b 'x[1]' a[1 [ ]"), ["gensurf", "a", "b", "x[1]", "a[1", "[", "]"]);
+    assert_eq!(after("xform '['*.rad"), ["xform", "[*.rad"]);
+    assert_eq!(after("xform **.rad **/e.rad"), ["xform", "a.rad", "b.rad", "d/e.rad"]);
+    assert_eq!(after("xform '*'*.rad"), ["xform", "**.rad"]);
 }

@@ -47,6 +47,8 @@ impl Reader<'_> {
                 Some(Arc::new(reading.bsdf))
             }
             Err(mistake) => {
+                // Whatever should have written the file failed, so nothing excuses it.
+                self.is_inexcusable |= matches!(mistake, Mistake::NoXml { .. });
                 self.tell_mistakes(loaded, &[mistake], file.span, Diagnostic::error);
                 None
             }

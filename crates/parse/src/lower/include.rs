@@ -6,7 +6,7 @@ use crate::placement::NewModifier;
 use crate::syntax::{Document, Place};
 use crate::xform::{Copy, Event, MAX_COPIES, is_xform, run_xform, visit_copies};
 use radsight_diag::{Diagnostic, SourceId, Span};
-use radsight_generate::shell_words::{Stage, Word, split};
+use radsight_generate::shell_words::{Stage, Word, expanded, split};
 use radsight_generate::{Error, PipelineError};
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::collections::{HashMap, HashSet};
@@ -40,6 +40,10 @@ impl Loader for SceneLoader<'_> {
             Some(bytes) => Ok(Loaded { path: name.to_owned(), bytes: bytes.clone() }),
             None => self.loader.load(name, kind),
         }
+    }
+
+    fn names_like(&self, pattern: &str) -> Vec<String> {
+        self.loader.names_like(pattern)
     }
 
     fn run_program(&self, argv: &[String], standard_input: Option<&[u8]>) -> Option<Result<Vec<u8>, LoadError>> {
@@ -133,7 +137,7 @@ impl Reader<'_> {
         let line = command_line(&text[place.start as usize..place.end as usize]);
         let command = CommandLine { line, source: here.source, start: place.start + 1 };
         if let Some(call) = XformCall::find(&command.line) {
-            return self.place_copies(&call, &command, here);
+            return self.place_copies(call, &command, here);
         }
         let key = TextKey { directory: here.context.directory.clone(), name: format!("!{}", command.line) };
         if self.run(&key, &command.line, &command) {
@@ -143,10 +147,11 @@ impl Reader<'_> {
     }
 
     /// `xform`, without going through text.
-    fn place_copies(&mut self, call: &XformCall, command: &CommandLine, here: Here<'_>) {
+    fn place_copies(&mut self, call: XformCall, command: &CommandLine, here: Here<'_>) {
         let directory = here.context.directory.clone();
         let shared = Rc::clone(&self.loader);
         let loader = DirectoryLoader { directory: directory.clone(), loader: &*shared };
+        let call = &XformCall { words: expanded(&call.words, &loader), ..call };
         let standard_input = match (&call.before, &call.input) {
             (_, Some(file)) => {
                 let key = TextKey { directory, name: file.text.clone() };

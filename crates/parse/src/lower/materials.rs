@@ -36,7 +36,7 @@ impl Reader<'_> {
     pub(super) fn not_yet<T>(&mut self, raw: &Raw) -> Option<T> {
         let message = format!("{} \"{}\" cannot be read yet", raw.kind, self.scene.names.get(raw.name));
         self.log.push(Diagnostic::error(message).at(raw.kind_span));
-        self.is_unsupported = true;
+        self.is_inexcusable = true;
         None
     }
 

@@ -2,7 +2,7 @@
 
 use super::materials::Lowered;
 use super::reader::{Here, Reader};
-use super::{Tolerance, UnusedModifiers};
+use super::{Purpose, Tolerance, UnusedModifiers};
 use crate::Kind;
 use crate::signature::{Count, signature};
 use crate::syntax::{Alias, Primitive, Word, words};
@@ -33,6 +33,8 @@ pub(super) struct Raw {
     pub(super) transform: Transform,
     /// The modifiers that string arguments name, in order.
     pub(super) references: Vec<Reference>,
+    /// The name of what an alias stands for.
+    pub(super) original: Option<NameId>,
 }
 
 impl Raw {
@@ -162,8 +164,7 @@ impl Reader<'_> {
             _ => {
                 let found = self.modifiers.find(name);
                 if found.is_none() {
-                    let error = self.modifiers.undefined(name, span);
-                    self.log.push(error);
+                    self.tell_undefined(name, span, Severity::Error);
                 }
                 found
             }
@@ -209,34 +210,33 @@ impl Reader<'_> {
             counts: primitive.counts.map(|count| here.span(count.place())),
             transform: if primitive.kind.takes_transform_words() { placement.transform } else { Transform::IDENTITY },
             references: Vec::new(),
+            original: None,
         }
     }
 
-    /// Another name. With the same modifier as its target it is the target; else it is a copy under its own modifier.
+    /// Another name: a copy under its own modifier, or under that of its target. It has a place of its own in the order of modifiers,
+    /// which decides between surfaces that lie on each other.
     pub(super) fn define_alias(&mut self, alias: &Alias<'_>, here: Here<'_>) {
         let name = alias.text(alias.name);
         let target_name = alias.text(alias.target);
         let target_span = here.span(alias.target.place());
         let Some(target) = self.modifiers.find(&target_name) else {
-            let error = self.modifiers.undefined(&target_name, target_span);
-            return self.log.push(error);
+            return self.tell_undefined(&target_name, target_span, Severity::Error);
         };
         if !self.is_good_name(&name, here.span(alias.name.place())) {
             return;
         }
         let modifier = alias.text(alias.modifier);
         let parent = match &*modifier {
-            b"inherit" => return self.modifiers.set(&name, target),
+            b"inherit" => self.modifiers.raws[target.0 as usize].parent,
             other => self.parent(other, here.span(alias.modifier.place())),
         };
         let original = &self.modifiers.raws[target.0 as usize];
-        if original.parent == parent {
-            return self.modifiers.set(&name, target);
-        }
         let raw = Raw {
             name: self.scene.names.add(&String::from_utf8_lossy(&name)),
             span: here.span(alias.modifier.start..alias.target.end),
             parent,
+            original: Some(original.original.unwrap_or(original.name)),
             ..original.clone()
         };
         let handle = self.modifiers.add(raw);
@@ -287,13 +287,20 @@ impl Reader<'_> {
         if let Some(handle) = self.modifiers.find(word.text.as_bytes()) {
             return Reference::To(handle);
         }
-        let mut diagnostic = self.modifiers.undefined(word.text.as_bytes(), word.span);
         // Radiance goes on without it in these types.
-        if matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter) {
-            diagnostic.severity = Severity::Warning;
-        }
-        self.log.push(diagnostic);
+        let is_needless = matches!(kind, Kind::Illum | Kind::Mirror | Kind::Antimatter);
+        let severity = if is_needless { Severity::Warning } else { Severity::Error };
+        self.tell_undefined(word.text.as_bytes(), word.span, severity);
         Reference::Undefined
+    }
+
+    /// Says that a name means nothing, where that matters.
+    fn tell_undefined(&mut self, name: &[u8], span: Span, severity: Severity) {
+        if self.options.purpose != Purpose::Places {
+            let mut diagnostic = self.modifiers.undefined(name, span);
+            diagnostic.severity = severity;
+            self.log.push(diagnostic);
+        }
     }
 
     /// Says where a name was defined later than it was used.
@@ -312,9 +319,10 @@ impl Reader<'_> {
     pub(super) fn lower_modifiers(&mut self) {
         self.explain_forward_references();
         let raws = std::mem::take(&mut self.modifiers.raws);
-        let used = match self.options.unused {
-            UnusedModifiers::Lower => vec![true; raws.len()],
-            UnusedModifiers::Skip => self.used(&raws),
+        let used = match (self.options.purpose, self.options.unused) {
+            (Purpose::Octree | Purpose::Places, _) => vec![false; raws.len()],
+            (Purpose::Render, UnusedModifiers::Lower) => vec![true; raws.len()],
+            (Purpose::Render, UnusedModifiers::Skip) => self.used(&raws),
         };
         let replaced = self.find_replaced(&raws);
         let mut handles: Vec<Option<ModifierHandle>> = vec![None; raws.len()];
@@ -339,6 +347,9 @@ impl Reader<'_> {
                 let modifier = raw.parent.and_then(at);
                 self.scene.modifiers.add(Modifier { name: raw.name, span: Some(raw.span), modifier, kind })
             });
+            if let (Some(handle), Some(original)) = (handles[index], raw.original) {
+                self.scene.originals.insert(handle, original);
+            }
         }
         for (surface, raw) in self.scene.surfaces.items_mut().iter_mut().zip(&self.surface_modifiers) {
             surface.modifier = raw.and_then(|raw| handles[raw.0 as usize]);
@@ -349,14 +360,14 @@ impl Reader<'_> {
     /// What one modifier does; where that is wrong and tolerated, it is said to be unusable.
     fn lower_modifier(&mut self, raw: &Raw, at: &Lowered<'_>) -> Option<ModifierKind> {
         let messages = self.log.diagnostics.len();
-        self.is_unsupported = false;
+        self.is_inexcusable = false;
         let kind = if self.check_counts(raw, Severity::Error) {
             self.check_ranges(raw);
             self.lower_kind(raw, at)
         } else {
             None
         };
-        if kind.is_some() || self.is_unsupported || self.options.tolerance == Tolerance::Strict {
+        if kind.is_some() || self.is_inexcusable || self.options.tolerance == Tolerance::Strict {
             return kind;
         }
         let reason = self.log.tolerate_since(messages).unwrap_or_else(|| "a file it needs cannot be read".to_owned());
@@ -392,7 +403,9 @@ impl Reader<'_> {
             let mut names = HashSet::new();
             for (index, raw) in raws.iter().enumerate() {
                 let name = self.scene.names.get(raw.name);
-                if name == replacement.material && raw.kind.role() == crate::Role::Material {
+                let original = raw.original.map(|original| self.scene.names.get(original));
+                let is_meant = name == replacement.material || original == Some(&replacement.material);
+                if is_meant && raw.kind.role() == crate::Role::Material {
                     replaced.insert(index, at);
                     self.replaced.insert(at);
                 } else if raw.kind.role() == crate::Role::Material {

@@ -23,6 +23,8 @@ pub enum Input {
 /// How a scene is read.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
+    /// What the scene is read for. Default: to be rendered.
+    pub purpose: Purpose,
     /// What becomes of modifiers that no surface uses. Default: they are skipped.
     pub unused: UnusedModifiers,
     /// What becomes of mistakes that real Radiance reads past. Default: they are warnings.
@@ -43,6 +45,7 @@ pub struct ReadOptions {
 impl Default for ReadOptions {
     fn default() -> Self {
         ReadOptions {
+            purpose: Purpose::Render,
             unused: UnusedModifiers::Skip,
             tolerance: Tolerance::AsRadiance,
             brdf: Vec::new(),
@@ -52,6 +55,19 @@ impl Default for ReadOptions {
             most_surfaces: 50_000_000,
         }
     }
+}
+
+/// What a scene is read for: what it must have, and what of it is left alone, as Radiance's programs do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be rendered: everything that surfaces use is read, and a scene of empty files is an error, since the
+    /// program that should have written them failed.
+    #[default]
+    Render,
+    /// For an octree: names must be defined, but the files of modifiers are left alone, and all may be empty.
+    Octree,
+    /// For the places of surfaces: modifiers need not be defined either.
+    Places,
 }
 
 /// Whether the primitives of a scene are kept as they will stand in a frozen octree.

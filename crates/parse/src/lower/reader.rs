@@ -7,7 +7,7 @@ use super::meshes::Meshes;
 use super::modifiers::{ModifierTable, RawHandle};
 use super::numbering::Numberer;
 use super::octrees::Octrees;
-use super::{BrdfReplacement, Input, KeepPrimitives, Read, ReadOptions, Tolerance};
+use super::{BrdfReplacement, Input, KeepPrimitives, Purpose, Read, ReadOptions, Tolerance};
 use crate::Role;
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
@@ -51,8 +51,9 @@ pub(super) struct Reader<'a> {
     pub(super) replacements: Vec<BrdfReplacement>,
     /// Which of the replacements found their material, by index.
     pub(super) replaced: HashSet<usize>,
-    /// The modifier being lowered is of a kind that cannot be read yet, which nothing excuses.
-    pub(super) is_unsupported: bool,
+    /// Nothing excuses what is wrong with the modifier being lowered: it is of a kind that cannot be read yet, or its
+    /// file was never written.
+    pub(super) is_inexcusable: bool,
     /// A limit was hit: nothing more is read.
     pub(super) is_stopped: bool,
     /// Texts to be forgotten in the end.
@@ -113,7 +114,7 @@ impl<'a> Reader<'a> {
             history: Header::default(),
             replacements: options.brdf.clone(),
             replaced: HashSet::new(),
-            is_unsupported: false,
+            is_inexcusable: false,
             is_stopped: false,
             long_texts: Vec::new(),
             placed: Vec::new(),
@@ -143,6 +144,26 @@ impl<'a> Reader<'a> {
         let context = Context::new(Placement::default(), String::new());
         let source = self.sources.add(name, Arc::clone(bytes), None);
         self.walk(Here { source, context: &context });
+    }
+
+    /// A renderer that gets nothing at all reads what a failed `oconv` has left: an octree that is none.
+    pub(super) fn refuse_empty_files(&mut self, inputs: &[Input]) {
+        if self.options.purpose != Purpose::Render {
+            return;
+        }
+        let is_octree = |name: &str| name.ends_with(".oct");
+        let empty: Vec<&str> = inputs
+            .iter()
+            .filter_map(|input| match input {
+                Input::Text { name, text } if text.is_empty() => Some(&**name),
+                _ => None,
+            })
+            .collect();
+        let is_all = empty.len() == inputs.len();
+        for name in empty.into_iter().filter(|name| is_all || is_octree(name)) {
+            let error = Diagnostic::error(format!("\"{name}\" is empty: neither an octree nor a scene"));
+            self.log.push(error.hint("the program that should have written it has failed"));
+        }
     }
 
     /// Reads a text from its start to its end.

@@ -142,11 +142,11 @@ impl Placer<'_> {
         let copy = self.copy;
         let options = copy.words[1..copy.transform_words.end].iter().enumerate();
         let kept = options.filter(|(at, word)| at + 1 >= copy.transform_words.start || *word != "-c");
-        let words: Vec<&str> = kept.map(|(_, word)| &**word).collect();
+        let words: String = kept.map(|(_, word)| format!(" {word}")).collect();
         let out = &mut self.output.standard_output;
         write!(out, "\n!{command}").map_err(too_large)?;
         if copy.transform_words.end > 1 {
-            write!(out, " | {} -e {}", copy.words[0], words.join(" ")).map_err(too_large)?;
+            write!(out, " | {} -e{words}", copy.words[0]).map_err(too_large)?;
         }
         out.push(b'\n');
         Ok(())

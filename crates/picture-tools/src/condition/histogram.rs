@@ -95,13 +95,22 @@ impl Histogram {
                 let drawn = drawn_luminances(fovea, luminance, random, source)?;
                 let weight = |i: usize| if *center_weighted { nearness(fovea, i) } else { 1.0 };
                 let fixations = fixations.as_ref().map(|(places, share)| (glances_at(places, fovea), *share));
-                Histogram::of_picture(fovea, luminance, &drawn, weight, fixations)
+                let fixed = Histogram::of_picture(fovea, luminance, &drawn, weight, fixations);
+                // Where all that is looked at is black, or nothing is, the eye adapts to the picture.
+                match fixed.has_light() {
+                    true => fixed,
+                    false => Histogram::of_picture(fovea, luminance, &drawn, weight, None),
+                }
             }
         };
-        if histogram.total > 0.0 && histogram.high > histogram.low {
+        if histogram.has_light() {
             return Ok(histogram);
         }
         Err(ToolError::NothingVisible { most: VISIBLE[1] })
+    }
+
+    fn has_light(&self) -> bool {
+        self.total > 0.0 && self.high > self.low
     }
 
     /// The limits of luminance, and the brightness where the bins start: the lowest bin is there twice.

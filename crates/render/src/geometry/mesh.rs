@@ -1,6 +1,7 @@
 //! Triangle meshes, in their own coordinates.
 
 use super::bounds::Bounds;
+use super::coincident;
 use super::hierarchy::Hierarchy;
 use super::polygon::{self, RayFrame};
 use super::{Limits, SELF_HIT};
@@ -54,15 +55,26 @@ impl MeshGeometry {
     pub(super) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
-        let mut best = None;
+        let mut best: Option<Crossing> = None;
         self.hierarchy.visit(ray, limits.farthest, |slot| {
-            if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits) {
-                limits.farthest = crossing.distance;
+            if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits)
+                && best.is_none_or(|best| self.displaces(best, crossing, ray))
+            {
+                limits.farthest = crossing.distance + coincident::rounding(ray, crossing.distance);
                 best = Some(crossing);
             }
             limits.farthest
         });
         best
+    }
+
+    /// Whether a triangle is nearer than the best one so far: of those that lie on each other the last one in the mesh is met.
+    fn displaces(&self, best: Crossing, next: Crossing, ray: &Ray) -> bool {
+        let order = |crossing: Crossing| self.slots[crossing.primitive.0 as usize].1;
+        if (next.distance - best.distance).abs() > coincident::rounding(ray, best.distance) {
+            return next.distance < best.distance;
+        }
+        order(next) > order(best)
     }
 
     /// Calls `block` for each triangle within the limits, until it returns true; tells whether it did.
@@ -109,6 +121,11 @@ fn corners(mesh: &Mesh, vertices: [u32; 3]) -> [DVec3; 3] {
 fn bounds(mesh: &Mesh, vertices: [u32; 3]) -> Bounds {
     let [a, b, c] = corners(mesh, vertices);
     Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+/// The unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+pub(super) fn front(mesh: &Mesh, triangle: &MeshTriangle) -> DVec3 {
+    polygon::normal(&corners(mesh, triangle.vertices))
 }
 
 /// What a mesh is like at a point of a triangle.

@@ -5,6 +5,7 @@
 //! content of each mesh and instance, one after the other.
 
 mod bounds;
+mod coincident;
 mod cone;
 mod disk;
 mod hierarchy;
@@ -72,6 +73,8 @@ pub(crate) struct Geometry {
     firsts: Vec<u64>,
     hierarchy: Hierarchy,
     nearest: f64,
+    /// Hits no farther apart than this are equally near.
+    tolerance: f64,
     /// By mesh handle.
     meshes: Vec<MeshGeometry>,
     /// By octree handle.
@@ -131,6 +134,7 @@ impl Geometry {
         let triangle_of = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
         let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of);
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
+        geometry.tolerance = coincident::tolerance(hierarchy.bounds().reach());
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
@@ -255,27 +259,49 @@ impl Geometry {
         ray: &Ray,
         from: Option<PrimitiveId>,
     ) -> Option<Hit> {
-        let crossing = self.first(scene, ray, from, Limits { nearest: self.nearest, farthest: f64::INFINITY })?;
+        let crossing = self.first_off(scene, ray, from)?;
         Some(self.hit(scene, shaders, ray, crossing))
     }
 
     /// How far away the first surface along the ray is.
     pub(crate) fn distance(&self, scene: &Scene, ray: &Ray) -> Option<f64> {
-        let limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
-        self.first(scene, ray, None, limits).map(|crossing| crossing.distance)
+        self.first_off(scene, ray, None).map(|crossing| crossing.distance)
+    }
+
+    /// The first surface along the ray that does not lie on the one where it starts.
+    fn first_off(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>) -> Option<Crossing> {
+        let mut limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
+        loop {
+            let crossing = self.first(scene, ray, from, limits)?;
+            if !self.lies_on_start(scene, ray, from, &crossing) {
+                return Some(crossing);
+            }
+            limits.nearest = crossing.distance * (1.0 + 1e-12) + self.nearest;
+        }
     }
 
     fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
-        let mut best = None;
+        let mut best: Option<Crossing> = None;
+        let mut ties = Vec::new();
+        // What is farther than the best hit by less than the tolerance is looked at still.
+        let mut tied_from = f64::INFINITY;
         self.hierarchy.visit(ray, limits.farthest, |index| {
             if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
-                limits.farthest = crossing.distance;
-                best = Some(crossing);
+                if crossing.distance < tied_from {
+                    ties.clear();
+                } else {
+                    coincident::note(&mut ties, best, crossing);
+                }
+                if crossing.distance < best.map_or(f64::INFINITY, |best| best.distance) {
+                    best = Some(crossing);
+                    tied_from = crossing.distance - self.tolerance;
+                    limits.farthest = crossing.distance + self.tolerance;
+                }
             }
             limits.farthest
         });
-        best
+        if ties.is_empty() { best } else { self.choose(scene, ray, ties, limits.farthest) }
     }
 
     /// Where a ray first crosses a member before `farthest`.
@@ -367,6 +393,7 @@ impl Geometry {
         distance: f64,
         mut block: impl FnMut(Crossing) -> bool,
     ) -> bool {
+        let mut block = |crossing: Crossing| !self.lies_on_start(scene, ray, from, &crossing) && block(crossing);
         self.any(scene, ray, from, &Limits { nearest: self.nearest, farthest: distance }, &mut block)
     }
 
@@ -405,6 +432,7 @@ impl Geometry {
         mut block: impl FnMut(Crossing) -> bool,
     ) -> bool {
         let limits = Limits { nearest: self.nearest, farthest: distance };
+        let mut block = |crossing: Crossing| !self.lies_on_start(scene, ray, from, &crossing) && block(crossing);
         if self.is_plain(member) {
             self.any_crossing(scene, member, (ray, frame), from, &limits, &mut block)
         } else {

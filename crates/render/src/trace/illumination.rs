@@ -1,6 +1,7 @@
 //! Light at a point of a surface, and the rays that look for more of it.
 
 use super::segment::Segment;
+use super::split::Branches;
 use super::{Tracer, product};
 use crate::direct::DirectSampler;
 use crate::indirect::Indirect;
@@ -42,23 +43,28 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             return;
         }
         let follow_diffuse = wants_indirect && gathered.is_none();
-        let highlight_draws = if !follow_highlight {
-            0
-        } else if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
-            SPLIT_DRAWS
-        } else {
-            self.highlight_samples(segment)
+        let asked = Branches {
+            diffuse: u32::from(follow_diffuse),
+            highlight: if follow_highlight { self.highlight_draws(segment, point) } else { 0 },
         };
+        let branches = if self.splits { self.branches(segment, point, asked) } else { asked };
         let set = self.next_set;
-        self.next_set += highlight_draws.max(1);
-        let reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
+        // A ray that does not split takes its points as those of pictures do.
+        let is_split = branches != asked;
+        self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
+        let mut reception = point.reception(self.plan.light_draws[usize::from(segment.is_scattered())]);
+        reception.places = self.places(segment, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
-        let outlook = if follow_diffuse { point.outlook(self.plan, at) } else { None };
+        let mut outlook = if follow_diffuse { point.outlook(self.plan, at) } else { None };
+        let outward = branches.outward();
+        if let (Some(outlook), 2..) = (&mut outlook, branches.diffuse) {
+            outlook.chance = f64::from(outward) / f64::from(branches.diffuse);
+        }
         let direct = DirectSampler {
             point: at,
             primitive,
-            highlight_draws: if shared { highlight_draws } else { 0 },
+            highlight_draws: if shared { branches.shared_highlight(is_split) } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
             outlook: outlook.as_ref(),
             reception,
@@ -67,6 +73,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             cuts: [segment.cut, segment.cut_beyond],
             normal: point.normal,
             drawn: segment.link.is_some(),
+            facing: point.facing(),
         };
         if let Some(tree) = &mut self.tree {
             tree.light(segment.throughput, segment.node);
@@ -82,22 +89,105 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             light = sum(light, gathered);
         }
         self.add(segment, product(segment.throughput, light));
-        for draw in 0..highlight_draws {
+        if branches.highlight > 1 && is_split {
+            self.split_highlight(segment, &direct, point, (set, branches.highlight));
+        } else {
+            self.draw_highlight(segment, &direct, point, (set, branches.highlight));
+        }
+        match branches.diffuse {
+            0 => {}
+            1 => self.draw_diffuse(segment, &direct, point, set + u32::from(is_split)),
+            rays => self.split_diffuse(segment, &direct, point, (set + 1, rays)),
+        }
+    }
+
+    /// Sends rays into the highlight, which wait for each other.
+    fn draw_highlight(
+        &mut self,
+        segment: &Segment<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &LitPoint<'_, BANDS>,
+        (set, draws): (u32, u32),
+    ) {
+        for draw in 0..draws {
             let u = self.sampler.take(DimensionSet::render(set + draw));
             if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
-                let share = f64::from(highlight_draws);
-                self.scatter(segment, &direct, (drawn.split(share), Lobe::Highlight), segment.ambient_bounces);
+                let share = f64::from(draws);
+                self.scatter(segment, direct, (drawn.split(share), Lobe::Highlight), segment.ambient_bounces);
             }
         }
-        if follow_diffuse {
-            let u = self.sampler.take(DimensionSet::render(set));
-            let drawn = match &outlook {
-                Some(outlook) => point.draw_outward(outlook, u),
-                None => point.draw_diffuse(u[2], u[3]),
-            };
-            if let Some(drawn) = drawn {
-                self.scatter(segment, &direct, (drawn, Lobe::Diffuse), segment.ambient_bounces - 1);
+    }
+
+    /// Sends rays into the highlight and follows one after the other.
+    fn split_highlight(
+        &mut self,
+        segment: &Segment<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &LitPoint<'_, BANDS>,
+        (set, rays): (u32, u32),
+    ) {
+        let share = f64::from(rays);
+        let part = Segment { split: segment.split * share, ..*segment };
+        let next_set = self.next_set;
+        let trunk = self.split(set);
+        for branch in 0..rays {
+            let u = self.begin_branch(&trunk, branch, rays);
+            if let Some(drawn) = point.draw_highlight([u[0], u[1], u[2]]) {
+                self.scatter(&part, direct, (drawn.branch(share), Lobe::Highlight), segment.ambient_bounces);
+                self.end_branch(&trunk);
             }
+        }
+        self.end_split(&trunk, next_set);
+    }
+
+    /// Sends one ray on from the diffuse component.
+    fn draw_diffuse(
+        &mut self,
+        segment: &Segment<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &LitPoint<'_, BANDS>,
+        set: u32,
+    ) {
+        let u = self.sampler.take(DimensionSet::render(set));
+        if let Some(drawn) = diffuse_ray(direct, point, u) {
+            self.scatter(segment, direct, (drawn, Lobe::Diffuse), segment.ambient_bounces - 1);
+        }
+    }
+
+    /// Sends rays on from the diffuse component and follows one after the other: first those
+    /// towards openings, then the others, each group spread evenly by itself.
+    fn split_diffuse(
+        &mut self,
+        segment: &Segment<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &LitPoint<'_, BANDS>,
+        (set, rays): (u32, u32),
+    ) {
+        let share = f64::from(rays);
+        let part = Segment { split: segment.split * share, ..*segment };
+        let next_set = self.next_set;
+        let (outward, chance) =
+            direct.outlook.map_or((0, 0.0), |outlook| ((outlook.chance * share).round() as u32, outlook.chance));
+        for (set, group, choices) in [(set, outward, [0.0, chance]), (set + 1, rays - outward, [chance, 1.0])] {
+            let trunk = self.split(set);
+            for branch in 0..group {
+                let [u, v, choice, _] = self.begin_branch(&trunk, branch, group);
+                let choice = choices[0] + choice * (choices[1] - choices[0]);
+                if let Some(drawn) = diffuse_ray(direct, point, [choice, 0.0, u, v]) {
+                    self.scatter(&part, direct, (drawn.branch(share), Lobe::Diffuse), segment.ambient_bounces - 1);
+                    self.end_branch(&trunk);
+                }
+            }
+            self.end_split(&trunk, next_set);
+        }
+    }
+
+    /// How many rays look into the highlight of a point where rays do not split.
+    fn highlight_draws(&self, segment: &Segment<BANDS>, point: &LitPoint<'_, BANDS>) -> u32 {
+        if point.is_retroreflector() && (1..=LAST_SPLIT_DEPTH).contains(&segment.depth) {
+            SPLIT_DRAWS
+        } else {
+            self.highlight_samples(segment)
         }
     }
 
@@ -137,6 +227,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             ray: Ray { origin: from.point, direction: drawn.direction.normalize() },
             from: from.primitive,
             throughput,
+            split: segment.split,
             travelled: from.travelled,
             link,
             depth: segment.depth + 1,
@@ -150,5 +241,17 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             node: segment.node,
         };
         self.push_on(next, Course::Drawn);
+    }
+}
+
+/// A ray from the diffuse component, or towards an opening that it sees.
+fn diffuse_ray<const BANDS: usize>(
+    direct: &DirectSampler<'_>,
+    point: &LitPoint<'_, BANDS>,
+    u: [f64; 4],
+) -> Option<Drawn<BANDS>> {
+    match direct.outlook {
+        Some(outlook) => point.draw_outward(outlook, u),
+        None => point.draw_diffuse(u[2], u[3]),
     }
 }

@@ -12,6 +12,7 @@ mod passage;
 mod roulette;
 mod segment;
 mod shade;
+mod split;
 
 pub(crate) use emission::{emission, given};
 pub(crate) use passage::Passage;
@@ -25,12 +26,13 @@ use crate::contribution::Contributions;
 use crate::gather::{Caches, Survey};
 use crate::medium::Medium;
 use crate::model_light::ModelBatch;
-use crate::options::{BackFaces, Quantity};
+use crate::options::{BackFaces, Quantity, Unshared};
 use crate::plan::RenderPlan;
 use crate::ray::{Hit, Ray};
 use crate::shader::Kind;
 use crate::surface_light::LitPoint;
 use crate::tree::{Course, NodeId, Tree};
+use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
@@ -91,22 +93,8 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     pub(crate) tree: Option<Box<Tree<BANDS>>>,
     /// How far the rays are followed before they are reflected, scene units.
     pub(crate) limit: f64,
-}
-
-/// A ray that was put aside.
-#[derive(Debug)]
-pub(crate) struct SetAside<const BANDS: usize> {
-    sampler: RaySampler,
-    next_set: u32,
-    waiting: Vec<Segment<BANDS>>,
-    media: Vec<Medium<BANDS>>,
-    cuts: Vec<Cut>,
-    radiance: [f64; BANDS],
-    first_hit: Option<FirstHit>,
-    /// Whether the ray went on behind that as if nothing were there.
-    first_is_passed: bool,
-    effective_distance: f64,
-    tree: Option<Box<Tree<BANDS>>>,
+    /// Whether the ray in hand splits by its weight; those that gather irradiance do not.
+    splits: bool,
 }
 
 impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
@@ -129,6 +117,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             contributions: Contributions::wanted(&plan.options),
             tree: Tree::wanted(&plan.options),
             limit: f64::INFINITY,
+            splits: false,
         }
     }
 
@@ -136,11 +125,13 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         self.index = index;
         let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
+        self.splits = self.plan.options.gathering.unshared == Unshared::Split;
         self.tree.iter_mut().for_each(|tree| tree.clear());
         let start = Segment {
             ray: *ray,
             from: None,
             throughput: [1.0; BANDS],
+            split: 1.0,
             travelled: 0.0,
             link: None,
             depth: 0,
@@ -189,6 +180,7 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn begin(&mut self, sampler: RaySampler, medium: Medium<BANDS>) -> MediumId {
         self.sampler = sampler;
         self.next_set = 0;
+        self.splits = false;
         self.media.truncate(1);
         self.cuts.truncate(1);
         self.radiance = [0.0; BANDS];
@@ -209,7 +201,14 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     fn follow_waiting(&mut self) {
-        while let Some(segment) = self.waiting.pop() {
+        self.follow_until(0);
+    }
+
+    /// Follows rays until no more than so many wait.
+    fn follow_until(&mut self, waiting: usize) {
+        while self.waiting.len() > waiting
+            && let Some(segment) = self.waiting.pop()
+        {
             if let Some(contributions) = &mut self.contributions {
                 contributions.close(self.radiance, self.waiting.len());
             }
@@ -227,46 +226,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
         self.first_hit.map_or(f64::INFINITY, |hit| hit.distance)
     }
 
+    /// Unit geometric normal of the first surface, turned against the direction of the ray; `None` for none.
+    pub(crate) fn first_normal(&self, direction: DVec3) -> Option<DVec3> {
+        let hit = self.first_hit.filter(|hit| hit.distance.is_finite())?;
+        Some(if hit.normal.dot(direction) > 0.0 { -hit.normal } else { hit.normal })
+    }
+
     /// How far away what is seen appears, through plane mirrors and panes; infinite for none.
     pub(crate) fn effective_distance(&self) -> f64 {
         self.effective_distance
-    }
-
-    /// Puts the ray in hand aside, for others to be followed in between.
-    pub(crate) fn set_aside(&mut self) -> SetAside<BANDS> {
-        SetAside {
-            sampler: self.sampler,
-            next_set: self.next_set,
-            waiting: std::mem::take(&mut self.waiting),
-            media: self.media.clone(),
-            cuts: self.cuts.clone(),
-            radiance: self.radiance,
-            first_hit: self.first_hit,
-            first_is_passed: self.first_is_passed,
-            effective_distance: self.effective_distance,
-            tree: self.tree.take(),
-        }
-    }
-
-    /// Goes on with the ray that was put aside.
-    pub(crate) fn take_up(&mut self, ray: SetAside<BANDS>) {
-        let SetAside {
-            sampler,
-            next_set,
-            waiting,
-            media,
-            cuts,
-            radiance,
-            first_hit,
-            first_is_passed,
-            effective_distance,
-            tree,
-        } = ray;
-        self.tree = tree;
-        (self.sampler, self.next_set, self.waiting) = (sampler, next_set, waiting);
-        (self.media, self.cuts) = (media, cuts);
-        (self.radiance, self.effective_distance) = (radiance, effective_distance);
-        (self.first_hit, self.first_is_passed) = (first_hit, first_is_passed);
     }
 
     /// Irradiance is π times the radiance of a white Lambertian surface.

@@ -96,6 +96,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             ray: Ray { origin: hit.point, direction },
             from: Some(hit.primitive),
             throughput,
+            split: segment.split,
             travelled,
             link,
             depth: segment.depth + 1,

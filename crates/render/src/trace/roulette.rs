@@ -22,6 +22,10 @@ const MAX_DEPTH: u32 = 4096;
 impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
     /// path is as weak as it would be if its rays were not favoured. `lobe` is from what the next ray is drawn, if it is.
+    ///
+    /// The least weight (`-lw`) is compared with what a ray carries, as in Radiance: one of many
+    /// into which a ray has split carries little. What `PathLimit::Cut` throws away is weak by what
+    /// surfaces have taken from it, not by splitting, which would lose light.
     pub(crate) fn go_on(
         &mut self,
         (throughput, favour): ([f64; BANDS], f64),
@@ -30,26 +34,27 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         lobe: Option<Lobe>,
     ) -> Option<[f64; BANDS]> {
         let strongest = favour * throughput.iter().copied().fold(0.0, f64::max);
+        let unsplit = segment.split * strongest;
         let depth = segment.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {
             return None;
         }
         let least = self.plan.options.least_weight;
         let roulette = match self.plan.options.path_limit {
-            PathLimit::Cut(most) if reflections > most || strongest < least => return None,
+            PathLimit::Cut(most) if reflections > most || unsplit < least => return None,
             PathLimit::RouletteUpTo(most) if reflections > most => return None,
-            PathLimit::Cut(_) => 0.0,
-            PathLimit::Roulette | PathLimit::RouletteUpTo(_) => least,
+            _ => least,
         };
         let crowded = self.waiting.len() + 2 >= MAX_BRANCHES;
         let survival = if crowded {
-            strongest.min(0.5)
+            unsplit.min(0.5)
         } else {
             // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
             let drawn = segment.link.is_some() && depth >= ROULETTE_DEPTH;
             let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_SHARE } else { ROULETTE_SHARE_OF_VIEWS };
-            let share = if drawn { roulette.max(usual) } else { roulette };
-            if share > 0.0 { (strongest / share).min(1.0) } else { 1.0 }
+            let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };
+            let by_share = if drawn { unsplit / usual } else { 1.0 };
+            by_weight.min(by_share).min(1.0)
         };
         if survival >= 1.0 {
             return Some(throughput);

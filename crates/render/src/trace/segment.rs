@@ -15,6 +15,8 @@ pub(crate) struct Segment<const BANDS: usize> {
     pub(crate) ray: Ray,
     pub(crate) from: Option<PrimitiveId>,
     pub(crate) throughput: [f64; BANDS],
+    /// Into how many rays the first one has split on the way here.
+    pub(crate) split: f64,
     pub(crate) travelled: f64,
     pub(crate) link: Option<Link>,
     pub(crate) depth: u32,

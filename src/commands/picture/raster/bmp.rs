@@ -1,7 +1,7 @@
 //! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS|auto|human|linear] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a
 //! display with these primaries (`-p`), within whose range a picture can be brought (`-e` with a word); `-r` the other way (8, 24 and 32 bits, not packed).
 
-use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
+use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
@@ -218,7 +218,8 @@ fn to_radiance(words: &Words<'_>, exposure: i32, table: &GammaTable) -> Outcome 
     read.map_err(|error| Failure::input(format!("{path}: {}", reason(&error))))?;
     let bitmap = Bitmap::read(&bytes)
         .ok_or_else(|| Failure::input(format!("{path}: not a bitmap of 8, 24 or 32 bits without packing")))?;
-    write_picture(words, target, (bitmap.columns, bitmap.rows), Encoding::Rgbe, |row, stored| {
+    let made = Made { size: (bitmap.columns, bitmap.rows), encoding: Encoding::Rgbe, date: None };
+    write_picture(words, target, &made, |row, stored| {
         stored.extend(bitmap.row(&bytes, row).flat_map(|color| shifted(table.pixel(color), exposure)));
         Ok(())
     })

@@ -1,7 +1,7 @@
 //! `ra_ppm [-r] [-a] [-b] [-s MAX] [-g GAMMA] [-e ±STOPS] [input [output]]`: portable pixmaps, as bytes or text (`-a`), grey (`-b`), with 16 bits from
 //! `-s 256`; `-r` the other way.
 
-use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, stops, write_picture};
+use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
@@ -136,7 +136,7 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
         return Err(wrong("as many pixels as it says"));
     }
     let table = GammaTable::new(options.gamma);
-    write_picture(words, target, (columns, rows), Encoding::Rgbe, |_, stored| {
+    write_picture(words, target, &Made { size: (columns, rows), encoding: Encoding::Rgbe, date: None }, |_, stored| {
         for _ in 0..columns {
             let value = map.pixel().ok_or_else(|| wrong("as many pixels as it says"))?;
             stored.extend_from_slice(&options.pixel(value, map.largest, &table));

@@ -1,7 +1,7 @@
 //! `ra_tiff [-b] [-w|-f|-L] [-z] [-g GAMMA] [-e ±STOPS] input output`: TIFF with 8 bits, 16 (`-w`) or floats (`-f`) or LogLuv (`-L`), grey (`-b`), packed (`-z`); `-r` the
 //! other way, to XYZE with `-x`.
 
-use super::{Colors, Direction, GAMMA, Pixels, open_picture, put_file, rows_of, stops, write_picture};
+use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, rows_of, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
@@ -100,7 +100,7 @@ fn from_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     let bytes = match (&found, options.depth) {
         (TiffPixels::Floats(values), Depth::LogLuv) => write_log_luv((width, height), values, Some(&header)),
         _ => {
-            let picture = Tiff { width, height, components, pixels: found, header: Some(header) };
+            let picture = Tiff { width, height, components, pixels: found, header: Some(header), date: None };
             write_tiff_pixels(&picture, options.compression)
         }
     };
@@ -158,7 +158,9 @@ fn to_radiance(options: &Options, words: &Words<'_>) -> Outcome {
     let is_grey = picture.components < 3;
     let to_xyz = RgbPrimaries::STANDARD.xyz_to_rgb().filter(|_| options.encoding == Encoding::Xyze);
     let to_xyz = to_xyz.map(|matrix| rows_of(matrix.inverse()));
-    write_picture(words, target, (picture.width, picture.height), options.encoding, |row, stored| {
+    let made =
+        Made { size: (picture.width, picture.height), encoding: options.encoding, date: picture.date.as_deref() };
+    write_picture(words, target, &made, |row, stored| {
         for column in 0..picture.width {
             let start = (row * picture.width + column) * picture.components;
             let mut pixel = options.pixel(&picture.pixels, start, is_grey, &table);

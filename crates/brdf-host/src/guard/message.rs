@@ -1,0 +1,199 @@
+//! The last words, by means that are safe in a handler of a signal, and the end after them.
+
+use super::call::{Breadcrumb, Slot, Text};
+use std::ptr::null_mut;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The exit code after a message; negative: the process ends as it would have.
+static END_WITH: AtomicI32 = AtomicI32::new(-1);
+/// Set by the first that speaks: one fault often leads to others.
+static SPEAKING: AtomicBool = AtomicBool::new(false);
+/// The names of the libraries that were loaded.
+static LOADED: AtomicPtr<Text> = AtomicPtr::new(null_mut());
+/// Where another process reads that something was said.
+static SPOKEN: AtomicPtr<AtomicU32> = AtomicPtr::new(null_mut());
+
+/// After messages of crashes the program ends with this code from now on.
+pub(super) fn end_with(code: i32) {
+    END_WITH.store(code, Ordering::Release);
+}
+
+pub(super) fn code_at_end() -> Option<i32> {
+    let code = END_WITH.load(Ordering::Acquire);
+    (code >= 0).then_some(code)
+}
+
+/// Every message adds one to `place`, which stays for the life of the process.
+pub(crate) fn announce_reports_in(place: &'static AtomicU32) {
+    SPOKEN.store(std::ptr::from_ref(place).cast_mut(), Ordering::Release);
+}
+
+/// Notes that a library is in the process: a crash outside of its calls may be its fault.
+pub(crate) fn note_library(name: &str) {
+    static NAMES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    let name = format!("\"{name}\"");
+    if !names.contains(&name) {
+        names.push(name);
+        let text = Breadcrumb::keep(names.join(", ")).text();
+        LOADED.store(std::ptr::from_ref(text).cast_mut(), Ordering::Release);
+    }
+}
+
+pub(super) fn loaded() -> Option<&'static str> {
+    // SAFETY: only pointers to texts that are kept for ever are stored, and null.
+    unsafe { LOADED.load(Ordering::Acquire).as_ref() }.map(|text| &*text.0)
+}
+
+/// Whether this thread is the first to report a fault. Others wait here for the end of the process.
+pub(super) fn is_first_to_speak() -> bool {
+    !SPEAKING.swap(true, Ordering::AcqRel)
+}
+
+/// Says what happened in the call of a slot: `kind` is "crash" or "fault".
+pub(super) fn report_call(kind: &str, slot: &Slot, text: &Text, what: &[&str]) {
+    let mut line = Line::default();
+    ["radsight: ", kind, " in ", &text.0, ": "].iter().chain(what).for_each(|part| line.push(part.as_bytes()));
+    if let Some(direction) = slot.outgoing() {
+        line.push(b"; outgoing direction in the surface's frame");
+        direction.iter().for_each(|&number| line.push_number(number));
+    }
+    line.write();
+}
+
+/// Says what happened outside of all calls.
+pub(super) fn report(parts: &[&str]) {
+    let mut line = Line::default();
+    line.push(b"radsight: ");
+    parts.iter().for_each(|part| line.push(part.as_bytes()));
+    line.write();
+}
+
+/// Says something and ends the program at once: for faults that are seen from an ordinary thread.
+pub(crate) fn end_program(message: &str) -> ! {
+    if is_first_to_speak() {
+        report(&[message]);
+        end_now(super::FAULT)
+    }
+    wait_for_the_end()
+}
+
+/// Ends the program without a word: another process has said what there was to say.
+pub(crate) fn end_silently() -> ! {
+    if is_first_to_speak() {
+        end_now(super::FAULT)
+    }
+    wait_for_the_end()
+}
+
+/// Ends the process without any more of its code, or of its plugins'.
+pub(super) fn end_now(code: i32) -> ! {
+    // Not by `_exit`, for which this program has a function of its own.
+    #[cfg(target_os = "linux")]
+    loop {
+        // SAFETY: async-signal-safe, and does not return.
+        unsafe { libc::syscall(libc::SYS_exit_group, code) };
+    }
+    #[cfg(all(unix, not(target_os = "linux")))]
+    // SAFETY: async-signal-safe, and does not return.
+    unsafe {
+        libc::_exit(code)
+    }
+    #[cfg(not(unix))]
+    std::process::exit(code)
+}
+
+/// Another thread is about to end the process.
+pub(super) fn wait_for_the_end() -> ! {
+    loop {
+        #[cfg(unix)]
+        // SAFETY: async-signal-safe.
+        unsafe {
+            libc::pause();
+        }
+        #[cfg(not(unix))]
+        std::thread::park();
+    }
+}
+
+/// Text without line ends and other control characters.
+pub(crate) fn one_line(text: &str) -> String {
+    text.replace(|c: char| c.is_control(), "\u{fffd}")
+}
+
+/// A line that is put together without the heap and written at once, so that no other output comes
+/// between.
+struct Line {
+    bytes: [u8; LONGEST_LINE],
+    length: usize,
+}
+
+/// Longer ones are cut. The stack of a handler is at least eight times as large.
+const LONGEST_LINE: usize = 2048;
+
+impl Default for Line {
+    fn default() -> Self {
+        Line { bytes: [0; LONGEST_LINE], length: 0 }
+    }
+}
+
+impl Line {
+    fn push(&mut self, text: &[u8]) {
+        // One place is left for the line's end.
+        let room = LONGEST_LINE - 1 - self.length;
+        let text = &text[..text.len().min(room)];
+        self.bytes[self.length..][..text.len()].copy_from_slice(text);
+        self.length += text.len();
+    }
+
+    /// A space and a number of size 1 or less with four decimals.
+    fn push_number(&mut self, number: f64) {
+        let sign: &[u8] = if number < 0.0 { b" -" } else { b" " };
+        let scaled = (number.abs().min(99.0) * 1e4 + 0.5) as u32;
+        self.push(sign);
+        let whole = scaled / 10_000;
+        if whole > 9 {
+            self.push(&[b'0' + (whole / 10) as u8]);
+        }
+        self.push(&[b'0' + (whole % 10) as u8, b'.']);
+        for power in [1000, 100, 10, 1] {
+            self.push(&[b'0' + (scaled / power % 10) as u8]);
+        }
+    }
+
+    fn write(mut self) {
+        self.bytes[self.length] = b'\n';
+        let text = &self.bytes[..=self.length];
+        #[cfg(unix)]
+        // SAFETY: `write` is async-signal-safe; the slice is valid.
+        let written = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+        #[cfg(not(unix))]
+        let written = std::io::Write::write(&mut std::io::stderr(), text).unwrap_or(0);
+        // SAFETY: the pointer is null or leads to a number that stays.
+        if let (true, Some(spoken)) = (written > 0, unsafe { SPOKEN.load(Ordering::Acquire).as_ref() }) {
+            spoken.fetch_add(1, Ordering::AcqRel);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_without_the_heap() {
+        let mut line = Line::default();
+        [0.6, -0.8, 0.0, 1.0, -0.00004, 0.00006, 12.5].iter().for_each(|&number| line.push_number(number));
+        let text = std::str::from_utf8(&line.bytes[..line.length]).unwrap();
+        assert_eq!(text, " 0.6000 -0.8000 0.0000 1.0000 -0.0000 0.0001 12.5000");
+    }
+
+    #[test]
+    fn a_line_that_is_too_long_is_cut() {
+        let mut line = Line::default();
+        line.push(&[b'x'; 3 * LONGEST_LINE]);
+        line.push(b"more");
+        assert_eq!(line.length, LONGEST_LINE - 1);
+    }
+}

@@ -1,0 +1,86 @@
+//! Standard output for data alone: plugins print elsewhere.
+//!
+//! Once it is set aside, the descriptor 1, which plugins print to, is standard error; data goes
+//! through a descriptor that they do not know.
+
+use std::fs::File;
+use std::io::{self, Write};
+#[cfg(unix)]
+use std::os::fd::{AsFd, BorrowedFd};
+use std::sync::OnceLock;
+
+static ASIDE: OnceLock<File> = OnceLock::new();
+
+/// Sets standard output aside for [`StandardOutput`]. Does nothing where descriptors are not
+/// numbers, and the second time.
+pub(super) fn set_aside() -> io::Result<()> {
+    if ASIDE.get().is_some() {
+        return Ok(());
+    }
+    // What stands in the buffer belongs to the data.
+    io::stdout().flush()?;
+    #[cfg(unix)]
+    {
+        let private = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdout(), LEAST_PRIVATE_DESCRIPTOR)?;
+        match rustix::stdio::dup2_stdout(rustix::stdio::stderr()) {
+            Ok(()) => {}
+            // Nobody listens to standard error.
+            Err(_) => rustix::stdio::dup2_stdout(File::options().write(true).open("/dev/null")?)?,
+        }
+        let private = ASIDE.get_or_init(|| File::from(private));
+        let _ = FILES.set([identity(rustix::stdio::stdin()), identity(private.as_fd())]);
+    }
+    Ok(())
+}
+
+/// What standard input and the data's standard output are, when they are set aside: device and
+/// number of the file.
+#[cfg(unix)]
+static FILES: OnceLock<[Option<(u64, u64)>; 2]> = OnceLock::new();
+
+#[cfg(unix)]
+fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
+    // The types differ between systems.
+    #[allow(clippy::unnecessary_cast)]
+    rustix::fs::fstat(file).ok().map(|found| (found.st_dev as u64, found.st_ino as u64))
+}
+
+/// Whether standard input and output are what they were: a plugin that closes them makes the
+/// program read nothing, or write to something else.
+pub(super) fn is_intact() -> bool {
+    #[cfg(unix)]
+    if let (Some(before), Some(private)) = (FILES.get(), ASIDE.get()) {
+        return *before == [identity(rustix::stdio::stdin()), identity(private.as_fd())];
+    }
+    true
+}
+
+/// Above those that programs are used to.
+#[cfg(unix)]
+const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
+
+/// The program's standard output, wherever it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StandardOutput;
+
+/// The program's standard output for a process that it starts.
+#[must_use]
+pub fn for_child() -> std::process::Stdio {
+    ASIDE.get().and_then(|file| file.try_clone().ok()).map_or_else(std::process::Stdio::inherit, Into::into)
+}
+
+impl Write for StandardOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match ASIDE.get() {
+            Some(mut file) => file.write(bytes),
+            None => io::stdout().write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match ASIDE.get() {
+            Some(mut file) => file.flush(),
+            None => io::stdout().flush(),
+        }
+    }
+}

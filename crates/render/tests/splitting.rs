@@ -1,0 +1,144 @@
+//! Rays that split by their weight, against what is known and against paths drawn one by one.
+
+mod build;
+
+use build::{Builder, plan, values};
+use glam::DVec3;
+use radsight_ir::{Facing, Sphere};
+use radsight_render::{Gathering, PathLimit, Quantity, Ray, RenderOptions, Renderer, Unshared};
+use std::f64::consts::PI;
+
+fn options(bounces: u32, divisions: u32, least_weight: f64) -> RenderOptions {
+    let gathering = Gathering { divisions, unshared: Unshared::Split, ..Gathering::default() };
+    RenderOptions { ambient_bounces: bounces, gathering, least_weight, ..RenderOptions::default() }
+}
+
+fn irradiance(options: RenderOptions) -> RenderOptions {
+    RenderOptions { quantity: Quantity::Irradiance, ..options }
+}
+
+/// A square of this half width around the origin, facing up.
+fn square(half: f64, height: f64) -> [DVec3; 4] {
+    [[half, half], [-half, half], [-half, -half], [half, -half]].map(|[x, y]| DVec3::new(x, y, height))
+}
+
+/// A floor under an even sky.
+fn floor_under_sky() -> Builder {
+    let mut scene = Builder::default();
+    let paint = scene.plastic([0.5; 3], 0.0, 0.0);
+    let sky = scene.glow([1.0; 3], 0.0);
+    scene.polygon(paint, &square(10.0, 0.0));
+    scene.source(sky, DVec3::Z, PI);
+    scene
+}
+
+/// Mean and standard error.
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count * (count - 1.0))).sqrt())
+}
+
+/// How often a ray down to the floor meets the sky.
+fn times_the_sky_is_met(options: RenderOptions) -> usize {
+    let mut scene = floor_under_sky();
+    let options = RenderOptions { tracked_modifiers: vec!["material".to_owned()], ..options };
+    // Only the sky emits, so that only it owes something along a whole ray; the floor is met once.
+    let paint = scene.plastic([0.0; 3], 0.0, 0.0);
+    scene.polygon(paint, &square(0.1, -5.0));
+    let renderer = Renderer::new(plan(&scene, options));
+    let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z).expect("the test's ray is one");
+    let mut met = 0;
+    renderer.worker().contributions(0, &ray, |_| met += 1);
+    met - 1
+}
+
+#[test]
+fn a_ray_splits_into_the_rays_that_were_asked_for() {
+    assert_eq!(times_the_sky_is_met(options(1, 400, 1e-6)), 400);
+    assert_eq!(times_the_sky_is_met(options(1, 1, 1e-6)), 1);
+}
+
+#[test]
+fn a_ray_splits_into_no_more_than_its_least_weight_allows() {
+    let met = times_the_sky_is_met(options(1, 30_000, 1e-2));
+    assert!((30..=40).contains(&met), "{met} rays, expected 0.8 · 0.5 / 0.01 or the square below");
+}
+
+#[test]
+fn a_floor_under_an_even_sky_has_its_irradiance() {
+    let found = values(&floor_under_sky(), irradiance(options(1, 256, 1e-6)), DVec3::Z, DVec3::Z, 1)[0];
+    assert!((found / PI - 1.0).abs() < 1e-9, "{found}");
+}
+
+/// The light fills a four-hundredth of what the wall sees, and bounces go on in the rest.
+#[test]
+fn branches_that_end_by_roulette_lose_no_light() {
+    let mut scene = Builder::default();
+    let paint = scene.plastic([0.7; 3], 0.0, 0.0);
+    let light = scene.light([100.0; 3]);
+    scene.sphere(paint, Sphere { center: DVec3::ZERO, radius: 2.0, facing: Facing::Inward });
+    scene.sphere(light, Sphere { center: DVec3::ZERO, radius: 0.1, facing: Facing::Outward });
+    let direct = 100.0 * PI * (0.1_f64 / 2.0).powi(2);
+    // Of what leaves the wall the light takes its share.
+    let back = 0.7 * (1.0 - (0.1_f64 / 2.0).powi(2));
+    let expected = 0.7 / PI * direct * (1.0 + back + back * back + back.powi(3));
+    for path_limit in [PathLimit::Roulette, PathLimit::RouletteUpTo(10), PathLimit::Cut(10)] {
+        for least_weight in [1e-4, 2e-2] {
+            let options = RenderOptions { path_limit, ..options(3, 100, least_weight) };
+            let found = values(&scene, options, DVec3::new(0.5, 0.0, 0.0), DVec3::new(1.0, 0.3, 0.2), 1 << 10);
+            let (mean, error) = mean_and_error(&found);
+            let allowed = 3.0 * error + 1e-3 * expected;
+            assert!((mean - expected).abs() < allowed, "{path_limit:?}, {least_weight}: {mean} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn splitting_finds_what_single_paths_find() {
+    let mut scene = floor_under_sky();
+    let metal = scene.metal([0.8, 0.6, 0.4], 0.7, 0.15);
+    let wall = [[1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 2.0], [1.0, -1.0, 2.0]].map(DVec3::from_array);
+    scene.polygon(metal, &wall);
+    let lamp = scene.light([20.0; 3]);
+    let panel = [[0.0, 0.0, 2.0], [0.0, 0.5, 2.0], [0.5, 0.5, 2.0], [0.5, 0.0, 2.0]].map(DVec3::from_array);
+    scene.polygon(lamp, &panel);
+    let (eye, towards) = (DVec3::new(-1.0, 0.2, 1.0), DVec3::new(1.0, 0.0, -0.1));
+    let split = values(&scene, options(3, 64, 1e-3), eye, towards, 1 << 9);
+    let alone = Gathering { unshared: Unshared::DrawOne, ..Gathering::default() };
+    let single = RenderOptions { gathering: alone, ..options(3, 64, 1e-3) };
+    let paths = values(&scene, single, eye, towards, 1 << 13);
+    let ((one, one_error), (other, other_error)) = (mean_and_error(&split), mean_and_error(&paths));
+    let allowed = 3.0 * one_error.hypot(other_error);
+    assert!((one - other).abs() < allowed && allowed < 0.03 * one, "{one} ± {one_error}, {other} ± {other_error}");
+}
+
+/// Balanced against a thousand branches, one of which in a thousand times finds it, the sun would
+/// be a noisy light.
+#[test]
+fn branches_take_no_part_of_a_small_light() {
+    let mut scene = floor_under_sky();
+    let sun = scene.light([1e6; 3]);
+    scene.source(sun, DVec3::new(0.3, 0.2, 1.0).normalize(), 0.0093);
+    let found = values(&scene, irradiance(options(1, 1024, 1e-6)), DVec3::Z, DVec3::Z, 64);
+    let mean = found.iter().sum::<f64>() / found.len() as f64;
+    let outliers = found.iter().filter(|value| (*value / mean - 1.0).abs() > 2e-3).count();
+    assert_eq!(outliers, 0, "{outliers} of 64 values are off by more than 0.2 %");
+}
+
+#[test]
+fn a_large_light_is_sampled_in_more_places_by_a_ray_that_counts_by_itself() {
+    let mut scene = Builder::default();
+    let lamp = scene.light([10.0; 3]);
+    let mut panel = square(1.0, 2.0);
+    panel.reverse();
+    scene.polygon(lamp, &panel);
+    let spread = |source_sampling: f64| {
+        let options = RenderOptions { source_sampling, ..irradiance(options(0, 1, 1e-6)) };
+        let (mean, error) = mean_and_error(&values(&scene, options, DVec3::ZERO, DVec3::Z, 256));
+        error * 16.0 / mean
+    };
+    let (coarse, usual) = (spread(0.0), spread(0.2));
+    assert!(usual < 0.02 && coarse > 4.0 * usual, "standard deviations {coarse} and {usual}");
+}

@@ -1,0 +1,269 @@
+//! Names of files to be written, where a file gives them.
+
+use super::{Commands, Existing, Origin, Trust};
+use crate::failure::{Failure, reason};
+use radsight_diag::{Diagnostic, Span};
+use std::fs;
+use std::io::ErrorKind;
+use std::ops::Deref;
+use std::path::{Component, Path, PathBuf};
+
+const HINT: &str =
+    "--allow-outputs lets input files name any file to be written; else it is a new one below the current folder";
+
+const COMMAND_HINT: &str = "--allow-commands lets input files run commands";
+
+/// The file that keeps nothing.
+const NOWHERE: &str = "/dev/null";
+
+/// What a shell reads as more than a part of a name.
+const SHELL_SIGNS: [char; 13] = ['`', '$', ';', '|', '&', '<', '>', '"', '\'', '\\', '*', '?', '#'];
+
+/// The name of a file that may be written. [`Trust`] makes it of what the command line or a file says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct OutputName(String);
+
+impl OutputName {
+    /// What programs take for standard output.
+    pub(crate) fn standard_output() -> OutputName {
+        OutputName("-".to_owned())
+    }
+
+    /// With a number in the place that a pattern has for it.
+    pub(crate) fn numbered(&self, number: impl Fn(&str) -> String) -> OutputName {
+        OutputName(number(&self.0))
+    }
+}
+
+impl Deref for OutputName {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+/// Why a file that an input names is not written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Refusal {
+    name: String,
+    why: String,
+    hint: &'static str,
+}
+
+impl Refusal {
+    fn message(&self) -> String {
+        format!("\"{}\" comes from a file and is not written: {}", self.name, self.why)
+    }
+
+    /// At the place in a file that names the output.
+    pub(crate) fn at(&self, span: Span) -> Diagnostic {
+        Diagnostic::error(self.message()).at(span).hint(self.hint)
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Failure {
+        Failure::input(format!("{}\nhint: {}", refusal.message(), refusal.hint))
+    }
+}
+
+impl Trust {
+    /// The name of a file to be written that the word in hand gives: any where the user wrote the
+    /// word.
+    pub(crate) fn output(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Failure> {
+        if self.word == Origin::CommandLine {
+            return Ok(OutputName(name.to_owned()));
+        }
+        // What numbers make of a pattern is not known here, and could be there already.
+        if name.contains('%') && !self.allows_output(name) {
+            return Err(refused(name, "it is a pattern").into());
+        }
+        Ok(self.output_of_file(name, existing)?)
+    }
+
+    /// The name, or the pattern of names, of files that are written only where none is there: any
+    /// where the user wrote the word.
+    pub(crate) fn new_output(&self, name: &str) -> Result<OutputName, Failure> {
+        match self.word {
+            Origin::CommandLine => Ok(OutputName(name.to_owned())),
+            Origin::File => Ok(self.output_of_file(name, Existing::Kept)?),
+        }
+    }
+
+    /// The name of a file to be written that a file gives: a new one below the current folder, or
+    /// one that is there already and of the kind that may be replaced.
+    pub(crate) fn output_of_file(&self, name: &str, existing: Existing<'_>) -> Result<OutputName, Refusal> {
+        if self.allows_output(name) || name == NOWHERE {
+            return Ok(OutputName(name.to_owned()));
+        }
+        let refused = |why: &str| refused(name, why);
+        check_parts(name).map_err(refused)?;
+        check_folder(Path::new(name)).map_err(|why| refused(&why))?;
+        match fs::symlink_metadata(name) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(OutputName(name.to_owned())),
+            Err(error) => Err(refused(&reason(&error))),
+            Ok(found) if found.is_symlink() => Err(refused("it is a symbolic link")),
+            Ok(found) if found.is_dir() => Err(refused("it is a folder")),
+            Ok(found) if !found.is_file() => Err(refused("it is a device or pipe")),
+            Ok(_) => match existing.may_replace(Path::new(name)) {
+                true => Ok(OutputName(name.to_owned())),
+                false => Err(refused(&existing.why_kept())),
+            },
+        }
+    }
+
+    /// The name of a file to be written that the user gives, with a word of a file put into it.
+    pub(crate) fn output_with_part(&self, name: &str, part: Option<&str>) -> Result<OutputName, Refusal> {
+        part.map_or(Ok(()), |part| self.check_name_part(part))?;
+        Ok(OutputName(name.to_owned()))
+    }
+
+    /// The refusal of an output that is a command.
+    pub(crate) fn refused_output_command(name: &str) -> Refusal {
+        Refusal { hint: COMMAND_HINT, ..refused(name, "it is a command") }
+    }
+
+    /// Checks that a file which is not named by a file is at least no symbolic link, where the
+    /// folder may be somebody else's.
+    pub(crate) fn check_link(&self, name: &str) -> Result<(), Refusal> {
+        let is_link = fs::symlink_metadata(name).is_ok_and(|found| found.is_symlink());
+        if is_link && !self.allows_output(name) { Err(refused(name, "it is a symbolic link")) } else { Ok(()) }
+    }
+
+    /// Checks a word of a file that becomes a part of the name that the user gives to an output.
+    fn check_name_part(&self, part: &str) -> Result<(), Refusal> {
+        let check = match part.contains('/') {
+            true => Err("it names a folder"),
+            false => check_parts(part),
+        };
+        if self.grants.all_outputs { Ok(()) } else { check.map_err(|why| refused(part, why)) }
+    }
+
+    /// Checks a word of a file that becomes a part of a command of the user's.
+    pub(crate) fn check_command_part(&self, part: &str) -> Result<(), Failure> {
+        let is_plain = !part.is_empty()
+            && !part.starts_with('-')
+            && part.chars().all(|c| c.is_alphanumeric() || "_-.,+:@=".contains(c));
+        match (is_plain, self.commands()) {
+            (false, Commands::Refused) => Err(Failure::input(format!(
+                "\"{part}\" comes from a file and is not put into a command: a shell could read more than a name in it\n\
+                 hint: --allow-commands lets input files run commands"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks an option that lets files be written over, by who wrote it.
+    pub(crate) fn check_overwriting(&self, option: &str) -> Result<(), Failure> {
+        if self.word == Origin::CommandLine || self.grants.all_outputs {
+            return Ok(());
+        }
+        Err(Failure::input(format!(
+            "option \"{option}\" comes from a file and is not obeyed\nhint: the command line itself may give it, or --allow-outputs"
+        )))
+    }
+
+    /// Whether the command line allows this file, whatever it is.
+    fn allows_output(&self, name: &str) -> bool {
+        self.grants.all_outputs || self.grants.outputs.iter().any(|known| known == name)
+    }
+}
+
+fn refused(name: &str, why: &str) -> Refusal {
+    Refusal { name: name.to_owned(), why: why.to_owned(), hint: HINT }
+}
+
+/// Whether a name goes down from the current folder, by folders and a file that are not hidden and
+/// look like no option.
+fn check_parts(name: &str) -> Result<(), &'static str> {
+    if name.is_empty() || name.contains(char::is_control) {
+        return Err("it is no file name");
+    }
+    if name.starts_with(['!', '|']) {
+        return Err("it is a command");
+    }
+    // Scripts go over what they find in a folder.
+    if name.contains(SHELL_SIGNS) {
+        return Err("it has signs of a shell");
+    }
+    for part in Path::new(name).components() {
+        match part {
+            Component::CurDir => {}
+            Component::Normal(part) => {
+                let part = part.to_str().ok_or("it is no file name")?;
+                if part.starts_with('.') {
+                    return Err("it is hidden");
+                }
+                if part.starts_with('-') {
+                    return Err("it looks like an option");
+                }
+            }
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => {
+                return Err("it is not below the current folder");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether the file's folder lies below the current one when symbolic links are followed.
+fn check_folder(path: &Path) -> Result<(), String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let real = |path: &Path| -> Result<PathBuf, String> {
+        fs::canonicalize(path).map_err(|error| format!("folder \"{}\": {}", path.display(), reason(&error)))
+    };
+    let (folder, current) = (real(folder)?, real(Path::new("."))?);
+    let below = folder.strip_prefix(&current).map_err(|_| "a symbolic link leads out of the current folder")?;
+    // A link may lead to a hidden folder.
+    let is_hidden = below.components().any(|part| part.as_os_str().to_string_lossy().starts_with('.'));
+    if is_hidden { Err("it is hidden".to_owned()) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_lead_elsewhere_are_refused() {
+        for (name, why) in [
+            ("", "it is no file name"),
+            ("a\nb", "it is no file name"),
+            ("!touch x", "it is a command"),
+            ("|touch x", "it is a command"),
+            ("$(touch x)", "it has signs of a shell"),
+            ("a;b", "it has signs of a shell"),
+            ("../x", "it is not below the current folder"),
+            ("src/../x", "it is not below the current folder"),
+            ("/tmp/x", "it is not below the current folder"),
+            ("/dev/stdout", "it is not below the current folder"),
+            (".bashrc", "it is hidden"),
+            ("a/.git/hooks", "it is hidden"),
+            ("-rf", "it looks like an option"),
+            ("-", "it looks like an option"),
+            ("src", "it is a folder"),
+            ("no_such_folder/x", "folder \"no_such_folder\": no such file or directory"),
+            ("Cargo.toml", "it is there already"),
+        ] {
+            let refusal = Trust::default().output_of_file(name, Existing::Kept).unwrap_err();
+            assert_eq!(refusal.why, why, "{name}");
+        }
+        for name in ["new.mtx", "./new.mtx", "src/new.mtx", "/dev/null"] {
+            assert_eq!(Trust::default().output_of_file(name, Existing::Kept).as_deref(), Ok(name));
+        }
+    }
+
+    #[test]
+    fn patterns_of_files_are_refused() {
+        assert!(Trust::default().output("frame%04d.hdr", Existing::Kept).is_err());
+    }
+
+    #[test]
+    fn names_of_files_are_no_more_than_words_of_commands() {
+        let trust = Trust::default();
+        assert!(trust.check_command_part("glass_2.1").is_ok());
+        for part in ["$(id)", "a b", "", "a;b", "../x/y", "-rf"] {
+            assert!(trust.check_command_part(part).is_err() && trust.check_name_part(&format!("{part}/x")).is_err());
+        }
+    }
+}
