@@ -1,13 +1,14 @@
 //! Files of the disk, searched as Radiance searches them.
 
-use crate::commands::mksource;
+use crate::commands::{mksource, radiance_programs};
 use crate::failure::reason;
+use crate::read_once;
 use crate::trust::{Trust, shell};
 use radsight_loader::{AS_IN_SHELL, FileKind, LoadError, Loaded, Loader};
 use std::fs;
-use std::io::Write;
+use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::time::SystemTime;
 
 pub(crate) use crate::trust::Commands;
@@ -67,26 +68,62 @@ impl DiskLoader {
     }
 }
 
+impl DiskLoader {
+    /// The first place where there is something of this name.
+    fn find(&self, name: &str) -> Result<Option<PathBuf>, LoadError> {
+        for candidate in self.candidates(name) {
+            match fs::metadata(&candidate) {
+                Ok(found) if found.is_dir() => {
+                    let path = candidate.display().to_string();
+                    return Err(LoadError::Unreadable { path, reason: "it is a folder".to_owned() });
+                }
+                Ok(_) => return Ok(Some(candidate)),
+                Err(_) => {}
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> LoadError {
+    let path = path.display().to_string();
+    match error.kind() {
+        io::ErrorKind::InvalidInput => LoadError::OwnOutput { path },
+        _ => LoadError::Unreadable { path, reason: reason(error) },
+    }
+}
+
 impl Loader for DiskLoader {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
-        for candidate in self.candidates(name) {
-            let found = match fs::metadata(&candidate) {
-                Ok(found) => found,
-                Err(_) => continue,
-            };
-            let path = candidate.display().to_string();
-            if found.is_dir() {
-                return Err(LoadError::Unreadable { path, reason: "it is a folder".to_owned() });
-            }
-            return match fs::read(&candidate) {
-                Ok(bytes) => Ok(Loaded { path, bytes }),
-                Err(error) => Err(LoadError::Unreadable { path, reason: reason(&error) }),
-            };
+        if let Some(path) = self.find(name)? {
+            let bytes = read_once::owned(&path).map_err(|error| unreadable(&path, &error))?;
+            return Ok(Loaded { path: path.display().to_string(), bytes });
         }
         if let Some(text) = radsight_cal::library::file(name).filter(|_| kind == FileKind::Function) {
             return Ok(Loaded { path: format!("<{name} of radsight>"), bytes: text.as_bytes().to_vec() });
         }
         Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: self.searched(name) })
+    }
+
+    fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
+        match self.find(name)? {
+            Some(path) => match read_once::open(&path) {
+                Ok(file) => Ok(Box::new(file)),
+                Err(error) => Err(unreadable(&path, &error)),
+            },
+            None => Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes))),
+        }
+    }
+
+    fn open_command(&self, command: &str) -> Result<Box<dyn Read>, LoadError> {
+        let Commands::Allowed(permit) = self.commands else {
+            return Err(LoadError::CommandRefused { command: command.to_owned() });
+        };
+        let script = own_programs() + command;
+        let started = shell(permit, &script).stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
+        let child = started
+            .map_err(|error| LoadError::CommandFailed { command: command.to_owned(), reason: reason(&error) })?;
+        Ok(Box::new(CommandOutput { child }))
     }
 
     fn shuffle_seed(&self) -> u64 {
@@ -131,6 +168,42 @@ impl Loader for DiskLoader {
             let _ = writer.join();
         }
         if output.status.success() { Ok(output.stdout) } else { Err(failed(output.status.to_string())) }
+    }
+}
+
+/// Definitions for a shell, so that the programs of Radiance's that a command calls are ours, as
+/// they are where it runs in process.
+fn own_programs() -> String {
+    let Some(own) = std::env::current_exe().ok().and_then(|path| path.to_str().map(str::to_owned)) else {
+        return String::new();
+    };
+    let own = own.replace('\'', "'\\''");
+    radiance_programs().map(|name| format!("{name}() {{ '{own}' {name} \"$@\"; }}\n")).collect()
+}
+
+/// What a command writes, while it writes it. That it failed is an error at the end.
+struct CommandOutput {
+    child: Child,
+}
+
+impl Read for CommandOutput {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.child.stdout.as_mut().map_or(Ok(0), |output| output.read(buffer))?;
+        if read == 0 && !buffer.is_empty() {
+            let status = self.child.wait()?;
+            if !status.success() {
+                return Err(io::Error::other(status.to_string()));
+            }
+        }
+        Ok(read)
+    }
+}
+
+impl Drop for CommandOutput {
+    fn drop(&mut self) {
+        // Nobody wants the rest: the command ends at its next write.
+        drop(self.child.stdout.take());
+        let _ = self.child.wait();
     }
 }
 

@@ -5,7 +5,9 @@
 //! the command line allows.
 
 use crate::failure::{Failure, reason};
+use crate::read_once;
 use crate::trust::{Origin, Trust};
+use std::path::Path;
 
 /// More words than any command line needs.
 const MOST_WORDS: usize = 1 << 16;
@@ -48,7 +50,7 @@ impl CommandWords {
         for _ in 0..MOST_EXPANSIONS {
             let Some(word) = self.words.get(at) else { return Ok(()) };
             let (text, origin) = if let Some(path) = word.strip_prefix('@').filter(|path| !path.is_empty()) {
-                let text = std::fs::read(path)
+                let text = read_once::owned(Path::new(path))
                     .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
                     .map_err(|error| Failure::usage(format!("cannot expand \"{word}\": {}", reason(&error))))?;
                 (text, Origin::File)

@@ -1,6 +1,6 @@
 //! How the program ends when it cannot do what was asked.
 
-use crate::output::write_standard_output;
+use crate::output::{append, write_standard_output};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
 use std::fs::File;
 use std::io::{self, Write};
@@ -60,7 +60,9 @@ impl Failure {
         if error.use_stderr() {
             return Failure { kind: FailureKind::Usage, message: error.to_string() };
         }
-        let _ = error.print();
+        if let Err(error) = error.print().and_then(|()| io::stdout().flush()) {
+            return Failure::write("standard output", &error);
+        }
         Failure { kind: FailureKind::Success, message: String::new() }
     }
 
@@ -75,6 +77,15 @@ impl Failure {
             return Failure { kind: FailureKind::Success, message: String::new() };
         }
         Failure::fault(format!("cannot write {what}: {}", reason(error)))
+    }
+
+    /// A read that failed. An input that is an output, too, is a mistake of the command line.
+    pub(crate) fn read(what: &str, error: &io::Error) -> Failure {
+        let message = format!("cannot read {what}: {}", reason(error));
+        match error.kind() {
+            io::ErrorKind::InvalidInput => Failure::usage(message),
+            _ => Failure::input(message),
+        }
     }
 
     /// What is to be said.
@@ -129,9 +140,7 @@ static ELSEWHERE: OnceLock<File> = OnceLock::new();
 
 /// Sends all messages from now on to the end of a file (Radiance's `-e`).
 pub(crate) fn say_in(path: &str) -> Outcome {
-    let file = File::options().create(true).append(true).open(path);
-    let file = file.map_err(|error| Failure::write(&format!("\"{path}\""), &error))?;
-    let _ = ELSEWHERE.set(file);
+    let _ = ELSEWHERE.set(append(path)?);
     Ok(())
 }
 

@@ -4,17 +4,19 @@ use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::plugins::{Models, PluginOptions, report_faults};
+use crate::read_once;
 use crate::trust::{Trust, shell};
 use radsight_brdf_host::Registry;
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_ir::{Material, Modifier, ModifierKind, Scene, ValidScene};
 use radsight_loader::Loader;
+use radsight_output::inputs;
 use radsight_parse::{BrdfReplacement, Input, Read, ReadOptions, Tolerance, read_scene};
 use radsight_picture::Header;
 use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan};
-use std::fs::File;
 use std::io::{self, Read as _};
+use std::path::Path;
 use std::process::Stdio;
 use std::sync::Arc;
 
@@ -34,30 +36,19 @@ pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
 
 /// The bytes of a file that the command line names.
 pub(crate) fn read_file(path: &str, what: &str) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path).map_err(|error| Failure::input(format!("cannot read {what} \"{path}\": {}", reason(&error))))
+    read_once::owned(Path::new(path)).map_err(|error| Failure::read(&format!("{what} \"{path}\""), &error))
 }
 
 /// The bytes of a scene file, which may be large: they are read to where they stay.
 fn read_scene_file(path: &str) -> Result<Arc<[u8]>, Failure> {
-    let read = || -> io::Result<Arc<[u8]>> {
-        let mut file = File::open(path)?;
-        let found = file.metadata()?;
-        let length = usize::try_from(found.len()).unwrap_or(0);
-        if !found.is_file() || length == 0 {
-            // A pipe, or a file that is made while it is read.
-            let mut bytes = Vec::new();
-            file.read_to_end(&mut bytes)?;
-            return Ok(bytes.into());
-        }
-        let mut bytes: Arc<[u8]> = std::iter::repeat_n(0, length).collect();
-        file.read_exact(Arc::get_mut(&mut bytes).expect("nobody else knows it yet"))?;
-        Ok(bytes)
-    };
-    read().map_err(|error| Failure::input(format!("cannot read scene file \"{path}\": {}", reason(&error))))
+    read_once::shared(Path::new(path)).map_err(|error| Failure::read(&format!("scene file \"{path}\""), &error))
 }
 
 /// All of standard input.
 pub(crate) fn read_standard_input() -> Result<Vec<u8>, Failure> {
+    if inputs::is_standard_input_standard_output() {
+        return Err(Failure::usage("cannot read standard input: standard output goes to the same file"));
+    }
     let mut bytes = Vec::new();
     io::stdin()
         .lock()
@@ -309,9 +300,8 @@ fn scene_history(paths: &[String]) -> Header {
         header.push_line(command);
         return header;
     }
-    let mut start = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start));
-    match read.ok().and_then(|_| Header::read(&start).ok()) {
+    let start = read_once::beginning(Path::new(path), LONGEST_HEADER);
+    match start.ok().and_then(|start| Header::read(&start).ok()) {
         Some((header, _)) if header.format().is_some_and(|format| format == OCTREE_FORMAT) => header.history(),
         _ => Header::default(),
     }

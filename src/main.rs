@@ -18,6 +18,7 @@ mod plugin_guard;
 mod plugins;
 mod progress;
 mod ray_input;
+mod read_once;
 mod render_args;
 mod shown_options;
 mod switch;

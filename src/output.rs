@@ -1,65 +1,206 @@
-//! Files that appear whole or not at all.
+//! The one way out: files that appear whole or not at all, pipes and devices, standard output.
 
 use crate::failure::{Failure, Outcome, reason};
-use radsight_brdf_host::guard::standard_output::StandardOutput;
+use radsight_brdf_host::guard;
+use radsight_output::{Place, WholeFile, inputs};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file aside and renames it; a device or pipe is written directly. `-` is standard output.
-pub(crate) fn write_file(path: &str, bytes: &[u8]) -> Outcome {
-    if path == "-" {
-        return write_standard_output(bytes);
+/// Something that is being written. A file has its name only after [`Output::commit`]; dropped
+/// before, it leaves nothing.
+pub(crate) struct Output {
+    name: String,
+    sink: Sink,
+}
+
+enum Sink {
+    Standard,
+    /// A pipe, a device or an open file, written as it comes.
+    Stream(File),
+    Whole(WholeFile),
+}
+
+impl Output {
+    /// Opens what a name of the command line leads to; `-` is standard output. A file will go over
+    /// one of its name.
+    pub(crate) fn create(name: &str) -> Result<Output, Failure> {
+        Output::open(name, &place(name)?)
     }
-    let path = Path::new(path);
-    let named = || format!("\"{}\"", path.display());
-    let special = fs::metadata(path).is_ok_and(|found| !found.is_file());
-    if special {
-        let written = File::options().write(true).open(path).and_then(|mut file| file.write_all(bytes));
-        return written.map_err(|error| Failure::write(&named(), &error));
+
+    fn open(name: &str, place: &Place) -> Result<Output, Failure> {
+        let opened = match place {
+            Place::StandardOutput => Ok(Sink::Standard),
+            Place::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
+            Place::File(path) => WholeFile::create(path).map(Sink::Whole),
+        };
+        let sink = opened.map_err(|error| failed(name, &error))?;
+        Ok(Output { name: name.to_owned(), sink })
     }
-    let aside = beside(path, &format!("{}.part", std::process::id()));
-    let written = File::create(&aside).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    let renamed = written.and_then(|()| fs::rename(&aside, path));
-    renamed.map_err(|error| {
-        let _ = fs::remove_file(&aside);
-        Failure::write(&named(), &error)
+
+    /// A stream for another program's standard output; `None` for our own.
+    pub(crate) fn file(&self) -> Option<&File> {
+        match &self.sink {
+            Sink::Standard => None,
+            Sink::Stream(file) => Some(file),
+            Sink::Whole(file) => Some(file.file()),
+        }
+    }
+
+    /// Writes; what a failure is about is said.
+    pub(crate) fn put(&mut self, bytes: &[u8]) -> Outcome {
+        let written = self.write_all(bytes).and_then(|()| self.flush());
+        written.map_err(|error| self.failed(&error))
+    }
+
+    /// Gives a file its name.
+    pub(crate) fn commit(self) -> Outcome {
+        self.finish(WholeFile::commit)
+    }
+
+    /// Gives a file its name unless there is one of that name by now.
+    pub(crate) fn commit_new(self) -> Outcome {
+        self.finish(WholeFile::commit_new)
+    }
+
+    /// Leaves a file under its hidden name, to be found by who goes on with it.
+    pub(crate) fn keep(self) {
+        if let Sink::Whole(file) = self.sink {
+            file.keep();
+        }
+    }
+
+    /// Where a file is until it has its name.
+    pub(crate) fn hidden_path(&self) -> Option<&Path> {
+        match &self.sink {
+            Sink::Whole(file) => Some(file.hidden_path()),
+            Sink::Standard | Sink::Stream(_) => None,
+        }
+    }
+
+    fn finish(mut self, commit: impl FnOnce(WholeFile) -> io::Result<()>) -> Outcome {
+        let name = self.name.clone();
+        self.flush().map_err(|error| self.failed(&error))?;
+        match self.sink {
+            Sink::Whole(file) => commit(file).map_err(|error| failed(&name, &error)),
+            Sink::Standard | Sink::Stream(_) => Ok(()),
+        }
+    }
+
+    pub(crate) fn failed(&self, error: &io::Error) -> Failure {
+        match self.sink {
+            Sink::Standard => Failure::write("standard output", error),
+            Sink::Stream(_) | Sink::Whole(_) => failed(&self.name, error),
+        }
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.sink {
+            Sink::Standard => standard_output().write(bytes),
+            Sink::Stream(file) => file.write(bytes),
+            Sink::Whole(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &self.sink {
+            Sink::Standard => standard_output().flush(),
+            Sink::Stream(_) | Sink::Whole(_) => Ok(()),
+        }
+    }
+}
+
+fn failed(name: &str, error: &io::Error) -> Failure {
+    Failure::write(&format!("\"{name}\""), error)
+}
+
+/// Where a name leads, if it may be written there.
+fn place(name: &str) -> Result<Place, Failure> {
+    let place = any_place(name)?;
+    if let Place::File(path) = &place {
+        refuse_inputs(name, path)?;
+    }
+    Ok(place)
+}
+
+fn any_place(name: &str) -> Result<Place, Failure> {
+    Place::of(name).map_err(|error| match error.kind() {
+        io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
+        io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
+        _ => failed(name, &error),
     })
 }
 
-/// Checks that a file could be written, before long work is begun for it.
-pub(crate) fn check_writable(path: &str) -> Outcome {
-    if path == "-" {
-        return Ok(());
+/// The file that a name leads to; `None` for a pipe, a device or standard output.
+pub(crate) fn file_path(name: &str) -> Result<Option<PathBuf>, Failure> {
+    match place(name)? {
+        Place::File(path) => Ok(Some(path)),
+        Place::StandardOutput | Place::Stream(_) => Ok(None),
     }
-    let path = Path::new(path);
+}
+
+fn refuse_inputs(name: &str, path: &Path) -> Outcome {
+    match inputs::name_of(path) {
+        Some(input) if input == name => {
+            Err(Failure::usage(format!("\"{name}\" is read and written, expected another name for the output")))
+        }
+        Some(input) => {
+            let input = if input == "standard input" { input } else { format!("\"{input}\"") };
+            Err(Failure::usage(format!(
+                "\"{name}\" is to be written, but it is the same file as {input}, which is read"
+            )))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Writes a file whole; a device or pipe is written directly. `-` is standard output.
+pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
+    let mut output = Output::create(name)?;
+    output.put(bytes)?;
+    output.commit()
+}
+
+/// The same, over a file that was read: only where the user has asked for that.
+pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
+    let mut output = Output::open(name, &any_place(name)?)?;
+    output.put(bytes)?;
+    output.commit()
+}
+
+/// Opens a file to add to its end; what is in it stays whatever happens.
+pub(crate) fn append(name: &str) -> Result<File, Failure> {
+    let path = match place(name)? {
+        Place::StandardOutput => "/dev/stdout".into(),
+        Place::Stream(path) | Place::File(path) => path,
+    };
+    let opened = File::options().create(true).append(true).open(&path);
+    opened.map_err(|error| failed(name, &error))
+}
+
+/// Checks that a file could be written, before long work is begun for it.
+pub(crate) fn check_writable(name: &str) -> Outcome {
+    let Place::File(path) = place(name)? else { return Ok(()) };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match fs::metadata(folder) {
-        Ok(found) if found.is_dir() => {}
-        Ok(_) => return Err(Failure::fault(format!("cannot write \"{}\": not in a folder", path.display()))),
-        Err(error) => {
-            return Err(Failure::fault(format!("cannot write \"{}\": {}", path.display(), reason(&error))));
-        }
+        Ok(found) if found.is_dir() => Ok(()),
+        Ok(_) => Err(Failure::fault(format!("cannot write \"{name}\": not in a folder"))),
+        Err(error) => Err(Failure::fault(format!("cannot write \"{name}\": {}", reason(&error)))),
     }
-    match fs::metadata(path) {
-        Ok(found) if found.is_dir() => {
-            Err(Failure::fault(format!("cannot write \"{}\": it is a folder", path.display())))
-        }
-        _ => Ok(()),
-    }
+}
+
+/// What all programs write their standard output to: the data's, where no plugin prints.
+pub(crate) type StandardOutput = guard::standard_output::StandardOutput;
+
+/// Standard output, which only this module names.
+pub(crate) fn standard_output() -> StandardOutput {
+    guard::standard_output::StandardOutput
 }
 
 /// Writes to standard output.
 pub(crate) fn write_standard_output(bytes: &[u8]) -> Outcome {
-    let mut out = StandardOutput;
+    let mut out = standard_output();
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|error| Failure::write("standard output", &error))
-}
-
-/// A hidden file beside another one, with its name and an ending: where that is written until it is whole.
-pub(crate) fn beside(path: &Path, ending: &str) -> PathBuf {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    path.with_file_name(format!(".{name}.{ending}"))
 }

@@ -1,6 +1,7 @@
 //! A bar with the time that is left, on a terminal; silence in a pipe.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use radsight_output::interrupt;
 use std::io::IsTerminal;
 
 /// Shows how far the rays are.
@@ -32,5 +33,9 @@ impl radsight_capture::Progress for Bar {
             self.0.set_length(total);
             self.0.set_position(done);
         }
+    }
+
+    fn stops(&self) -> bool {
+        interrupt::is_asked()
     }
 }

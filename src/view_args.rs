@@ -1,6 +1,7 @@
 //! View options on a command line.
 
-use crate::failure::{Failure, reason};
+use crate::failure::Failure;
+use crate::input::read_file;
 use crate::render_args::number;
 use radsight_picture::{View, ViewOptions};
 
@@ -30,8 +31,7 @@ pub(crate) fn take_one(words: &[String], view: &mut ViewOptions) -> Result<usize
 
 /// Reads a view file, or the view of a picture, upon a view.
 pub(crate) fn read_view_file(path: &str, view: &mut ViewOptions) -> Result<(), Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::input(format!("cannot read view file \"{path}\": {}", reason(&error))))?;
+    let bytes = read_file(path, "view file")?;
     view.apply_file(&bytes).map_err(|error| Failure::input(format!("view file \"{path}\": {error}")))
 }
 

@@ -145,8 +145,8 @@ fn missing_files() {
 #[test]
 fn folders_in_place_of_files() {
     let bench = Bench::new();
-    bench.refuses_capture(".", "sheet.rad", "radsight: cannot read camera file \".\": is a directory");
-    bench.refuses_capture("camera.toml", ".", "radsight: cannot read scene file \".\": is a directory");
+    bench.refuses_capture(".", "sheet.rad", "radsight: cannot read camera file \".\": it is a folder");
+    bench.refuses_capture("camera.toml", ".", "radsight: cannot read scene file \".\": it is a folder");
 }
 
 #[cfg(unix)]

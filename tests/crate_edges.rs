@@ -43,6 +43,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("loader", &[]),
     ("matrix", &["bsdf", "cal", "diag", "picture", "spectrum"]),
     ("octree", &["formats", "ir"]),
+    ("output", &[]),
     ("parse", &["bsdf", "cal", "diag", "formats", "generate", "ir", "loader", "picture"]),
     ("picture", &[]),
     ("picture-tools", &["cal", "diag", "formats", "picture"]),

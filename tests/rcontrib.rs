@@ -226,7 +226,7 @@ fn an_interrupted_run_is_gone_on_with() {
                 let records = if size == 48 { 3 } else { 6 };
                 let end = whole.len() - records * size + 2 * size + 3;
                 std::fs::remove_file(folder.path(name)).expect("the file is removed");
-                let part = if place == "." { format!(".{name}.part") } else { name.clone() };
+                let part = if place == "." { format!(".{name}.abcdef.part") } else { name.clone() };
                 folder.file(&part, &whole[..end]);
             }
             run_once("-r+", &rays.concat()).done();
@@ -234,7 +234,7 @@ fn an_interrupted_run_is_gone_on_with() {
         }
         if size == 24 {
             // Wrong input leaves what was there.
-            folder.file(".both.dat.part", &whole[0][..whole[0].len() - 3 * size]);
+            folder.file(".both.dat.abcdef.part", &whole[0][..whole[0].len() - 3 * size]);
             std::fs::remove_file(folder.path("both.dat")).expect("the file is removed");
             assert_eq!(run_once("-r+", "1 2 3").code, 1);
             run_once("-r+", &rays.concat()).done();

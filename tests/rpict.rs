@@ -178,6 +178,27 @@ fn an_interrupted_picture_goes_on_to_the_same_bytes() {
 }
 
 #[test]
+fn a_sequence_goes_on_at_the_frame_that_is_recovered() {
+    let folder = Folder::new();
+    folder.file("room.rad", ROOM);
+    let views = b"VIEW= -vp 0 -3 1\nVIEW= -vp 0 -2 1\nVIEW= -vp 0 -2.5 1\nVIEW= -vp 0 -2.2 1\n";
+    let run = |more: &[&str]| {
+        let words = [&["rpict", "-S", "1", "-x", "20", "-y", "20", "-o", "f%d.hdr"], more, &["room.rad"]].concat();
+        run_with(command(&words).current_dir(folder.path("")), views).done();
+    };
+    run(&[]);
+    let whole: Vec<Vec<u8>> = (1..=4).map(|frame| folder.read(&format!("f{frame}.hdr"))).collect();
+    let end = |bytes: &[u8]| bytes[Header::read(bytes).expect("a header").1..].to_vec();
+    folder.file("f2.hdr", &whole[1][..whole[1].len() - 300]);
+    folder.file("f3.hdr", "it is there");
+    std::fs::remove_file(folder.path("f4.hdr")).expect("it was there");
+    run(&["-r", "2"]);
+    assert!(end(&folder.read("f2.hdr")) == end(&whole[1]), "the frame goes on");
+    assert_eq!(folder.read("f3.hdr"), b"it is there");
+    assert!(end(&folder.read("f4.hdr")) == end(&whole[3]), "the next one that is not there is made");
+}
+
+#[test]
 fn the_number_of_threads_does_not_matter() {
     let folder = Folder::new();
     folder.file("room.rad", ROOM);

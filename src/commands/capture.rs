@@ -8,6 +8,7 @@ use crate::progress::Bar;
 use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
+use radsight_output::interrupt;
 use radsight_picture::{FileFormat, Header, Image, write_image, write_png_grey8, write_png_grey16};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
@@ -36,6 +37,8 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let renderer = Renderer::new(plan);
     let bar = Bar::new("capturing");
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
+    // A signal stops the work; what is done is written then.
+    let postponed = interrupt::postpone();
     let exposure = match arguments.samples {
         Some(_) => expose_with_samples(&renderer, &rays, &weights, &bar),
         None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
@@ -43,7 +46,11 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     bar.finish();
     conclude(renderer.plan(), registry.as_ref(), &sources)?;
     say_result(&exposure, arguments);
-    write(arguments, &camera.camera, sensor, &exposure)
+    if exposure.pixels_done > 0 {
+        write(arguments, &camera.camera, sensor, &exposure)?;
+    }
+    postponed.end();
+    Ok(())
 }
 
 fn check_effort(arguments: &Capture) -> Outcome {
@@ -97,7 +104,20 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
     }
 }
 
+/// What a header says of an exposure that was stopped.
+fn partial(exposure: &Exposure, arguments: &Capture) -> String {
+    let (done, total) = (exposure.pixels_done, exposure.values.len());
+    let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
+    match exposure.estimated_error {
+        Some(error) => format!("estimated error {:.3} %, asked {:.3} %", 100.0 * error, 100.0 * asked),
+        None => format!("{done} of {total} pixels"),
+    }
+}
+
 fn say_result(exposure: &Exposure, arguments: &Capture) {
+    if exposure.is_partial {
+        return say(&format!("radsight: interrupted: the exposure is partial ({})\n", partial(exposure, arguments)));
+    }
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {
         say(&format!(
@@ -108,7 +128,10 @@ fn say_result(exposure: &Exposure, arguments: &Capture) {
 }
 
 fn write(arguments: &Capture, camera: &PinholeCamera, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
-    let header = history();
+    let mut header = history();
+    if exposure.is_partial {
+        header.push_variable("PARTIAL", &format!(" {}", partial(exposure, arguments)));
+    }
     let image = exposure_image(camera, &exposure.values)?;
     if let Some(path) = &arguments.exposure {
         let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);

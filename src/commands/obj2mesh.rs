@@ -7,7 +7,7 @@ use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{read, read_file, read_standard_input};
-use crate::output::{write_file, write_standard_output};
+use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
@@ -72,7 +72,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
             written.len()
         ));
     }
-    if output == "-" { write_standard_output(&written) } else { write_file(output, &written) }
+    write_file(output, &written)
 }
 
 impl Request {

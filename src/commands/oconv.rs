@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs};
-use crate::output::write_standard_output;
+use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{OCTREE_FORMAT, Octree, OctreeContent};
@@ -14,8 +14,7 @@ use radsight_picture::Header;
 /// How much a given cube grows on each side, scene units; as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
 
-const USAGE: &str =
-    "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [--allow-commands] [- | scene ...]";
+const USAGE: &str = "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [-o file] [--allow-commands] [- | scene ...]";
 
 /// What the command line says.
 struct Arguments {
@@ -28,6 +27,8 @@ struct Arguments {
     is_frozen: bool,
     /// `-w`
     is_quiet: bool,
+    /// `-o`, ours alone: a file that appears whole; `-` for standard output.
+    output: String,
     trust: Trust,
     files: Vec<String>,
 }
@@ -75,7 +76,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         content,
     };
     let bytes = octree.write(&built.tree).map_err(|error| Failure::input(format!("oconv: {error}")))?;
-    write_standard_output(&bytes)
+    write_file(&arguments.output, &bytes)
 }
 
 /// What is kept of the octree of `-i`.
@@ -106,6 +107,7 @@ impl Arguments {
             build: BuildOptions::default(),
             is_frozen: false,
             is_quiet: false,
+            output: "-".to_owned(),
             trust: trust.clone(),
             files: Vec::new(),
         };
@@ -132,6 +134,7 @@ impl Arguments {
                 "-r" => arguments.build.resolution = number(word, value()?)?,
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
+                "-o" => arguments.output = value()?.clone(),
                 _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
             }
         }

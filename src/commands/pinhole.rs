@@ -4,7 +4,7 @@ use crate::args::{Average, CameraRays, Pinhole, Shift};
 use crate::commands::capture::exposure_image;
 use crate::failure::{Failure, Outcome, reason};
 use crate::input::{history, read_camera, read_file};
-use crate::output::write_standard_output;
+use crate::output::{standard_output, write_standard_output};
 use radsight_camera::CameraFile;
 use radsight_picture::{FloatMatrix, MatrixFormat, read_image};
 use radsight_pinhole::shift::{RadiancePicture, ShiftAverage, ShiftPattern};
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Pinhole) -> Outcome {
 fn rays(arguments: &CameraRays) -> Outcome {
     let (_, rays, format) = set_up(arguments)?;
     let mut stream = RayStream::new(&rays, format);
-    let mut out = BufWriter::new(io::stdout().lock());
+    let mut out = BufWriter::new(standard_output());
     let mut bytes = Vec::new();
     loop {
         bytes.clear();

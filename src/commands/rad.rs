@@ -2,18 +2,20 @@
 
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
-use crate::output::{write_file, write_standard_output};
+use crate::output::{Output, write_file, write_standard_output};
 use crate::render_args::number;
 use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
 use crate::view_args;
 use radsight_diag::{SourceMap, Span};
 use radsight_generate::shell_words::{Stage, split};
+use radsight_output::interrupt::{ActionGuard, at_signal};
+use radsight_output::leftovers;
 use radsight_parse::{Input, ReadOptions, cube};
-use radsight_picture::ViewOptions;
+use radsight_picture::{Unfinished, ViewOptions};
 use radsight_rif::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Rif, Site, Step};
 use std::fs::{self, File};
-use std::path::Path;
-use std::process::Stdio;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 const USAGE: &str = "rad [--allow-commands] [--allow-outputs] [--allow-plugins] \
@@ -203,18 +205,47 @@ impl Arguments {
         if let (Some(threads), "rpict" | "mkillum") = (self.threads, name) {
             command.args(["-n", &threads.to_string()]);
         }
-        command.args(words).stdin(Stdio::null());
-        if let Some(path) = output {
-            let failed = |error| Failure::write(&format!("\"{path}\""), &error);
-            command.stdout(File::create(path).map_err(failed)?);
+        // What rpict writes to a file of its own survives an interruption.
+        let own = output.filter(|_| name == "rpict").zip(words.split_last());
+        match own {
+            Some((path, (octree, options))) => {
+                // It is older than the octree, or has no row.
+                if fs::symlink_metadata(path).is_ok_and(|found| found.is_file()) {
+                    fs::remove_file(path).map_err(|error| Failure::write(&format!("\"{path}\""), &error))?;
+                }
+                command.args(options).args(["-o", path, octree]);
+            }
+            None => drop(command.args(words)),
         }
-        let status = command.status().map_err(fault)?;
+        let output = output.filter(|_| own.is_none()).map(Output::create).transpose()?;
+        if let Some(file) = output.as_ref().and_then(Output::file) {
+            command.stdout(file.try_clone().map_err(fault)?);
+        }
+        let mut child = command.stdin(Stdio::null()).spawn().map_err(fault)?;
+        let ended = end_at_signal(&child);
+        let status = child.wait().map_err(fault)?;
+        drop(ended);
         if status.success() {
-            return Ok(());
+            return output.map_or(Ok(()), Output::commit);
         }
         // What is wrong was said by the program itself.
         Err(Failure::input(format!("rad: {name} failed ({status})")))
     }
+}
+
+/// Ends a program with this one, so that it saves what it has done.
+#[cfg(unix)]
+fn end_at_signal(child: &Child) -> Option<ActionGuard> {
+    use nix::sys::signal::{Signal, kill};
+    let process = nix::unistd::Pid::from_raw(i32::try_from(child.id()).ok()?);
+    Some(at_signal(move || {
+        let _ = kill(process, Signal::SIGTERM);
+    }))
+}
+
+#[cfg(not(unix))]
+fn end_at_signal(_child: &Child) -> Option<ActionGuard> {
+    None
 }
 
 /// A refusal at a line of the project.
@@ -271,6 +302,26 @@ fn whole_view(options: &str) -> Result<String, Failure> {
     Ok(view_args::checked(view)?.options().to_full_string())
 }
 
+/// Ends the names of pictures in the making.
+const UNFINISHED: &str = ".unf";
+
+/// When a picture in the making was changed last, or what a killed run has left of it. One that has
+/// no row is as none.
+fn unfinished_date(name: &str) -> Date {
+    let has_rows = |path: &PathBuf| {
+        let bytes = fs::read(path).unwrap_or_default();
+        Unfinished::read(&bytes).is_ok_and(|unfinished| unfinished.scanlines > 0)
+    };
+    let places = [PathBuf::from(name)].into_iter().chain(leftovers(Path::new(name)));
+    places.filter(has_rows).map(|path| date(&path)).max().unwrap_or(0)
+}
+
+fn date(path: &Path) -> Date {
+    let modified = fs::metadata(path).and_then(|found| found.modified());
+    let since = modified.ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+    since.map_or(0, |since| since.as_secs() as Date)
+}
+
 /// The files of the working folder.
 struct Disk {
     trust: Trust,
@@ -278,9 +329,10 @@ struct Disk {
 
 impl Site for Disk {
     fn date(&self, name: &str) -> Date {
-        let modified = fs::metadata(name).and_then(|found| found.modified());
-        let since = modified.ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-        since.map_or(0, |since| since.as_secs() as Date)
+        match name.ends_with(UNFINISHED) {
+            true => unfinished_date(name),
+            false => date(Path::new(name)),
+        }
     }
 
     fn cube(&self, scene: &[String]) -> Option<Cube> {

@@ -9,12 +9,14 @@ mod options;
 use super::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason, say};
+use crate::output::{Output, append};
 use crate::trust::{Trust, shell};
 use options::{Form, Options, Part};
 use radsight_picture::{Header, Resolution};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
-use std::process::{Child, Stdio};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Stdio};
 
 /// The lines of a header that say how its own data are stored.
 const STORED: [&str; 5] = ["FORMAT=", "NROWS=", "NCOLS=", "NCOMP=", "BigEndian="];
@@ -96,8 +98,19 @@ struct Outputs {
 struct Sink {
     /// For messages.
     name: String,
-    writer: BufWriter<Box<dyn Write>>,
+    writer: BufWriter<Target>,
     child: Option<Child>,
+}
+
+/// What a part is written to.
+enum Target {
+    Command(ChildStdin),
+    /// A file that is added to.
+    Appended(File),
+    /// What goes over a file of its name.
+    Over(Output),
+    /// What only makes a file that is not there.
+    New(Output),
 }
 
 impl Outputs {
@@ -172,13 +185,18 @@ impl Outputs {
 
     fn close(self) -> Outcome {
         for sink in self.sinks {
-            let Sink { name, mut writer, child } = sink;
-            let flushed = writer.flush();
-            drop(writer);
+            let Sink { name, writer, child } = sink;
+            let flushed = writer.into_inner().map_err(io::IntoInnerError::into_error);
             let Some(mut child) = child else {
-                flushed.map_err(|error| Failure::write(&shown(&name), &error))?;
+                match flushed.map_err(|error| Failure::write(&shown(&name), &error))? {
+                    Target::Over(output) => output.commit()?,
+                    Target::New(output) => output.commit_new()?,
+                    Target::Appended(_) | Target::Command(_) => {}
+                }
                 continue;
             };
+            // The command's input ends here.
+            drop(flushed);
             // A command may end before its input; its status says whether it should have.
             let status = child.wait().map_err(|error| Failure::fault(format!("rsplit: {name}: {}", reason(&error))))?;
             if !status.success() {
@@ -193,26 +211,22 @@ impl Sink {
     fn open(name: &str, part: &Part, commands: Commands) -> Result<Sink, Failure> {
         let failed = |error: io::Error| Failure::write(&shown(name), &error);
         let mut child = None;
-        let writer: Box<dyn Write> = match name.strip_prefix('!') {
-            None if name == "-" => Box::new(io::stdout().lock()),
+        let target = match name.strip_prefix('!') {
             Some(command) => {
                 let started = shell(commands.permit(command)?, command).stdin(Stdio::piped()).spawn();
                 let started = child.insert(started.map_err(failed)?);
-                Box::new(started.stdin.take().expect("it is piped"))
+                Target::Command(started.stdin.take().expect("it is piped"))
             }
-            None if part.appends => Box::new(File::options().create(true).append(true).open(name).map_err(failed)?),
-            None if part.overwrites => Box::new(File::create(name).map_err(failed)?),
-            None => match File::create_new(name) {
-                Ok(file) => Box::new(file),
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                    return Err(Failure::usage(format!(
-                        "rsplit: \"{name}\" exists, expected -f before it to overwrite it, or -a to add to it"
-                    )));
-                }
-                Err(error) => return Err(failed(error)),
-            },
+            None if part.appends => Target::Appended(append(name)?),
+            None if part.overwrites || name == "-" => Target::Over(Output::create(name)?),
+            None if Path::new(name).symlink_metadata().is_ok() => {
+                return Err(Failure::usage(format!(
+                    "rsplit: \"{name}\" exists, expected -f before it to overwrite it, or -a to add to it"
+                )));
+            }
+            None => Target::New(Output::create(name)?),
         };
-        Ok(Sink { name: name.to_owned(), writer: BufWriter::with_capacity(1 << 16, writer), child })
+        Ok(Sink { name: name.to_owned(), writer: BufWriter::with_capacity(1 << 16, target), child })
     }
 
     fn put(&mut self, bytes: &[u8]) -> Outcome {
@@ -220,6 +234,24 @@ impl Sink {
             Some(_) => Failure::input(format!("rsplit: command \"{}\" ended before its input", &self.name[1..])),
             None => Failure::write(&shown(&self.name), &error),
         })
+    }
+}
+
+impl Write for Target {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Target::Command(input) => input.write(bytes),
+            Target::Appended(file) => file.write(bytes),
+            Target::Over(output) | Target::New(output) => output.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Target::Command(input) => input.flush(),
+            Target::Appended(file) => file.flush(),
+            Target::Over(output) | Target::New(output) => output.flush(),
+        }
     }
 }
 

@@ -3,14 +3,15 @@
 use crate::disk::DiskLoader;
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
-use crate::output::{write_file, write_standard_output};
+use crate::output::{standard_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use glam::DVec3;
 use radsight_generate::{Error, Output, StandardInput, padded};
 use radsight_loader::LoadError;
 use radsight_parse::{Purpose, ReadOptions, bounds, xform};
-use std::cell::OnceCell;
-use std::io::{IsTerminal, Read, stdin};
+use std::cell::{OnceCell, RefCell};
+use std::io::{self, IsTerminal, Read, Write, stdin};
+use std::rc::Rc;
 
 /// Programs of the shell that scenes call too, but that nobody wants replaced.
 const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
@@ -43,11 +44,41 @@ pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
     let commands = if name == "rlam" { trust.own_commands() } else { trust.commands() };
     let input = Piped::default();
     let loader = DiskLoader::new(commands).shuffling();
-    let made = match name {
-        "xform" => xform(&argv, &input, &loader),
-        _ => radsight_generate::run(&argv, &input, &loader),
-    };
-    finish(name, made, &trust)
+    if name == "xform" {
+        return finish(name, xform(&argv, &input, &loader), &trust);
+    }
+    let sink = Rc::new(RefCell::new(StreamingOutput::default()));
+    let made = radsight_generate::run_to(sink.clone(), &argv, &input, &loader);
+    match sink.take().failed {
+        Some(error) => Err(Failure::write("standard output", &error)),
+        None => finish(name, made, &trust),
+    }
+}
+
+/// Standard output of a program that answers while it reads. Keeps why a write failed.
+#[derive(Default)]
+struct StreamingOutput {
+    failed: Option<io::Error>,
+}
+
+impl Write for StreamingOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        standard_output().write(bytes).map_err(|error| self.keep(error))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        standard_output().flush().map_err(|error| self.keep(error))
+    }
+}
+
+impl StreamingOutput {
+    fn keep(&mut self, error: io::Error) -> io::Error {
+        let kind = error.kind();
+        if kind != io::ErrorKind::Interrupted {
+            self.failed = Some(error);
+        }
+        kind.into()
+    }
 }
 
 /// Standard input, if it is piped in: a program that is typed at a terminal must not wait for it.
@@ -58,11 +89,26 @@ impl StandardInput for Piped {
     fn bytes(&self) -> Result<&[u8], LoadError> {
         self.0.get_or_init(read_piped).as_deref().map_err(LoadError::clone)
     }
+
+    /// A filter waits for what is typed, too.
+    fn reader(&self) -> Result<Box<dyn Read + '_>, LoadError> {
+        refuse_own_output()?;
+        Ok(Box::new(stdin().lock()))
+    }
+}
+
+/// What is written would be read again, for ever.
+fn refuse_own_output() -> Result<(), LoadError> {
+    match radsight_output::inputs::is_standard_input_standard_output() {
+        true => Err(LoadError::OwnOutput { path: "standard input".to_owned() }),
+        false => Ok(()),
+    }
 }
 
 fn read_piped() -> Result<Vec<u8>, LoadError> {
     let mut bytes = Vec::new();
     if !stdin().is_terminal() {
+        refuse_own_output()?;
         let unreadable = |error| LoadError::Unreadable { path: "standard input".to_owned(), reason: reason(&error) };
         stdin().lock().read_to_end(&mut bytes).map_err(unreadable)?;
     }
@@ -73,7 +119,11 @@ fn read_piped() -> Result<Vec<u8>, LoadError> {
 pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> Outcome {
     let output = made.map_err(|error| {
         let says_its_name = error.program() == Some(name);
-        Failure::input(if says_its_name { error.to_string() } else { format!("{name}: {error}") })
+        let message = if says_its_name { error.to_string() } else { format!("{name}: {error}") };
+        match error {
+            Error::Load(LoadError::OwnOutput { .. }) => Failure::usage(message),
+            _ => Failure::input(message),
+        }
     })?;
     for warning in &output.warnings {
         say(&format!("{name}: warning - {warning}\n"));

@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::read_file;
-use crate::output::write_standard_output;
+use crate::output::{StandardOutput, standard_output, write_standard_output};
 use crate::render_args::number;
 use crate::view_args;
 use glam::DVec3;
@@ -142,7 +142,7 @@ struct Rays {
     resolution: Resolution,
     /// Distances in the order of the picture's scanlines.
     depths: Option<Vec<f32>>,
-    out: BufWriter<io::StdoutLock<'static>>,
+    out: BufWriter<StandardOutput>,
     record: Vec<u8>,
     /// How many pixels were asked for before.
     pixel: u64,
@@ -156,7 +156,7 @@ impl Rays {
             Some(path) => Some(read_depths(path, &resolution)?),
             None => None,
         };
-        let out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+        let out = BufWriter::with_capacity(1 << 16, standard_output());
         Ok(Rays { options, lens, resolution, depths, out, record: Vec::new(), pixel: 0 })
     }
 

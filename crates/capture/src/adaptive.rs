@@ -44,8 +44,9 @@ struct Pixel {
 }
 
 impl Pixel {
+    /// 0 before the first sample.
     fn mean(&self) -> f64 {
-        self.sum / f64::from(self.samples)
+        self.sum / f64::from(self.samples.max(1))
     }
 
     /// Takes in the second half of its samples.
@@ -79,22 +80,39 @@ pub fn expose_to_error(
         let done = traced.fetch_add(count, Ordering::Relaxed) + count;
         progress.report(done, planned.load(Ordering::Relaxed).max(done));
     };
-    work.begin(&mut pixels, &report);
+    work.begin(&mut pixels, progress, &report);
+    let scale = rays.camera().exposure_per_radiance();
+    let pixels_done = pixels.iter().filter(|pixel| pixel.samples > 0).count();
+    if pixels_done < pixels.len() {
+        return Exposure {
+            values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            rays: traced.into_inner(),
+            estimated_error: None,
+            pixels_done: pixels_done as u64,
+            is_partial: true,
+        };
+    }
     let mut estimate = Estimate::new(&pixels, columns, rows);
+    let mut is_partial = false;
     for _ in 0..MAX_PASSES {
         let chosen = estimate.choose(&pixels, error);
         if chosen.is_empty() {
             break;
         }
         planned.fetch_add(chosen.iter().map(|&index| u64::from(pixels[index].samples)).sum(), Ordering::Relaxed);
-        work.double(&mut pixels, &chosen, &report);
+        work.double(&mut pixels, &chosen, progress, &report);
         estimate = Estimate::new(&pixels, columns, rows);
+        if progress.stops() {
+            is_partial = estimate.relative_error() > error;
+            break;
+        }
     }
-    let scale = rays.camera().exposure_per_radiance();
     Exposure {
         values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
         rays: traced.into_inner(),
         estimated_error: Some(estimate.relative_error()),
+        pixels_done: pixels_done as u64,
+        is_partial,
     }
 }
 
@@ -106,10 +124,13 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// The first samples of every pixel, with two doublings to see how the error falls.
-    fn begin(&self, pixels: &mut [Pixel], report: &(impl Fn(u64) + Sync)) {
+    fn begin(&self, pixels: &mut [Pixel], progress: &dyn Progress, report: &(impl Fn(u64) + Sync)) {
         pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
             || self.renderer.worker(),
             |worker, (index, pixel)| {
+                if progress.stops() {
+                    return;
+                }
                 pixel.samples = FIRST_SAMPLES / 4;
                 pixel.sum = self.sum(worker, index, 0..pixel.samples);
                 for _ in 0..2 {
@@ -120,23 +141,27 @@ impl Work<'_> {
         );
     }
 
-    fn double(&self, pixels: &mut [Pixel], chosen: &[usize], report: &(impl Fn(u64) + Sync)) {
+    /// Doubles the samples of some pixels, as far as the work goes on.
+    fn double(&self, pixels: &mut [Pixel], chosen: &[usize], progress: &dyn Progress, report: &(impl Fn(u64) + Sync)) {
         let before: &[Pixel] = pixels;
-        let second_halves: Vec<f64> = chosen
+        let second_halves: Vec<Option<f64>> = chosen
             .par_iter()
             .with_min_len(4)
             .map_init(
                 || self.renderer.worker(),
                 |worker, &index| {
+                    if progress.stops() {
+                        return None;
+                    }
                     let samples = before[index].samples;
                     let sum = self.sum(worker, index, samples..2 * samples);
                     report(u64::from(samples));
-                    sum
+                    Some(sum)
                 },
             )
             .collect();
         for (&index, second_half) in chosen.iter().zip(second_halves) {
-            pixels[index].double(second_half);
+            second_half.into_iter().for_each(|half| pixels[index].double(half));
         }
     }
 

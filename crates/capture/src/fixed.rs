@@ -4,7 +4,7 @@ use crate::{Exposure, Progress};
 use radsight_pinhole::{BandWeights, CameraRay, PixelAverage, Rays};
 use radsight_render::{Ray, RayWorker, Renderer};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Pixels that a thread takes at a time.
 const CHUNK: usize = 64;
@@ -20,10 +20,14 @@ pub fn expose_with_samples(
     let camera = rays.camera();
     let pixels = camera.pixel_count();
     let mut values = vec![0.0; pixels as usize];
+    let is_left_out = AtomicBool::new(false);
     let done = AtomicU64::new(0);
     values.par_chunks_mut(CHUNK).enumerate().for_each_init(
         || renderer.worker(),
         |worker, (chunk, values)| {
+            if progress.stops() {
+                return is_left_out.store(true, Ordering::Relaxed);
+            }
             for (pixel, value) in ((chunk * CHUNK) as u64..).zip(values.iter_mut()) {
                 let mut average = PixelAverage::default();
                 for sample in 0..rays.samples() {
@@ -37,7 +41,9 @@ pub fn expose_with_samples(
             progress.report(before + values.len() as u64, pixels);
         },
     );
-    Exposure { values, rays: rays.count(), estimated_error: None }
+    let (pixels_done, is_partial) = (done.into_inner(), is_left_out.into_inner());
+    let traced = pixels_done * u64::from(rays.samples());
+    Exposure { values, rays: traced, estimated_error: None, pixels_done, is_partial }
 }
 
 /// The radiance of ray number `index`, bands added up.

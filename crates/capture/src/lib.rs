@@ -19,6 +19,10 @@ pub struct Exposure {
     pub rays: u64,
     /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
     pub estimated_error: Option<f64>,
+    /// How many pixels have a value; the others have 0. All of them, unless the work was stopped.
+    pub pixels_done: u64,
+    /// Whether the work was stopped before it was done.
+    pub is_partial: bool,
 }
 
 impl Exposure {
@@ -33,6 +37,11 @@ impl Exposure {
 pub trait Progress: Sync {
     /// `done` of `total` steps; `total` may grow.
     fn report(&self, done: u64, total: u64);
+
+    /// Whether the work is to stop where it is; once it is so it stays so.
+    fn stops(&self) -> bool {
+        false
+    }
 }
 
 /// Says nothing.

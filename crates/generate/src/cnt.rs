@@ -33,13 +33,13 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
     }
     let lines = limits.iter().map(|limit| *limit as f64).product::<f64>();
-    let mut text = Text::default();
+    let mut text = invocation.text();
     text.expect_room(lines, 2.0 * limits.len() as f64 + 1.0)?;
     if is_shuffled {
         for line in shuffled(lines as u32, invocation.loader.shuffle_seed()) {
             write_line(&mut text, &limits, line)?;
         }
-        return Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() });
+        return Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() });
     }
     let mut counters = vec![0; limits.len()];
     loop {
@@ -51,7 +51,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         counters[place] += 1;
         counters[place + 1..].fill(0);
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }
 
 /// The numbers below a count in random order (Fisher and Yates; Knuth, "The Art of Computer Programming" 2, 3.4.2 P).

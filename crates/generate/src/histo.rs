@@ -3,8 +3,10 @@
 
 use crate::arguments::Arguments;
 use crate::records::{is_blank, number_at_start};
+use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
+use radsight_loader::FileKind;
 use std::fmt::Write;
 
 const USAGE: &str = "histo [-c] [-p] min max n, or histo [-c] [-p] imin imax";
@@ -41,8 +43,8 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         arguments.word();
     }
     let range = Range::read(&mut arguments)?;
-    let columns = range.count(invocation.standard_input()?);
-    let mut text = Text::default();
+    let mut text = invocation.text();
+    let columns = range.count(&mut invocation.supply("-", FileKind::Other)?, &mut text)?;
     let steps = range.divisions + usize::from(cumulative);
     let mut sums: Vec<u64> = columns.iter().map(|column| column.below).collect();
     for step in 0..steps {
@@ -59,7 +61,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         text.write_str("\n")?;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }
 
 impl Range {
@@ -84,11 +86,11 @@ impl Range {
         Ok(Range { low, high, divisions: divisions as usize })
     }
 
-    fn count(&self, input: &[u8]) -> Vec<Column> {
+    fn count(&self, input: &mut Supply<'_>, text: &mut Text) -> Result<Vec<Column>, Error> {
         let empty = Column { below: 0, above: 0, inside: vec![0; self.divisions] };
         let mut columns: Vec<Column> = Vec::new();
-        for line in input.split(|byte| *byte == b'\n') {
-            let words = line.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty());
+        while let Some(line) = input.line(text)? {
+            let words = input.bytes(line).split(|byte| is_blank(*byte)).filter(|word| !word.is_empty());
             for (place, word) in words.take(MOST_COLUMNS).enumerate() {
                 if place == columns.len() {
                     columns.push(empty.clone());
@@ -104,7 +106,7 @@ impl Range {
                 }
             }
         }
-        columns
+        Ok(columns)
     }
 }
 

@@ -66,6 +66,7 @@ mod scene_words;
 pub mod shell_words;
 mod sky_patches;
 mod sun;
+mod supply;
 mod tabfunc;
 mod text;
 mod total;
@@ -78,11 +79,14 @@ pub use genskyvec::{OpenSky, genskyvec};
 pub use lamps::lamp_color;
 pub use mksource::{OpenSurrounding, Surrounding, mksource};
 pub use pipeline::{PipelineError, pipeline};
-pub use text::{General, MAX_OUTPUT_BYTES, padded};
+pub use text::{General, MAX_OUTPUT_BYTES, Sink, padded};
 pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
 
 use radsight_loader::{FileKind, LoadError, Loader};
 use std::borrow::Cow;
+use std::io::Read;
+use supply::Supply;
+use text::Text;
 
 /// What a command gave.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -105,6 +109,14 @@ pub trait StandardInput {
     /// # Errors
     /// When it cannot be read.
     fn bytes(&self) -> Result<&[u8], LoadError>;
+
+    /// What was not read of it yet, to be read as it comes.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    fn reader(&self) -> Result<Box<dyn Read + '_>, LoadError> {
+        Ok(Box::new(self.bytes()?))
+    }
 }
 
 impl<T: AsRef<[u8]>> StandardInput for T {
@@ -119,6 +131,7 @@ pub(crate) struct Invocation<'a> {
     standard_input: &'a dyn StandardInput,
     pub(crate) loader: &'a dyn Loader,
     pub(crate) extra: &'a Extra<'a>,
+    sink: Option<Sink>,
 }
 
 /// What a word that names an input is called in messages.
@@ -139,6 +152,20 @@ impl<'a> Invocation<'a> {
             "-" => self.standard_input().map(Cow::Borrowed),
             name => Ok(Cow::Owned(self.loader.load(name, kind)?.bytes)),
         }
+    }
+
+    /// The same, read as it comes.
+    pub(crate) fn supply(&self, name: &str, kind: FileKind) -> Result<Supply<'a>, Error> {
+        let source = match name {
+            "-" => self.standard_input.reader()?,
+            name => self.loader.open(name, kind)?,
+        };
+        Ok(Supply::new(name, source))
+    }
+
+    /// The program's output, which is sent on while it runs if the caller wants that.
+    pub(crate) fn text(&self) -> Text {
+        Text::to(self.sink.clone())
     }
 }
 
@@ -205,15 +232,36 @@ pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loa
     run_with(argv, standard_input, loader, &|_, _| None)
 }
 
+/// Runs one command and sends on its output while it runs, for the programs that answer line by
+/// line (`cnt`, `rcalc`, `rcollate`, `rlam`, `total`): they take memory for one record. What was
+/// answered before an error is sent on before it is returned.
+///
+/// [`Output::standard_output`] is what was not sent on: all of it from other programs.
+///
+/// # Errors
+/// As [`run`], and [`Error::OutputTooLarge`] when the sink fails, which knows why.
+pub fn run_to(
+    sink: Sink,
+    argv: &[String],
+    standard_input: &dyn StandardInput,
+    loader: &dyn Loader,
+) -> Result<Output, Error> {
+    run_invocation(&Invocation { argv, standard_input, loader, extra: &|_, _| None, sink: Some(sink) })
+}
+
 pub(crate) fn run_with(
     argv: &[String],
     standard_input: &dyn StandardInput,
     loader: &dyn Loader,
     extra: &Extra<'_>,
 ) -> Result<Output, Error> {
-    let name = argv.first().map_or("", String::as_str);
+    run_invocation(&Invocation { argv, standard_input, loader, extra, sink: None })
+}
+
+fn run_invocation(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let name = invocation.argv.first().map_or("", String::as_str);
     match find(name) {
-        Some(program) => program(&Invocation { argv, standard_input, loader, extra }),
+        Some(program) => program(invocation),
         None => Err(Error::UnknownProgram { program: name.to_owned() }),
     }
 }

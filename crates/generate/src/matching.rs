@@ -6,6 +6,7 @@ use crate::Error;
 use crate::rcalc::Passing;
 use crate::record_format::Field;
 use crate::records::{is_blank, number_at_start};
+use crate::supply::Supply;
 use crate::text::Text;
 
 /// A field of the input has no more bytes than this.
@@ -36,9 +37,9 @@ pub(crate) struct Matcher<'a> {
     fields: Vec<&'a Field>,
     /// The first literal without its leading blanks, which no record begins with.
     first_literal: Option<Vec<u8>>,
-    input: &'a [u8],
-    /// Where the present record begins, and how far it is matched.
-    home: usize,
+    /// Its window begins where the present record does.
+    input: Supply<'a>,
+    /// How far the present record is matched.
     position: usize,
     blanks_join: bool,
     across_lines: bool,
@@ -49,7 +50,7 @@ pub(crate) struct Matcher<'a> {
 impl<'a> Matcher<'a> {
     pub(crate) fn new(
         fields: &'a [Field],
-        input: &'a [u8],
+        input: Supply<'a>,
         blanks_join: bool,
         across_lines: bool,
         passing: Passing,
@@ -68,7 +69,6 @@ impl<'a> Matcher<'a> {
             fields,
             first_literal: matcher_literal,
             input,
-            home: 0,
             position: 0,
             blanks_join,
             across_lines,
@@ -84,31 +84,31 @@ impl<'a> Matcher<'a> {
 
     /// Whether the record that was found has no bytes, so that it would be found again.
     pub(crate) fn is_empty_match(&self) -> bool {
-        self.home == self.position
+        self.position == 0
     }
 
     /// Finds the next record; false at the end of the input.
     pub(crate) fn next_record(&mut self, strings: &mut Strings, text: &mut Text) -> Result<bool, Error> {
-        while self.peek().is_some() {
+        while self.peek(text)?.is_some() {
             if self.blanks_join {
-                while self.peek().is_some_and(|byte| blank(byte, self.across_lines)) {
+                while self.peek(text)?.is_some_and(|byte| blank(byte, self.across_lines)) {
                     self.skip(text)?;
                 }
             }
-            let Some(first) = self.peek() else { return Ok(false) };
+            let Some(first) = self.peek(text)? else { return Ok(false) };
             let eats_line = !self.across_lines && first != b'\n';
             strings.matched.clear();
             self.numbers.clear();
-            if (0..self.fields.len()).all(|index| self.field(index, strings)) {
+            if self.fields(strings, text)? {
                 return Ok(true);
             }
             self.skip(text)?;
             if eats_line {
-                while self.peek() != Some(b'\n') {
-                    if self.peek().is_none() {
-                        return Ok(false);
-                    }
+                while self.peek(text)?.is_some_and(|byte| byte != b'\n') {
                     self.skip(text)?;
+                }
+                if self.peek(text)?.is_none() {
+                    return Ok(false);
                 }
                 self.skip(text)?;
             }
@@ -118,65 +118,81 @@ impl<'a> Matcher<'a> {
 
     /// Goes on behind the record that was found.
     pub(crate) fn advance(&mut self, accepted: bool, text: &mut Text) -> Result<(), Error> {
+        let record = self.input.take(self.position);
         if !accepted && self.passing == Passing::UnmatchedAndRefused {
-            text.push_bytes(&self.input[self.home..self.position])?;
+            text.push_bytes(self.input.bytes(record))?;
         }
-        self.home = self.position;
+        self.position = 0;
         Ok(())
     }
 
-    fn peek(&self) -> Option<u8> {
-        self.input.get(self.position).copied()
+    fn peek(&mut self, text: &mut Text) -> Result<Option<u8>, Error> {
+        while self.position >= self.input.window().len() {
+            if !self.input.more(text)? {
+                return Ok(None);
+            }
+        }
+        Ok(Some(self.input.window()[self.position]))
     }
 
     /// Gives up the byte with which the record was to begin, and starts again behind it.
     fn skip(&mut self, text: &mut Text) -> Result<(), Error> {
+        let byte = self.input.take(1);
         if self.passing != Passing::Nothing {
-            text.push_bytes(&self.input[self.home..=self.home])?;
+            text.push_bytes(self.input.bytes(byte))?;
         }
-        self.home += 1;
-        self.position = self.home;
+        self.position = 0;
         Ok(())
     }
 
-    fn field(&mut self, index: usize, strings: &mut Strings) -> bool {
+    fn fields(&mut self, strings: &mut Strings, text: &mut Text) -> Result<bool, Error> {
+        for index in 0..self.fields.len() {
+            if !self.field(index, strings, text)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn field(&mut self, index: usize, strings: &mut Strings, text: &mut Text) -> Result<bool, Error> {
         match self.fields[index] {
             Field::Literal(bytes) => match (index, self.first_literal.take()) {
                 (0, Some(stripped)) => {
-                    let matches = self.literal(&stripped);
+                    let matches = self.literal(&stripped, text);
                     self.first_literal = Some(stripped);
                     matches
                 }
                 (_, kept) => {
                     self.first_literal = kept;
-                    self.literal(bytes)
+                    self.literal(bytes, text)
                 }
             },
-            Field::Text { name, width } => self.string(index, name, *width, strings),
-            Field::Number { name, width } => self.number(index, name, *width),
+            Field::Text { name, width } => self.string((index, *width), name, strings, text),
+            Field::Number { name, width } => self.number((index, *width), name, text),
         }
     }
 
-    fn literal(&mut self, bytes: &[u8]) -> bool {
-        let is_blank = |byte: u8| blank(byte, self.across_lines);
+    fn literal(&mut self, bytes: &[u8], text: &mut Text) -> Result<bool, Error> {
+        let across_lines = self.across_lines;
+        let is_blank = |byte: u8| blank(byte, across_lines);
         let mut rest = bytes;
         while let Some(first) = rest.first() {
             if self.blanks_join && is_blank(*first) {
-                if !self.peek().is_some_and(is_blank) {
-                    return false;
+                if !self.peek(text)?.is_some_and(is_blank) {
+                    return Ok(false);
                 }
                 rest = &rest[rest.iter().take_while(|byte| is_blank(**byte)).count()..];
-                while self.peek().is_some_and(is_blank) {
+                while self.peek(text)?.is_some_and(is_blank) {
                     self.position += 1;
                 }
-            } else if self.peek() == Some(*first) {
+            } else if self.peek(text)? == Some(*first) {
                 rest = &rest[1..];
                 self.position += 1;
             } else {
-                return false;
+                return Ok(false);
             }
         }
-        true
+        Ok(true)
     }
 
     /// The first byte of the literal behind a field.
@@ -198,29 +214,35 @@ impl<'a> Matcher<'a> {
         }
     }
 
-    fn string(&mut self, index: usize, name: &str, width: usize, strings: &mut Strings) -> bool {
+    fn string(
+        &mut self,
+        (index, width): (usize, usize),
+        name: &str,
+        strings: &mut Strings,
+        text: &mut Text,
+    ) -> Result<bool, Error> {
         let (delimiter, start) = (self.delimiter(index), self.position);
-        while let Some(byte) = self.peek() {
+        while let Some(byte) = self.peek(text)? {
             let length = self.position - start;
             if byte == b'\n' || length == LONGEST_FIELD || !self.belongs(byte, delimiter, length, width) {
                 break;
             }
             self.position += 1;
         }
-        let value = String::from_utf8_lossy(&self.input[start..self.position]);
-        match strings.value(name) {
+        let value = String::from_utf8_lossy(&self.input.window()[start..self.position]);
+        Ok(match strings.value(name) {
             Some(known) => known == value,
             None => {
                 strings.matched.insert(name.to_owned(), value.into_owned());
                 true
             }
-        }
+        })
     }
 
-    fn number(&mut self, index: usize, name: &'a str, width: usize) -> bool {
+    fn number(&mut self, (index, width): (usize, usize), name: &'a str, text: &mut Text) -> Result<bool, Error> {
         let (delimiter, start) = (self.delimiter(index), self.position);
         let mut number_start = None;
-        while let Some(byte) = self.peek() {
+        while let Some(byte) = self.peek(text)? {
             let length = self.position - start;
             let leading = number_start.is_none() && blank(byte, self.across_lines);
             let numeric = byte.is_ascii_digit() || b"-.+eE".contains(&byte);
@@ -232,8 +254,8 @@ impl<'a> Matcher<'a> {
             }
             self.position += 1;
         }
-        let value = number_start.map_or(0.0, |start| number_at_start(&self.input[start..self.position]));
-        match self.numbers.iter().find(|(known, _)| *known == name) {
+        let value = number_start.map_or(0.0, |start| number_at_start(&self.input.window()[start..self.position]));
+        Ok(match self.numbers.iter().find(|(known, _)| *known == name) {
             Some((_, before)) => {
                 let difference = (before - value) / if value == 0.0 { 1.0 } else { value };
                 difference.abs() <= 0.001
@@ -242,7 +264,7 @@ impl<'a> Matcher<'a> {
                 self.numbers.push((name, value));
                 true
             }
-        }
+        })
     }
 }
 

@@ -27,6 +27,39 @@ pub(crate) fn leading_number(word: &str) -> Option<(f64, usize)> {
     Some((word[start..end].parse().ok()?, end))
 }
 
+/// More digits may not fit into the 53 bits of a number.
+const SHORT_DIGITS: usize = 15;
+
+/// Powers of ten, each of which a number holds exactly.
+const POWERS_OF_TEN: [f64; SHORT_DIGITS + 1] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
+
+/// The number that starts `word`, if it has at most 15 digits and no exponent: the commonest ones,
+/// read faster than by [`leading_number`] and to the same bits, since the quotient of two exact
+/// numbers is rounded once.
+pub(crate) fn short_decimal(word: &[u8]) -> Option<f64> {
+    let is_negative = word.first() == Some(&b'-');
+    let digits = if is_negative || word.first() == Some(&b'+') { &word[1..] } else { word };
+    let (mut mantissa, mut count, mut point) = (0u64, 0, None);
+    for byte in digits {
+        match byte {
+            b'0'..=b'9' if count == SHORT_DIGITS => return None,
+            b'0'..=b'9' => {
+                mantissa = 10 * mantissa + u64::from(byte - b'0');
+                count += 1;
+            }
+            b'.' if point.is_none() => point = Some(count),
+            b'e' | b'E' => return None,
+            _ => break,
+        }
+    }
+    if count == 0 {
+        return None;
+    }
+    let value = mantissa as f64 / POWERS_OF_TEN[count - point.unwrap_or(count)];
+    Some(if is_negative { -value } else { value })
+}
+
 /// The decimal integer that starts `word`, after white space, and how many bytes it takes with that white space.
 pub(crate) fn leading_integer(word: &str) -> Option<(i64, usize)> {
     let bytes = word.as_bytes();
@@ -62,5 +95,25 @@ mod tests {
         assert_eq!(leading_number("nan"), None);
         assert_eq!(leading_integer("12:30"), Some((12, 2)));
         assert_eq!(leading_integer("99999999999999999999"), None);
+    }
+
+    #[test]
+    fn short_numbers_have_the_bits_of_all_others() {
+        let mut random = 12345u64;
+        for _ in 0..20_000 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let digits = (random >> 20) % 10u64.pow(1 + (random >> 8) as u32 % 15);
+            let mut word = digits.to_string();
+            word.insert((random >> 40) as usize % (word.len() + 1), '.');
+            let word = format!("{}{word}", ["", "-", "+"][(random >> 50) as usize % 3]);
+            let (slow, _) = leading_number(&word).unwrap();
+            assert_eq!(short_decimal(word.as_bytes()).map(f64::to_bits), Some(slow.to_bits()), "{word}");
+        }
+        for (word, value) in
+            [("12.5.7", Some(12.5)), ("-.5x", Some(-0.5)), ("7e3", None), (".", None), ("-", None), ("", None)]
+        {
+            assert_eq!(short_decimal(word.as_bytes()), value, "{word}");
+        }
+        assert_eq!(short_decimal(b"1234567890123456"), None);
     }
 }

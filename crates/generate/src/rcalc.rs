@@ -5,7 +5,8 @@
 //! lets a record pass; `recno` and `outno` count. `-i` and `-o` give formats instead of columns, `-id3` `-if` `-od` `-of` (and
 //! `D`, `F` with swapped bytes) binary numbers, `-in` and `-on` the most records. `-b` takes blanks literally, `-l` line ends as
 //! blanks, `-t` sets the separator, `-s` a string variable; `-p` passes on what the input format does not match, `-P` also
-//! what `cond` refuses. `-n` reads nothing and writes one record. `-u` and `-w` change nothing here.
+//! what `cond` refuses. `-n` reads nothing and writes one record. `-w` changes nothing here, nor
+//! does `-u`: what is answered always goes out before more is waited for.
 
 use std::cell::Cell;
 
@@ -18,6 +19,7 @@ use crate::matching::{Matcher, Strings};
 use crate::record_format::{self, Field};
 use crate::record_output::{self, OutputField};
 use crate::records::{Encoding, InputForm, Record, encode};
+use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
@@ -45,6 +47,13 @@ struct Options {
     most_output: usize,
 }
 
+impl Options {
+    /// Whether no further record is wanted.
+    fn is_enough(&self, records: usize, written: usize) -> bool {
+        records == self.most_input || written > 0 && written == self.most_output
+    }
+}
+
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
     let mut environment = Environment::new();
@@ -53,23 +62,25 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut calculator = Calculator {
         functions: Functions::over(environment, &arguments),
         strings: Strings::default(),
-        text: Text::default(),
+        text: invocation.text(),
         outputs: Vec::new(),
         condition: None,
+        counts: [false; 2],
         program: arguments.program().to_owned(),
     };
     let options = calculator.read_options(&mut arguments, invocation)?;
     calculator.check(&options, &arguments)?;
     calculator.outputs = calculator.functions.environment.outputs();
+    calculator.counts = ["recno", "outno"].map(|name| calculator.functions.environment.is_mentioned(name));
     if options.no_input {
         calculator.put_record(&options, &Channels::none())?;
     } else {
         for name in arguments.files() {
-            calculator.execute(&options, &invocation.input(name, FileKind::Other)?)?;
+            calculator.execute(&options, invocation.supply(name, FileKind::Other)?)?;
         }
     }
-    let bytes = calculator.text.into_bytes();
-    Ok(Output { standard_output: bytes, warnings: calculator.functions.all_warnings(arguments), files: Vec::new() })
+    let standard_output = calculator.text.finish()?;
+    Ok(Output { standard_output, warnings: calculator.functions.all_warnings(arguments), files: Vec::new() })
 }
 
 struct Calculator {
@@ -78,6 +89,8 @@ struct Calculator {
     text: Text,
     outputs: Vec<(u32, Handle)>,
     condition: Option<Handle>,
+    /// Whether `recno` and `outno` are mentioned.
+    counts: [bool; 2],
     program: String,
 }
 
@@ -166,61 +179,96 @@ impl Calculator {
         Ok(())
     }
 
-    /// Reads all records of one input.
-    fn execute(&mut self, options: &Options, input: &[u8]) -> Result<(), Error> {
-        let counts = ["recno", "outno"].map(|name| self.functions.environment.is_mentioned(name));
-        let mut source = match &options.input_format {
-            Some(fields) => {
-                let (blanks_join, across_lines) = (options.input.blanks_join, options.across_lines);
-                Source::Matched(Matcher::new(fields, input, blanks_join, across_lines, options.passing))
-            }
-            None => Source::Columns(input),
+    /// Reads all records of one input. A mistake is told with the place of the record that it is
+    /// in.
+    fn execute(&mut self, options: &Options, mut input: Supply<'_>) -> Result<(), Error> {
+        let mut records = 0;
+        let name = input.name().to_owned();
+        let unit = if matches!(options.input.encoding, Encoding::Ascii) && options.input_format.is_none() {
+            "line"
+        } else {
+            "record"
         };
-        let (mut records, mut written) = (0usize, 0usize);
-        loop {
-            let record = match &mut source {
-                Source::Columns(rest) => options.input.next_record(rest),
-                Source::Matched(matcher) => {
-                    if !matcher.next_record(&mut self.strings, &mut self.text)? {
-                        break;
-                    }
-                    if matcher.is_empty_match() {
-                        let mistake = "the input format matches nothing, for ever".to_owned();
-                        return Err(Error::Impossible { program: self.program.clone(), mistake });
-                    }
-                    for (name, value) in matcher.numbers() {
-                        self.functions.environment.set_variable(name, *value);
-                    }
-                    None
-                }
-            };
-            let channels = match (&source, record) {
-                (Source::Columns(_), None) => break,
-                (_, Some(record)) => Channels::of(record),
-                (Source::Matched(_), None) => Channels::none(),
-            };
-            records += 1;
-            for (name, value) in [("recno", records), ("outno", written + 1)] {
-                if counts[usize::from(name == "outno")] {
-                    self.functions.environment.set_variable(name, value as f64);
-                }
+        let executed = match &options.input_format {
+            Some(fields) => self.execute_matched(options, fields, input, &mut records),
+            None => self.execute_columns(options, &mut input, &mut records),
+        };
+        executed.map_err(|error| self.at(error, &name, &format!("{unit} {records}")))
+    }
+
+    fn at(&self, error: Error, source_name: &str, place: &str) -> Error {
+        let program = self.program.clone();
+        match error {
+            Error::Impossible { mistake, .. } => {
+                Error::Input { program, source_name: source_name.to_owned(), mistake: format!("{place}: {mistake}") }
             }
-            let passes = match self.condition {
-                Some(condition) => self.value(condition, &channels)? > 0.0,
-                None => true,
-            };
-            if let Source::Matched(matcher) = &mut source {
-                matcher.advance(passes, &mut self.text)?;
+            Error::Expression { message, argument, .. } => {
+                Error::Expression { program, message: format!("{source_name}, {place}:\n{message}"), argument }
             }
-            if passes {
+            other => other,
+        }
+    }
+
+    fn execute_columns(&mut self, options: &Options, input: &mut Supply<'_>, records: &mut usize) -> Result<(), Error> {
+        let mut written = 0;
+        while let Some(record) = options.input.next_record(input, &mut self.text)? {
+            let channels = Channels::of(record);
+            if self.accepts(records, written, &channels)? {
                 self.put_record(options, &channels)?;
                 written += 1;
             }
-            if records == options.most_input || written > 0 && written == options.most_output {
+            if options.is_enough(*records, written) {
                 break;
             }
         }
         Ok(())
+    }
+
+    fn execute_matched(
+        &mut self,
+        options: &Options,
+        fields: &[Field],
+        input: Supply<'_>,
+        records: &mut usize,
+    ) -> Result<(), Error> {
+        let (blanks_join, across_lines) = (options.input.blanks_join, options.across_lines);
+        let mut matcher = Matcher::new(fields, input, blanks_join, across_lines, options.passing);
+        let mut written = 0;
+        while matcher.next_record(&mut self.strings, &mut self.text)? {
+            if matcher.is_empty_match() {
+                let mistake = "the input format matches nothing, for ever".to_owned();
+                return Err(Error::Impossible { program: self.program.clone(), mistake });
+            }
+            for (name, value) in matcher.numbers() {
+                self.functions.environment.set_variable(name, *value);
+            }
+            let channels = Channels::none();
+            let accepted = self.accepts(records, written, &channels)?;
+            matcher.advance(accepted, &mut self.text)?;
+            if accepted {
+                self.put_record(options, &channels)?;
+                written += 1;
+            }
+            if options.is_enough(*records, written) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts a record, and says whether it passes.
+    fn accepts(&mut self, records: &mut usize, written: usize, channels: &Channels<'_>) -> Result<bool, Error> {
+        *records += 1;
+        let [counts_records, counts_written] = self.counts;
+        for (name, counts, value) in [("recno", counts_records, *records), ("outno", counts_written, written + 1)] {
+            if counts {
+                self.functions.environment.set_variable(name, value as f64);
+            }
+        }
+        match self.condition {
+            Some(condition) => Ok(self.value(condition, channels)? > 0.0),
+            None => Ok(true),
+        }
     }
 
     fn value(&mut self, handle: Handle, channels: &Channels<'_>) -> Result<f64, Error> {
@@ -286,13 +334,6 @@ impl Calculator {
         }
         Ok(())
     }
-}
-
-/// Where records come from.
-enum Source<'a> {
-    /// What is not read yet.
-    Columns(&'a [u8]),
-    Matched(Matcher<'a>),
 }
 
 fn read_format(

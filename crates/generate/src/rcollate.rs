@@ -3,11 +3,15 @@
 //!
 //! A record has `N` components of text (`-fa`), 4 bytes (`-ff`), 8 (`-fd`) or 1 (`-fb`); a header says so otherwise.
 
+mod pass_on;
+
 use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, whole_number};
 use crate::records::is_blank;
+use crate::supply::Supply;
 use crate::text::{Quoted, Text};
 use crate::{Error, Invocation, Output, source_name};
+use pass_on::{Plan, copy, copy_lines, pass_bytes, pass_words};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
@@ -90,16 +94,17 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if arguments.word().is_some() {
         return Err(arguments.unknown());
     }
-    let bytes = invocation.input(name, FileKind::Other)?;
-    let mut collation = Collation { options, header: Text::default(), warnings: arguments.warnings };
-    let standard_output = collation.collate(&bytes, command).map_err(|mistake| match mistake {
+    let mut input = invocation.supply(name, FileKind::Other)?;
+    let mut text = invocation.text();
+    let mut collation = Collation { options, header: Vec::new(), warnings: arguments.warnings };
+    collation.collate(&mut input, command, &mut text).map_err(|mistake| match mistake {
         Mistake::Other(error) => error,
         Mistake::Text(mistake) => {
             Error::Input { program: "rcollate".to_owned(), source_name: source_name(name).to_owned(), mistake }
         }
     })?;
     let warnings = if collation.options.warns { collation.warnings } else { Vec::new() };
-    Ok(Output { standard_output, warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings, files: Vec::new() })
 }
 
 impl Options {
@@ -201,6 +206,12 @@ impl From<std::fmt::Error> for Mistake {
     }
 }
 
+impl From<Error> for Mistake {
+    fn from(error: Error) -> Self {
+        Mistake::Other(error)
+    }
+}
+
 impl From<String> for Mistake {
     fn from(mistake: String) -> Self {
         Mistake::Text(mistake)
@@ -210,66 +221,79 @@ impl From<String> for Mistake {
 struct Collation {
     options: Options,
     /// What goes before the records.
-    header: Text,
+    header: Vec<u8>,
     warnings: Vec<String>,
 }
 
 impl Collation {
-    fn collate(&mut self, bytes: &[u8], command: &[String]) -> Result<Vec<u8>, Mistake> {
+    fn collate(&mut self, input: &mut Supply<'_>, command: &[String], text: &mut Text) -> Result<(), Mistake> {
         if self.options.changes_nothing() {
             self.warnings.push("no other order is asked for: the input is copied as it is".to_owned());
-            return Ok(bytes.to_vec());
+            return copy(input, text);
         }
-        let mut rest = bytes;
         if self.options.reads_header {
-            rest = self.read_header(bytes)?;
+            self.read_header(input, text)?;
         }
         let format = self.options.format.unwrap_or(FORMATS[0]);
         let components = self.options.components.unwrap_or(COMPONENTS);
-        let records = Records::find(rest, format, components)?;
+        if format.size.is_none() && self.options.keeps_order() {
+            self.write_header(text, command, self.options.input, format, components)?;
+            return copy_lines(input, text, components);
+        }
+        if let Some(plan) = Plan::new(&self.options) {
+            self.write_header(text, command, plan.output, format, components)?;
+            return self.pass_on(input, text, plan, (format, components));
+        }
+        while input.more(text)? {}
+        let all = input.window();
+        let records = Records::find(all, format, components)?;
         let count = match &records {
             Records::Text(ranges) => ranges.len(),
-            Records::Bytes { size } => rest.len() / size,
+            Records::Bytes { size } => all.len() / size,
         };
-        let keeps_lines = format.size.is_none() && self.options.keeps_order();
-        let (input, output) = match keeps_lines {
-            true => (self.options.input, self.options.input),
-            false => self.shapes(rest, &records, count)?,
-        };
-        let mut text = std::mem::take(&mut self.header);
-        if self.options.writes_header {
-            if !self.options.reads_header {
-                text.write_str("#?RADIANCE\n")?;
-            }
-            let words: Vec<String> = command.iter().map(|word| Quoted(word).to_string()).collect();
-            writeln!(text, "{}\nNCOMP={components}", words.join(" "))?;
-            writeln!(text, "NROWS={}\nNCOLS={}\nFORMAT={}\n", output.rows, output.columns, format.name)?;
-        }
-        if keeps_lines {
-            text.push_bytes(rest)?;
-        } else {
-            self.write_records(&mut text, rest, &records, input, output)?;
-        }
-        Ok(text.into_bytes())
+        let (from, to) = self.shapes(all, &records, count)?;
+        self.write_header(text, command, to, format, components)?;
+        self.write_records(text, all, &records, from, to)
     }
 
-    /// Takes what the header says of the records, keeps its other lines, and gives what follows it.
-    fn read_header<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8], Mistake> {
-        let mut rest = bytes;
+    fn write_header(
+        &mut self,
+        text: &mut Text,
+        command: &[String],
+        output: Shape,
+        format: Format,
+        components: usize,
+    ) -> Result<(), Mistake> {
+        if !self.options.writes_header {
+            return Ok(());
+        }
+        text.push_bytes(&self.header)?;
+        if !self.options.reads_header {
+            text.write_str("#?RADIANCE\n")?;
+        }
+        let words: Vec<String> = command.iter().map(|word| Quoted(word).to_string()).collect();
+        writeln!(text, "{}\nNCOMP={components}", words.join(" "))?;
+        Ok(writeln!(text, "NROWS={}\nNCOLS={}\nFORMAT={}\n", output.rows, output.columns, format.name)?)
+    }
+
+    /// Takes what the header says of the records, and keeps its other lines.
+    fn read_header(&mut self, input: &mut Supply<'_>, text: &mut Text) -> Result<(), Mistake> {
         loop {
-            let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
+            let line = match input.line(text)? {
+                Some(range) => input.bytes(range).to_vec(),
+                None => Vec::new(),
+            };
+            let Some(line) = line.strip_suffix(b"\n") else {
                 return Err("the header does not end with an empty line; option -hi says that there is none"
                     .to_owned()
                     .into());
             };
-            let (line, behind) = (&rest[..end], &rest[end + 1..]);
-            rest = behind;
             if line.is_empty() || line == b"\r" {
-                return Ok(rest);
+                return Ok(());
             }
-            if !self.take_line(&String::from_utf8_lossy(line))? && self.options.writes_header {
-                self.header.push_bytes(line)?;
-                self.header.push_bytes(b"\n")?;
+            if !self.take_line(&String::from_utf8_lossy(line))? {
+                self.header.extend_from_slice(line);
+                self.header.push(b'\n');
             }
         }
     }
@@ -311,6 +335,49 @@ impl Collation {
             _ => return Ok(false),
         }
         Ok(true)
+    }
+
+    /// Sends on records as they come.
+    fn pass_on(
+        &mut self,
+        input: &mut Supply<'_>,
+        text: &mut Text,
+        plan: Plan,
+        (format, components): (Format, usize),
+    ) -> Result<(), Mistake> {
+        let found = match format.size {
+            Some(size) => pass_bytes(input, text, &plan, size.saturating_mul(components))?,
+            None => pass_words(input, text, &plan, components, self.options.checks)?,
+        };
+        let Shape { rows, columns } = plan.input;
+        let what = match plan.wanted {
+            Some(wanted) if found.records < wanted => {
+                return Err(format!("there are {} records, expected {rows} × {columns}", found.records).into());
+            }
+            Some(wanted) if found.bytes_behind > 0 || found.records > wanted => match format.size {
+                Some(_) => format!("{} bytes are left behind {rows} × {columns} records", found.bytes_behind),
+                None => format!("there are {} records, {rows} × {columns} are expected", found.records),
+            },
+            None if found.records % columns.max(1) > 0 => {
+                let (count, rows) = (found.records, found.records / columns);
+                return Err(format!("there are {count} records, {rows} × {columns} are expected").into());
+            }
+            None if found.records % plan.output.columns.max(1) > 0 => {
+                let (columns, count) = (plan.output.columns, found.records);
+                return Err(format!(
+                    "there are {count} records, which do not make {} rows of {columns}",
+                    count / columns
+                )
+                .into());
+            }
+            None if found.bytes_behind > 0 => format!("{} bytes are left behind the last record", found.bytes_behind),
+            _ => return Ok(()),
+        };
+        if self.options.checks {
+            return Err(what.into());
+        }
+        self.warnings.push(what);
+        Ok(())
     }
 
     /// Rows and columns of the input and of the output.
@@ -378,11 +445,10 @@ impl Collation {
                     Records::Bytes { size } => text.push_bytes(&bytes[place * size..(place + 1) * size])?,
                     Records::Text(ranges) => {
                         let record = ranges.get(place).cloned().unwrap_or_default();
-                        let words = bytes[record].split(|byte| is_between(*byte)).filter(|word| !word.is_empty());
-                        for (index, word) in words.enumerate() {
+                        for (index, word) in words(&bytes[record]).enumerate() {
                             text.push_bytes(if index > 0 { b" " } else { b"" })?;
-                            if self.options.checks && std::str::from_utf8(word).ok().and_then(whole_number).is_none() {
-                                return Err(format!("\"{}\" is no number", String::from_utf8_lossy(word)).into());
+                            if self.options.checks {
+                                check_number(word)?;
                             }
                             text.push_bytes(word)?;
                         }
@@ -405,6 +471,17 @@ impl Collation {
                 if transposes { transposed(place / input.rows, place % input.rows) } else { place }
             }
         }
+    }
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    bytes.split(|byte| is_between(*byte)).filter(|word| !word.is_empty())
+}
+
+fn check_number(word: &[u8]) -> Result<(), Mistake> {
+    match std::str::from_utf8(word).ok().and_then(whole_number) {
+        Some(_) => Ok(()),
+        None => Err(format!("\"{}\" is no number", String::from_utf8_lossy(word)).into()),
     }
 }
 

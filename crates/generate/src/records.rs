@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::arguments::Arguments;
-use crate::number_text::leading_number;
+use crate::number_text::{leading_number, short_decimal};
+use crate::supply::Supply;
 use crate::text::{Text, is_space};
 
 /// A binary record takes no more bytes.
@@ -66,19 +67,20 @@ impl InputForm {
         Ok(())
     }
 
-    /// The next record, or `None` at the end; `rest` goes on behind it.
-    pub(crate) fn next_record<'a>(&self, rest: &mut &'a [u8]) -> Option<Record<'a>> {
-        let length = match self.encoding {
-            Encoding::Ascii if rest.is_empty() => return None,
-            Encoding::Ascii => rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |index| index + 1),
-            Encoding::Binary { .. } => self.columns * self.encoding.size(),
+    /// The next record, or `None` at the end. Before more is read, `text` goes out.
+    pub(crate) fn next_record<'a>(
+        &self,
+        supply: &'a mut Supply<'_>,
+        text: &mut Text,
+    ) -> Result<Option<Record<'a>>, Error> {
+        let range = match self.encoding {
+            Encoding::Ascii => supply.line(text)?,
+            Encoding::Binary { .. } => match self.columns * self.encoding.size() {
+                0 => None,
+                length => supply.exactly(length, text)?,
+            },
         };
-        if length == 0 || length > rest.len() {
-            return None;
-        }
-        let (bytes, behind) = rest.split_at(length);
-        *rest = behind;
-        Some(Record { bytes, form: *self })
+        Ok(range.map(|range| Record { bytes: supply.bytes(range), form: *self }))
     }
 }
 
@@ -160,6 +162,9 @@ pub(crate) fn is_blank(byte: u8) -> bool {
 /// C's `atof` of the bytes.
 pub(crate) fn number_at_start(bytes: &[u8]) -> f64 {
     let word = skip(bytes, is_blank);
+    if let Some(value) = short_decimal(word) {
+        return value;
+    }
     let length = word.iter().take_while(|byte| byte.is_ascii_graphic()).count();
     let text = std::str::from_utf8(&word[..length]).unwrap_or_default();
     leading_number(text).map_or(0.0, |(value, _)| value)

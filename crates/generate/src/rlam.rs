@@ -6,9 +6,11 @@
 
 use crate::arguments::Arguments;
 use crate::number_text::leading_integer;
+use crate::supply::Supply;
 use crate::text::Text;
 use crate::{Error, Invocation, Output, pipeline};
-use radsight_loader::FileKind;
+use radsight_loader::{FileKind, LoadError};
+use std::io::{Cursor, Read};
 
 const USAGE: &str = "rlam [-tS] [-u] [-iaN|-ifN|-idN|-iiN|-iwN|-ibN] [-in M] input1 [options] input2 ..";
 
@@ -27,11 +29,10 @@ struct Input {
     separator: String,
 }
 
-/// What is left of the bytes of a file, a command or standard input.
-struct Stream {
+/// A file, a command's output, or standard input.
+struct Stream<'a> {
     name: String,
-    bytes: Vec<u8>,
-    at: usize,
+    supply: Supply<'a>,
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
@@ -56,7 +57,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     if inputs.is_empty() {
         return Err(arguments.mistake(invocation.argv.len(), "missing input1"));
     }
-    let mut text = Text::default();
+    let mut text = invocation.text();
     let has_lines = inputs.iter().any(|input| matches!(input.form, Form::Lines(_)));
     let mut records = 0;
     while (most == 0 || records < most) && put_record(&inputs, &mut streams, &mut text)? {
@@ -65,7 +66,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         }
         records += 1;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }
 
 impl Input {
@@ -96,54 +97,53 @@ impl Input {
 }
 
 /// The number of an input's stream, which is read if it is a new one.
-fn stream(name: &str, streams: &mut Vec<Stream>, invocation: &Invocation<'_>) -> Result<usize, Error> {
+fn stream<'a>(name: &str, streams: &mut Vec<Stream<'a>>, invocation: &Invocation<'a>) -> Result<usize, Error> {
     let known = streams.iter().position(|stream| name == "-" && stream.name == name);
     if let Some(known) = known {
         return Ok(known);
     }
-    let bytes = match name.strip_prefix('!') {
-        Some(command) => {
-            pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?.standard_output
-        }
-        None => invocation.input(name, FileKind::Other)?.into_owned(),
+    let supply = match name.strip_prefix('!') {
+        Some(command) => Supply::new(name, command_output(command, invocation)?),
+        None => invocation.supply(name, FileKind::Other)?,
     };
-    streams.push(Stream { name: name.to_owned(), bytes, at: 0 });
+    streams.push(Stream { name: name.to_owned(), supply });
     Ok(streams.len() - 1)
 }
 
+/// What a command writes: as it comes where the caller may run it, else all of it from the programs
+/// of this crate.
+fn command_output<'a>(command: &str, invocation: &Invocation<'a>) -> Result<Box<dyn Read + 'a>, Error> {
+    match invocation.loader.open_command(command) {
+        Err(LoadError::CommandRefused { .. }) => {
+            let made = pipeline(command, invocation.loader, invocation.extra).map_err(|failed| failed.error)?;
+            Ok(Box::new(Cursor::new(made.standard_output)))
+        }
+        opened => Ok(opened?),
+    }
+}
+
 /// Writes one record of each input that still has one; `false` if none has.
-fn put_record(inputs: &[Input], streams: &mut [Stream], text: &mut Text) -> Result<bool, Error> {
+fn put_record(inputs: &[Input], streams: &mut [Stream<'_>], text: &mut Text) -> Result<bool, Error> {
     let mut wrote = false;
     for (place, input) in inputs.iter().enumerate() {
         let stream = &mut streams[input.stream];
         match input.form {
             Form::Bytes(size) => {
-                let Some(record) = stream.bytes.get(stream.at..).and_then(|rest| rest.get(..size)) else { continue };
-                text.push_bytes(record)?;
-                stream.at += size;
+                let Some(record) = stream.supply.exactly(size, text)? else { continue };
+                text.push_bytes(stream.supply.bytes(record))?;
                 wrote = true;
             }
             Form::Lines(count) => {
                 let separator = input.separator.as_bytes();
                 for line in 0..count {
-                    let Some(found) = stream.line() else { break };
+                    let Some(found) = stream.supply.line(text)? else { break };
                     text.push_bytes(if place > 0 || line > 0 { separator } else { &[] })?;
-                    text.push_bytes(&stream.bytes[found])?;
+                    let found = stream.supply.bytes(found);
+                    text.push_bytes(found.strip_suffix(b"\n").unwrap_or(found))?;
                     wrote = true;
                 }
             }
         }
     }
     Ok(wrote)
-}
-
-impl Stream {
-    /// Where the next line is, without its end.
-    fn line(&mut self) -> Option<std::ops::Range<usize>> {
-        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
-        let length = rest.iter().position(|byte| *byte == b'\n');
-        let line = self.at..self.at + length.unwrap_or(rest.len());
-        self.at = line.end + 1;
-        Some(line)
-    }
 }

@@ -1,19 +1,60 @@
 //! Text output with a size limit, and the forms of numbers that C's `printf` writes.
 
+use std::cell::RefCell;
 use std::fmt::{self, Display, Formatter, Write};
+use std::io;
+use std::rc::Rc;
 
 /// No command gives more than this; a wish for more is an error instead of an exhausted machine.
 pub const MAX_OUTPUT_BYTES: usize = 1 << 30;
 
-/// Collects a program's output. Writing fails when [`MAX_OUTPUT_BYTES`] is passed.
+/// Bytes that are sent on at a time.
+const SENT_AT_A_TIME: usize = 1 << 16;
+
+/// Where a program's output goes while it runs. Who gives it keeps the error of a failed write.
+pub type Sink = Rc<RefCell<dyn io::Write>>;
+
+/// A program's output, collected or sent on. Writing fails when more than [`MAX_OUTPUT_BYTES`] are
+/// collected, or when the sink fails.
 #[derive(Default)]
 pub(crate) struct Text {
     bytes: Vec<u8>,
+    sink: Option<Sink>,
+}
+
+impl Drop for Text {
+    fn drop(&mut self) {
+        // What was answered before a mistake goes out. Nobody is left to hear of a failure.
+        let _ = self.flush();
+    }
 }
 
 impl Text {
-    pub(crate) fn into_bytes(self) -> Vec<u8> {
-        self.bytes
+    /// Output that is sent on as it comes, or collected when there is no sink.
+    pub(crate) fn to(sink: Option<Sink>) -> Text {
+        Text { bytes: Vec::new(), sink }
+    }
+
+    pub(crate) fn into_bytes(mut self) -> Vec<u8> {
+        std::mem::take(&mut self.bytes)
+    }
+
+    /// Ends the output, and gives what was not sent on.
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>, fmt::Error> {
+        self.flush()?;
+        Ok(self.into_bytes())
+    }
+
+    /// Sends on what there is. Collected output stays.
+    pub(crate) fn flush(&mut self) -> fmt::Result {
+        let Some(sink) = &self.sink else { return Ok(()) };
+        if self.bytes.is_empty() {
+            return Ok(());
+        }
+        let mut sink = sink.borrow_mut();
+        let sent = sink.write_all(&self.bytes).and_then(|()| sink.flush());
+        self.bytes.clear();
+        sent.map_err(|_| fmt::Error)
     }
 
     /// Bytes so far.
@@ -27,11 +68,17 @@ impl Text {
             return Err(fmt::Error);
         }
         self.bytes.extend_from_slice(bytes);
+        if self.bytes.len() >= SENT_AT_A_TIME && self.sink.is_some() {
+            return self.flush();
+        }
         Ok(())
     }
 
     /// Fails at once when `count` more items of at least `bytes_each` cannot fit.
     pub(crate) fn expect_room(&self, count: f64, bytes_each: f64) -> fmt::Result {
+        if self.sink.is_some() {
+            return Ok(());
+        }
         let wanted = self.bytes.len() as f64 + count * bytes_each;
         if wanted <= MAX_OUTPUT_BYTES as f64 { Ok(()) } else { Err(fmt::Error) }
     }

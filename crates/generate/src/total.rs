@@ -9,6 +9,7 @@ use radsight_loader::FileKind;
 use crate::arguments::Arguments;
 use crate::number_text::{leading_integer, leading_number};
 use crate::records::{Encoding, InputForm, Record, encode, is_blank, number_at_start};
+use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
@@ -60,14 +61,14 @@ struct Tally {
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
     let mut arguments = Arguments::new(invocation.argv, USAGE);
     let options = read(&mut arguments)?;
-    let (mut text, mut written) = (Text::default(), 0);
+    let (mut text, mut written) = (invocation.text(), 0);
     for name in arguments.files() {
         if options.most_output > 0 && written >= options.most_output {
             break;
         }
-        reduce(&options, &invocation.input(name, FileKind::Other)?, &mut text, &mut written)?;
+        reduce(&options, &mut invocation.supply(name, FileKind::Other)?, &mut text, &mut written)?;
     }
-    Ok(Output { standard_output: text.into_bytes(), warnings: arguments.warnings, files: Vec::new() })
+    Ok(Output { standard_output: text.finish()?, warnings: arguments.warnings, files: Vec::new() })
 }
 
 fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
@@ -114,8 +115,8 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
     Ok(options)
 }
 
-fn reduce(options: &Options, input: &[u8], text: &mut Text, written: &mut usize) -> Result<(), Error> {
-    let mut rest = input;
+fn reduce(options: &Options, input: &mut Supply<'_>, text: &mut Text, written: &mut usize) -> Result<(), Error> {
+    let mut values = Vec::new();
     let mut tallies: Vec<Tally> = Vec::new();
     let mut total_records = 0usize;
     loop {
@@ -123,11 +124,11 @@ fn reduce(options: &Options, input: &[u8], text: &mut Text, written: &mut usize)
         while (options.count == 0 || records < options.count)
             && (options.most_input == 0 || records < options.most_input)
         {
-            let Some(record) = options.input.next_record(&mut rest) else { break };
-            let values = values(options, &record);
+            let Some(record) = options.input.next_record(input, text)? else { break };
+            read_values(options, &record, &mut values);
             if values.is_empty() {
                 // A line without columns ends the input, as in the real program.
-                rest = &[];
+                input.stop();
                 break;
             }
             columns = columns.max(values.len());
@@ -151,15 +152,15 @@ fn reduce(options: &Options, input: &[u8], text: &mut Text, written: &mut usize)
     }
 }
 
-fn values(options: &Options, record: &Record<'_>) -> Vec<f64> {
+fn read_values(options: &Options, record: &Record<'_>, values: &mut Vec<f64>) {
+    values.clear();
     if options.input.encoding != Encoding::Ascii {
-        return (1..=record.columns()).map(|column| record.column(column)).collect();
+        return values.extend((1..=record.columns()).map(|column| record.column(column)));
     }
     let separates = |byte: u8| match is_blank(options.input.separator) {
         true => is_blank(byte),
         false => byte == options.input.separator,
     };
-    let mut values = Vec::new();
     let mut rest = record.bytes;
     while values.len() < MOST_COLUMNS {
         rest = &rest[rest.iter().take_while(|byte| is_blank(**byte)).count()..];
@@ -171,7 +172,6 @@ fn values(options: &Options, record: &Record<'_>) -> Vec<f64> {
         values.push(if field.is_empty() { options.reduction.start() } else { number_at_start(field) });
         rest = rest.get(length + 1..).unwrap_or_default();
     }
-    values
 }
 
 fn add(options: &Options, tallies: &mut Vec<Tally>, values: &[f64]) {

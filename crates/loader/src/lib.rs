@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 use std::collections::BTreeMap;
+use std::io::{Cursor, Read};
 
 /// What a file is wanted for; a loader may search different places, and name the kind in an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,6 +70,12 @@ pub enum LoadError {
         /// What the system said.
         reason: String,
     },
+    /// The file is the one that the program writes.
+    #[error("cannot read \"{path}\": standard output goes to the same file")]
+    OwnOutput {
+        /// Its name.
+        path: String,
+    },
     /// External commands are not allowed.
     #[error("refused to run \"{command}\": a scene file is input, not a program")]
     CommandRefused {
@@ -112,6 +119,14 @@ pub trait Loader: Sync {
     /// When there is no such file or it cannot be read.
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError>;
 
+    /// The same file, to be read as it comes.
+    ///
+    /// # Errors
+    /// When there is no such file or it cannot be opened.
+    fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
+        Ok(Box::new(Cursor::new(self.load(name, kind)?.bytes)))
+    }
+
     /// The names of files that a pattern of the shell (`*`, `?`, `[…]`) matches, sorted; none where nothing can be
     /// listed or the pattern is none.
     fn names_like(&self, _pattern: &str) -> Vec<String> {
@@ -136,6 +151,14 @@ pub trait Loader: Sync {
     /// When commands are refused, or the command fails.
     fn run_command(&self, command: &str, _standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
         Err(LoadError::CommandRefused { command: command.to_owned() })
+    }
+
+    /// The same, to be read as it comes. Whether the command fails is known only at its end.
+    ///
+    /// # Errors
+    /// When commands are refused, or the command cannot be run.
+    fn open_command(&self, command: &str) -> Result<Box<dyn Read>, LoadError> {
+        Ok(Box::new(Cursor::new(self.run_command(command, None)?)))
     }
 }
 

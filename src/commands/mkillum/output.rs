@@ -2,7 +2,7 @@
 
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::failure::{Failure, Outcome};
-use crate::output::write_file;
+use crate::output::{replace_file, write_file};
 use crate::trust::{Existing, OutputName, Refusal, Trust};
 use radsight_flux::IllumSurface;
 use radsight_generate::padded;
@@ -140,7 +140,8 @@ impl<'a> Output<'a> {
         let mut put = |letter: &str, value: &dyn Fn([f64; 3]) -> f64| -> Outcome {
             let file = data_file(parameters, letter, trust)?;
             let values: Vec<f64> = means.iter().map(|radiance| share(value(*radiance), value(mean))).collect();
-            write_file(&file, data(surface, &values).as_bytes())?;
+            // A scene may have been made with the data that `f=` replaces.
+            replace_file(&file, data(surface, &values).as_bytes())?;
             text.extend([" ", &word(&file)]);
             Ok(())
         };

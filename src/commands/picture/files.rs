@@ -3,13 +3,15 @@
 use crate::clock::push_date;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, reason};
-use crate::output::write_file;
+use crate::output::{StandardOutput, standard_output, write_file};
+use crate::read_once;
 use crate::trust::shell;
 use radsight_generate::source_name;
 use radsight_picture::{Header, PictureError, PictureReader};
 use radsight_picture_tools::ToolError;
 use std::fs::File;
-use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, StdoutLock, Write};
+use std::io::{self, BufRead, BufWriter, ErrorKind, Read, Seek, Write};
+use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 
 /// What a picture is read from.
@@ -28,12 +30,7 @@ pub(super) fn open(path: &str) -> Result<Source, Failure> {
 
 /// Opens a file that can be read again.
 pub(super) fn open_file(path: &str) -> Result<File, Failure> {
-    let failed = |error: &io::Error| Failure::input(format!("cannot read \"{path}\": {}", reason(error)));
-    let file = File::open(path).map_err(|error| failed(&error))?;
-    match file.metadata() {
-        Ok(found) if found.is_dir() => Err(Failure::input(format!("cannot read \"{path}\": it is a folder"))),
-        _ => Ok(file),
-    }
+    read_once::open(Path::new(path)).map_err(|error| Failure::read(&format!("\"{path}\""), &error))
 }
 
 /// Opens a picture; `-` is standard input.
@@ -76,8 +73,8 @@ pub(super) fn read_header(source: &mut impl BufRead) -> Result<Header, String> {
 }
 
 /// Standard output, buffered.
-pub(super) fn output() -> BufWriter<StdoutLock<'static>> {
-    BufWriter::with_capacity(BUFFER, io::stdout().lock())
+pub(super) fn output() -> BufWriter<StandardOutput> {
+    BufWriter::with_capacity(BUFFER, standard_output())
 }
 
 /// What goes wrong with a picture of this name.

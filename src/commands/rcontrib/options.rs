@@ -6,7 +6,8 @@ use crate::args::Reading;
 use crate::commands::features;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
-use crate::failure::{Failure, reason};
+use crate::failure::Failure;
+use crate::input::read_file;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
 use crate::shown_options::{Program, ShownOptions};
@@ -285,8 +286,7 @@ impl Options {
     }
 
     fn track_all(&mut self, file: &str) -> Result<(), Failure> {
-        let bytes = std::fs::read(file)
-            .map_err(|error| Failure::input(format!("cannot read modifiers \"{file}\": {}", reason(&error))))?;
+        let bytes = read_file(file, "modifiers")?;
         let mut known: HashSet<String> = self.tracked.iter().map(|tracked| tracked.name.clone()).collect();
         for name in names_in(&bytes) {
             if name == "void" || !known.insert(name.clone()) {

@@ -3,14 +3,16 @@
 use super::bins::Bins;
 use super::options::Options;
 use super::record::Earlier;
-use super::streams::{Layout, Planned, Streams, aside, check_aside, pixel_format};
+use super::streams::{Layout, Planned, Streams, pixel_format};
 use crate::failure::{Failure, reason, say};
+use crate::output::file_path;
 use crate::output_format::OutputFormat;
+use radsight_output::{ClosedFile, leftovers};
 use radsight_picture::{Header, Resolution, decode_spectrum, leading_number};
 use radsight_pinhole::stream::NumberFormat;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What there is to go on with.
 pub(super) enum Reopened<'o> {
@@ -24,6 +26,8 @@ pub(super) enum Reopened<'o> {
 
 /// A file that an earlier run has written.
 struct Written {
+    target: PathBuf,
+    /// The target, or what an interrupted run has left beside it.
     path: PathBuf,
     /// Bytes before the records.
     start: u64,
@@ -60,14 +64,14 @@ pub(super) fn reopen<'o>(options: &'o Options, bins: &Bins) -> Result<Reopened<'
         warn(options, "output appears to be complete");
         return Ok(Reopened::Everything);
     }
+    let mut files = Vec::new();
     for (planned, written) in layout.planned.iter().zip(&found) {
         let length = written.start + records * record_size(options, planned);
         let name = file_name(planned)?;
-        let aside = aside(Path::new(name));
-        check_aside(&aside)?;
-        shorten(written, &aside, length).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+        let file = shorten(written, length).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+        files.push(file);
     }
-    Ok(Reopened::Some(Streams::go_on(options, layout), Earlier::Rays(rays)))
+    Ok(Reopened::Some(Streams::go_on(options, layout, files), Earlier::Rays(rays)))
 }
 
 fn warn(options: &Options, what: &str) {
@@ -101,7 +105,10 @@ fn record_size(options: &Options, planned: &Planned) -> u64 {
 fn find(options: &Options, planned: &Planned) -> Result<Option<Written>, Failure> {
     let name = file_name(planned)?;
     let mut longest: Option<Written> = None;
-    for path in [PathBuf::from(name), aside(Path::new(name))] {
+    let Some(target) = file_path(name)? else {
+        return Err(Failure::usage(format!("rcontrib: \"{name}\" cannot be recovered (-r), expected a file")));
+    };
+    for path in std::iter::once(target.clone()).chain(leftovers(&target)) {
         let failed = |error: io::Error| Failure::input(format!("cannot read \"{name}\": {}", reason(&error)));
         let (file, size) = match File::open(&path).and_then(|file| file.metadata().map(|found| (file, found.len()))) {
             Err(error) if error.kind() == ErrorKind::NotFound => continue,
@@ -115,7 +122,7 @@ fn find(options: &Options, planned: &Planned) -> Result<Option<Written>, Failure
         let start = check_head(options, planned, &head)? as u64;
         let records = (size - start) / record_size(options, planned);
         if longest.as_ref().is_none_or(|longest| records > longest.records) {
-            longest = Some(Written { path, start, records });
+            longest = Some(Written { target: target.clone(), path, start, records });
         }
     }
     if longest.is_none() {
@@ -149,13 +156,23 @@ fn check_head(options: &Options, planned: &Planned, bytes: &[u8]) -> Result<usiz
     Ok(start)
 }
 
-/// Puts the start of a file aside.
-fn shorten(written: &Written, aside: &Path, length: u64) -> io::Result<()> {
-    if written.path != aside {
-        fs::copy(&written.path, aside)?;
+/// A hidden file with the start of what was written.
+fn shorten(written: &Written, length: u64) -> io::Result<ClosedFile> {
+    if written.path != written.target {
+        return ClosedFile::adopt(&written.target, &written.path, length);
     }
-    File::options().write(true).open(aside)?.set_len(length)
+    let file = ClosedFile::create(&written.target)?;
+    let mut start = File::open(&written.path)?.take(length);
+    let mut piece = Vec::new();
+    while start.by_ref().take(COPIED_AT_A_TIME).read_to_end(&mut piece)? > 0 {
+        file.append(&piece)?;
+        piece.clear();
+    }
+    Ok(file)
 }
+
+/// Bytes that are copied at a time.
+const COPIED_AT_A_TIME: u64 = 1 << 24;
 
 /// The one record of an earlier run; zeros of files that are not there.
 fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {

@@ -6,16 +6,15 @@ use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, reason};
 use crate::file_pattern::{holds_number, named};
 use crate::input::program_history;
-use crate::output::beside;
+use crate::output::{self, Output, file_path};
 use crate::output_format::OutputFormat;
 use crate::trust::{CommandPermit, Existing, Origin, OutputName, PROJECT, shell};
-use radsight_brdf_host::guard::standard_output::{self, StandardOutput};
+use radsight_brdf_host::guard::standard_output;
+use radsight_output::ClosedFile;
 use radsight_picture::Resolution;
 use radsight_pinhole::stream::NumberFormat;
 use std::collections::HashMap;
-use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 
 /// Bytes that all files together hold back.
@@ -37,15 +36,12 @@ struct Stream {
 
 enum Target {
     StandardOutput,
-    /// Written aside, so that the file appears when it is whole. Opened only to add to it: there may be more than can be open at once.
+    /// A pipe or a device.
+    Stream(Output),
+    /// A file that appears when it is whole; `None` when it has.
     File {
         name: String,
-        aside: PathBuf,
-    },
-    /// A device or pipe, which no file may take the place of.
-    Device {
-        name: String,
-        file: File,
+        file: Option<ClosedFile>,
     },
     /// `None` when it has ended.
     Command {
@@ -94,11 +90,11 @@ impl<'o> Streams<'o> {
         Ok(streams)
     }
 
-    /// Goes on with files that hold records already, in the places where they are written aside.
-    pub(super) fn go_on(options: &'o Options, layout: Layout) -> Streams<'o> {
+    /// Goes on with files that hold records already, one for each planned stream.
+    pub(super) fn go_on(options: &'o Options, layout: Layout, files: Vec<ClosedFile>) -> Streams<'o> {
         let names = layout.planned.into_iter().filter_map(|planned| planned.name);
-        let target = |name: String| Target::File { aside: aside(Path::new(&name)), name };
-        let streams = names.map(|name| Stream { target: target(name), held: Vec::new() }).collect();
+        let target = |(name, file)| Target::File { name, file: Some(file) };
+        let streams = names.zip(files).map(|found| Stream { target: target(found), held: Vec::new() }).collect();
         Streams { options, streams, of_bin: layout.of_bin, held: 0 }
     }
 
@@ -133,12 +129,12 @@ impl<'o> Streams<'o> {
 impl Drop for Streams<'_> {
     fn drop(&mut self) {
         // What was to be gone on with is not lost when the input was wrong.
-        if self.options.recovers {
+        if !self.options.recovers {
             return;
         }
         for stream in &mut self.streams {
-            if let Target::File { aside, .. } = &stream.target {
-                let _ = fs::remove_file(aside);
+            if let Target::File { file, .. } = &mut stream.target {
+                file.take().map(ClosedFile::keep);
             }
         }
     }
@@ -152,14 +148,13 @@ impl Stream {
         }
         let (written, what) = match &mut self.target {
             Target::StandardOutput => {
-                let mut out = StandardOutput;
+                let mut out = output::standard_output();
                 (out.write_all(&held).and_then(|()| out.flush()), "standard output".to_owned())
             }
-            Target::File { name, aside } => {
-                let file = File::options().append(true).open(aside);
-                (file.and_then(|mut file| file.write_all(&held)), format!("\"{name}\""))
+            Target::Stream(output) => return output.put(&held),
+            Target::File { name, file } => {
+                (file.as_ref().map_or(Ok(()), |file| file.append(&held)), format!("\"{name}\""))
             }
-            Target::Device { name, file } => (file.write_all(&held), format!("\"{name}\"")),
             Target::Command { name, child } => {
                 let input = child.as_mut().and_then(|child| child.stdin.as_mut());
                 let written = input.map_or(Ok(()), |input| input.write_all(&held).and_then(|()| input.flush()));
@@ -171,9 +166,10 @@ impl Stream {
 
     fn finish(&mut self) -> Outcome {
         match &mut self.target {
-            Target::StandardOutput | Target::Device { .. } => Ok(()),
-            Target::File { name, aside } => {
-                fs::rename(aside, &*name).map_err(|error| Failure::write(&format!("\"{name}\""), &error))
+            Target::StandardOutput | Target::Stream(_) => Ok(()),
+            Target::File { name, file } => {
+                let committed = file.take().map_or(Ok(()), ClosedFile::commit);
+                committed.map_err(|error| Failure::write(&format!("\"{name}\""), &error))
             }
             Target::Command { name, child } => {
                 let Some(mut child) = child.take() else { return Ok(()) };
@@ -203,20 +199,14 @@ impl Target {
         }
     }
 
-    fn open_file(name: &str, overwrites: bool) -> Result<Target, Failure> {
-        let path = PathBuf::from(name);
-        if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-            let file = File::options().write(true).open(&path);
-            let file = file.map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
-            return Ok(Target::Device { name: name.to_owned(), file });
-        }
+    fn open_file(name: &OutputName, overwrites: bool) -> Result<Target, Failure> {
+        let name: &str = name;
+        let Some(path) = file_path(name)? else { return Output::create(name).map(Target::Stream) };
         if path.exists() && !overwrites {
             return Err(Failure::fault(format!("cannot write \"{name}\": it exists, expected -fo+ to write over it")));
         }
-        let aside = aside(&path);
-        check_aside(&aside)?;
-        File::create(&aside).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
-        Ok(Target::File { name: name.to_owned(), aside })
+        let file = ClosedFile::create(&path).map_err(|error| Failure::write(&format!("\"{name}\""), &error))?;
+        Ok(Target::File { name: name.to_owned(), file: Some(file) })
     }
 }
 
@@ -298,21 +288,6 @@ fn allowed(
         (existing, _) => existing,
     };
     Ok(Allowed::File(trust.output_of_file(name, existing)?))
-}
-
-/// Whoever made the folder may have put a link where a file is written until it is whole.
-pub(super) fn check_aside(aside: &Path) -> Outcome {
-    match fs::symlink_metadata(aside) {
-        Ok(found) if !found.is_file() => {
-            Err(Failure::fault(format!("cannot write \"{}\": it is no regular file", aside.display())))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Where a file is written until it is whole: a place that a later run finds.
-pub(super) fn aside(path: &Path) -> PathBuf {
-    beside(path, "part")
 }
 
 impl Planned {

@@ -14,7 +14,7 @@ use crate::output_format::OutputFormat;
 use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
-use output::{PictureWriter, Recovered, Start};
+use output::{PictureWriter, Recovered, Replaces, Start};
 use radsight_frame::{Effort, Estimate, Frame, Lens};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
@@ -60,6 +60,7 @@ struct Picture {
     output: Option<OutputName>,
     depths: Option<OutputName>,
     recovered: Option<Recovered>,
+    replaces: Replaces,
 }
 
 impl Picture {
@@ -72,12 +73,15 @@ impl Picture {
         let number = frame.as_ref().map_or(0, |(number, _)| *number);
         let named =
             |name: &Option<OutputName>| name.as_ref().map(|name| name.numbered(|n| sequence::numbered(n, number)));
-        let recover = match &options.recover {
-            // A number says at which frame to go on.
-            Some(name) if frame.is_some() && name.parse::<i64>().is_ok() => None,
-            name => name.as_ref().map(|name| sequence::numbered(name, number)),
+        let output = named(&options.output);
+        let recover = match options.recovered_frame().filter(|_| frame.is_some()) {
+            // A number says at which frame to go on, and that with what there is of it.
+            Some(recovered) => output.as_deref().filter(|_| recovered == number).map(str::to_owned),
+            None => options.recover.as_ref().map(|name| sequence::numbered(name, number)),
         };
         let recovered = recover.as_deref().map(Recovered::read).transpose()?.flatten();
+        let goes_over = recovered.is_some() && recover.as_deref() == output.as_deref();
+        let replaces = if goes_over { Replaces::Recovered } else { Replaces::Nothing };
         let ([columns, rows], aspect);
         if let Some(recovered) = &recovered {
             if let Ok(Some(seen)) = ViewOptions::from_header(&recovered.header) {
@@ -101,7 +105,7 @@ impl Picture {
             lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
         }
         let header = header(options, &lens, number);
-        Ok(Picture { lens, header, output: named(&options.output), depths: named(&options.depths), recovered })
+        Ok(Picture { lens, header, output, depths: named(&options.depths), recovered, replaces })
     }
 
     /// Renders from the first row that is not done and writes row by row.
@@ -109,14 +113,11 @@ impl Picture {
         let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
-        let start = Start { header: &self.header, resolution, recovered: self.recovered.as_ref() };
-        let replaces = self.recovered.is_some()
-            && self.output.is_some()
-            && options.recover.as_deref() == options.output.as_deref();
-        let mut writer = PictureWriter::begin(self.output.as_deref(), replaces, &start)?
-            .with_depths(self.depths.as_deref(), done * columns)?;
+        let recovered = self.recovered.as_ref();
+        let start = Start { header: &self.header, resolution, recovered, replaces: self.replaces };
+        let mut writer = PictureWriter::begin(self.output.as_deref(), self.depths.as_deref(), &start)?;
         if done == rows {
-            return Ok(());
+            return writer.finish();
         }
         let mut report = Report::new(options.report);
         let mut frame = Frame::new(renderer, self.lens, options.pixel_effort());
@@ -139,13 +140,12 @@ impl Picture {
                     numbers => line.iter().for_each(|pixel| numbers.put(&pixel.map(f64::from), &mut bytes)),
                 }
             }
-            writer.write(&bytes)?;
-            if writer.wants_depths() {
-                writer.write_depths(&frame.depths(row..block.end))?;
-            }
+            let depths = if writer.wants_depths() { frame.depths(row..block.end) } else { Vec::new() };
+            writer.write(block.end - row, &bytes, &depths)?;
             row = block.end;
             report.tell(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
         }
+        writer.finish()?;
         if options.effort.is_some() && !options.reading.no_warnings {
             frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
         }

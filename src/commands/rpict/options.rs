@@ -152,6 +152,11 @@ impl TakesOptions for Options {
 }
 
 impl Options {
+    /// The frame of a sequence that is recovered (`-r` with a number).
+    pub(super) fn recovered_frame(&self) -> Option<i64> {
+        self.recover.as_ref().and_then(|name| name.parse().ok())
+    }
+
     /// Reads the words, of which the first is the program's name. Where they name a control file, it keeps them, or says what they were before.
     pub(super) fn parse(words: &[String], trust: &Trust) -> Result<Options, Failure> {
         let mut options = Options::parse_once(words, trust.clone())?;

@@ -1,11 +1,19 @@
 //! Where a picture goes, row by row, so that what is done of it survives an interruption.
+//!
+//! A file is written under a hidden name. At a signal what is done of it takes the file's name,
+//! marked as partial in the header; what a killed program leaves is found by `-ro`.
 
-use crate::failure::{Failure, Outcome, reason, say};
-use crate::output::write_file;
-use radsight_brdf_host::guard::standard_output::StandardOutput;
+use crate::failure::{Failure, Outcome, say};
+use crate::output::{Output, file_path};
+use radsight_output::interrupt::{ActionGuard, at_signal};
+use radsight_output::leftovers;
 use radsight_picture::{Header, Resolution, Unfinished};
-use std::fs::File;
-use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The variable of the header that says how much of a picture is there.
+const PARTIAL: &str = "PARTIAL";
 
 /// What an interrupted run left.
 #[derive(Debug)]
@@ -20,44 +28,85 @@ pub(super) struct Recovered {
 }
 
 impl Recovered {
-    /// Reads an unfinished picture; `None`, with a message, if there is no such file.
+    /// Reads the longest unfinished picture of a name or left under a hidden one; `None`, with a
+    /// message, if there is none.
     pub(super) fn read(path: &str) -> Result<Option<Recovered>, Failure> {
-        let bytes = match std::fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => {
-                say(&format!("rpict: warning - no recover file \"{path}\": starting anew\n"));
-                return Ok(None);
+        let left = hidden(path).iter().filter_map(|left| Recovered::read_file(left).ok()).max_by_key(|left| left.done);
+        let named = match Recovered::read_file(Path::new(path)) {
+            Ok(named) => Some(named),
+            Err(Unreadable::File(error)) if error.kind() == ErrorKind::NotFound => None,
+            // What is left is better than something that is no picture.
+            Err(_) if left.is_some() => None,
+            Err(Unreadable::File(error)) => {
+                return Err(Failure::read(&format!("recover file \"{path}\""), &error));
             }
-            Err(error) => {
-                return Err(Failure::input(format!("cannot read recover file \"{path}\": {}", reason(&error))));
+            Err(Unreadable::Content(what)) => {
+                return Err(Failure::input(format!("bad recover file \"{path}\": {what}")));
             }
         };
-        let unfinished = Unfinished::read(&bytes)
-            .map_err(|error| Failure::input(format!("bad recover file \"{path}\": {error}")))?;
+        let found = left.into_iter().chain(named).max_by_key(|found| found.done);
+        if found.is_none() {
+            say(&format!("rpict: warning - no recover file \"{path}\": starting anew\n"));
+        }
+        Ok(found)
+    }
+
+    fn read_file(path: &Path) -> Result<Recovered, Unreadable> {
+        // It may be written anew, so it is no input that no output may go over.
+        let bytes = std::fs::read(path).map_err(Unreadable::File)?;
+        let unfinished = Unfinished::read(&bytes).map_err(|error| Unreadable::Content(error.to_string()))?;
         let Resolution { width, height, .. } = unfinished.resolution;
         if unfinished.resolution != Resolution::standard(width, height) {
-            return Err(Failure::input(format!("bad recover file \"{path}\": its rows do not run from the top left")));
+            return Err(Unreadable::Content("its rows do not run from the top left".to_owned()));
         }
-        Ok(Some(Recovered {
+        Ok(Recovered {
             columns: width,
             rows: height,
             done: unfinished.scanlines,
             pixels: unfinished.pixels.to_vec(),
             header: unfinished.header,
-        }))
+        })
     }
+}
+
+enum Unreadable {
+    File(io::Error),
+    Content(String),
+}
+
+/// The hidden files that killed runs have left of a picture.
+fn hidden(name: &str) -> Vec<PathBuf> {
+    file_path(name).ok().flatten().map_or_else(Vec::new, |target| leftovers(&target))
 }
 
 /// A picture that is being written.
 pub(super) struct PictureWriter {
-    target: Target,
-    name: String,
-    depths: Option<(File, String)>,
+    rows: Arc<Mutex<Rows>>,
+    /// Where what is done is to be saved at a signal.
+    _saving: Option<ActionGuard>,
 }
 
-enum Target {
-    StandardOutput,
-    File(File),
+/// What is written, shared with who saves it at a signal.
+struct Rows {
+    /// `None` when it has its name.
+    picture: Option<Output>,
+    name: String,
+    /// What stands before the pixels.
+    header: Header,
+    resolution: Resolution,
+    /// Bytes of the header and the resolution.
+    start: usize,
+    done: usize,
+    replaces: Replaces,
+    depths: Option<Output>,
+}
+
+/// Whether the picture may go over one of its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Replaces {
+    Nothing,
+    /// The one that is recovered.
+    Recovered,
 }
 
 /// How a picture begins.
@@ -65,73 +114,138 @@ pub(super) struct Start<'a> {
     pub(super) header: &'a Header,
     pub(super) resolution: Resolution,
     pub(super) recovered: Option<&'a Recovered>,
+    pub(super) replaces: Replaces,
 }
 
 impl PictureWriter {
     /// Writes header, resolution and recovered rows. A file that exists is only replaced if it is the one that is recovered.
-    pub(super) fn begin(output: Option<&str>, replaces: bool, start: &Start<'_>) -> Result<PictureWriter, Failure> {
-        let mut bytes = start.header.to_bytes();
-        bytes.extend_from_slice(format!("{}\n", start.resolution).as_bytes());
-        if let Some(recovered) = start.recovered {
-            bytes.extend_from_slice(&recovered.pixels);
+    pub(super) fn begin(output: Option<&str>, depths: Option<&str>, start: &Start<'_>) -> Result<Self, Failure> {
+        let name = output.unwrap_or("-");
+        let target = file_path(name)?;
+        if start.replaces == Replaces::Nothing && target.as_ref().is_some_and(|target| target.exists()) {
+            return Err(Failure::input(format!(
+                "cannot open output file \"{name}\": it exists (-ro continues an unfinished picture)"
+            )));
         }
-        let Some(path) = output else {
-            let mut writer =
-                PictureWriter { target: Target::StandardOutput, name: "standard output".into(), depths: None };
-            writer.write(&bytes)?;
-            return Ok(writer);
-        };
-        let name = format!("\"{path}\"");
-        let failed = |error: io::Error| match error.kind() {
-            ErrorKind::AlreadyExists => Failure::input(format!(
-                "cannot open output file {name}: it exists (-ro continues an unfinished picture)"
-            )),
-            _ => Failure::write(&name, &error),
-        };
-        let file = if replaces {
-            // The old file stays whole until all that it held is in the new one.
-            write_file(path, &bytes)?;
-            File::options().append(true).open(path).map_err(failed)?
-        } else {
-            let mut file = File::options().write(true).create_new(true).open(path).map_err(failed)?;
-            file.write_all(&bytes).map_err(|error| Failure::write(&name, &error))?;
-            file
-        };
-        Ok(PictureWriter { target: Target::File(file), name, depths: None })
-    }
-
-    /// Opens the file for the distances, of which those of the rows that are done are kept.
-    pub(super) fn with_depths(mut self, path: Option<&str>, pixels_done: usize) -> Result<PictureWriter, Failure> {
-        let Some(path) = path else { return Ok(self) };
-        let failed = |error: io::Error| Failure::write(&format!("\"{path}\""), &error);
-        let mut file = File::options().write(true).create(true).truncate(false).open(path).map_err(failed)?;
-        let start = (pixels_done * size_of::<f32>()) as u64;
-        file.set_len(start).and_then(|()| file.seek(SeekFrom::Start(start))).map_err(failed)?;
-        self.depths = Some((file, format!("\"{path}\"")));
-        Ok(self)
+        if start.recovered.is_none() && target.is_some_and(|target| !leftovers(&target).is_empty()) {
+            say(&format!(
+                "rpict: warning - what a killed run left of \"{name}\" is not used (-ro would go on with it)\n"
+            ));
+        }
+        let mut bytes = head(start.header, start.resolution);
+        let header_bytes = bytes.len();
+        let mut picture = Output::create(name)?;
+        let done = start.recovered.map_or(0, |recovered| recovered.done);
+        bytes.extend(start.recovered.iter().flat_map(|recovered| &recovered.pixels));
+        picture.put(&bytes)?;
+        let columns = start.resolution.scanline_length();
+        let depths = depths.map(|name| begin_depths(name, columns * done)).transpose()?;
+        let rows = Arc::new(Mutex::new(Rows {
+            picture: Some(picture),
+            name: name.to_owned(),
+            header: start.header.clone(),
+            resolution: start.resolution,
+            start: header_bytes,
+            done,
+            replaces: start.replaces,
+            depths,
+        }));
+        // What goes to a pipe is there already.
+        let saved = Arc::clone(&rows);
+        let saving = (name != "-").then(|| at_signal(move || lock(&saved).save()));
+        Ok(PictureWriter { rows, _saving: saving })
     }
 
     /// Whether distances are wanted.
     pub(super) fn wants_depths(&self) -> bool {
-        self.depths.is_some()
+        lock(&self.rows).depths.is_some()
     }
 
-    /// Appends rows of the picture; they are out of this program's hands afterwards.
-    pub(super) fn write(&mut self, bytes: &[u8]) -> Outcome {
-        let written = match &mut self.target {
-            Target::StandardOutput => {
-                let mut out = StandardOutput;
-                out.write_all(bytes).and_then(|()| out.flush())
+    /// Appends some rows of the picture and, if they are wanted, of distances; they are out of this
+    /// program's hands afterwards.
+    pub(super) fn write(&mut self, rows: usize, bytes: &[u8], depths: &[f32]) -> Outcome {
+        let mut to = lock(&self.rows);
+        let Some(picture) = &mut to.picture else { return Ok(()) };
+        let written = picture.put(bytes);
+        let written = written.and_then(|()| to.depths.as_mut().map_or(Ok(()), |to| to.put(&stored(depths))));
+        match written {
+            Ok(()) => to.done += rows,
+            // A full disk must not cost what is done.
+            Err(_) => [to.picture.take(), to.depths.take()].into_iter().flatten().for_each(Output::keep),
+        }
+        written
+    }
+
+    /// Gives the files their names.
+    pub(super) fn finish(self) -> Outcome {
+        let mut rows = lock(&self.rows);
+        let replaces = rows.replaces;
+        if let Some(depths) = rows.depths.take() {
+            depths.commit()?;
+        }
+        match (rows.picture.take(), replaces) {
+            (None, _) => Ok(()),
+            (Some(picture), Replaces::Recovered) => picture.commit(),
+            (Some(picture), Replaces::Nothing) => picture.commit_new(),
+        }
+    }
+}
+
+fn lock(rows: &Mutex<Rows>) -> MutexGuard<'_, Rows> {
+    rows.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn head(header: &Header, resolution: Resolution) -> Vec<u8> {
+    let mut bytes = header.to_bytes();
+    bytes.extend_from_slice(format!("{resolution}\n").as_bytes());
+    bytes
+}
+
+fn stored(depths: &[f32]) -> Vec<u8> {
+    depths.iter().flat_map(|depth| depth.to_ne_bytes()).collect()
+}
+
+impl Rows {
+    /// Gives what is done its name, marked as partial. Where nothing is done, or a name is taken by
+    /// now, there is nothing to save.
+    fn save(&mut self) {
+        let Some(picture) = self.picture.take() else { return };
+        let Some(path) = picture.hidden_path() else { return };
+        let total = self.resolution.scanlines();
+        if self.done == 0 {
+            return;
+        }
+        let mut header = self.header.clone();
+        header.push_variable(PARTIAL, &format!(" {} of {total} rows", self.done));
+        let mut bytes = head(&header, self.resolution);
+        let saved = std::fs::read(path).map_err(|error| Failure::read("what is done", &error)).and_then(|done| {
+            bytes.extend_from_slice(done.get(self.start..).unwrap_or_default());
+            let mut output = Output::create(&self.name)?;
+            output.put(&bytes)?;
+            match self.replaces {
+                Replaces::Nothing => output.commit_new(),
+                Replaces::Recovered => output.commit(),
             }
-            Target::File(file) => file.write_all(bytes),
-        };
-        written.map_err(|error| Failure::write(&self.name, &error))
+        });
+        let saved = saved.and_then(|()| self.depths.take().map_or(Ok(()), Output::commit));
+        match saved {
+            Ok(()) => say(&format!(
+                "rpict: interrupted: \"{}\" has {} of {total} rows (-ro goes on with it)\n",
+                self.name, self.done
+            )),
+            Err(failure) => say(&format!("{}\n", failure.message())),
+        }
     }
+}
 
-    /// Appends distances, in the machine's single precision.
-    pub(super) fn write_depths(&mut self, depths: &[f32]) -> Outcome {
-        let Some((file, name)) = &mut self.depths else { return Ok(()) };
-        let bytes: Vec<u8> = depths.iter().flat_map(|depth| depth.to_ne_bytes()).collect();
-        file.write_all(&bytes).map_err(|error| Failure::write(name, &error))
+/// Opens the file for the distances, of which those of the pixels that are done are kept.
+fn begin_depths(name: &str, pixels_done: usize) -> Result<Output, Failure> {
+    let mut output = Output::create(name)?;
+    if pixels_done > 0 {
+        let places = hidden(name).into_iter().chain([PathBuf::from(name)]);
+        let mut kept = places.filter_map(|path| std::fs::read(path).ok()).max_by_key(Vec::len).unwrap_or_default();
+        kept.resize(pixels_done * size_of::<f32>(), 0);
+        output.put(&kept)?;
     }
+    Ok(output)
 }

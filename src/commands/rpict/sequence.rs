@@ -23,7 +23,7 @@ impl<'o> Sequence<'o> {
         }
         let first = options.first_frame;
         let mut sequence = Sequence { options, number: first - 1, view: options.view, before: None };
-        if let Some(frame) = options.recover.as_ref().and_then(|name| name.parse::<i64>().ok()) {
+        if let Some(frame) = options.recovered_frame() {
             if frame < first {
                 return Err(Failure::usage(format!("rpict: recover frame {frame} is before start frame {first}")));
             }
@@ -39,11 +39,14 @@ impl<'o> Sequence<'o> {
         Ok(sequence)
     }
 
-    /// View and number of the next frame whose picture is not there yet.
+    /// View and number of the next frame whose picture is not there yet or is to be recovered.
     pub(super) fn next(&mut self) -> Result<Option<(ViewOptions, i64)>, Failure> {
         while let Some(view) = self.next_view()? {
-            let is_there =
-                |name: &str| self.options.recover.is_none() && Path::new(&numbered(name, self.number)).exists();
+            let is_recovered = match self.options.recovered_frame() {
+                Some(frame) => frame == self.number,
+                None => self.options.recover.is_some(),
+            };
+            let is_there = |name: &str| !is_recovered && Path::new(&numbered(name, self.number)).exists();
             let alike = |name: &str| numbered(name, self.number) == *name;
             if self.options.output.as_deref().is_none_or(|name| alike(name) || !is_there(name)) {
                 return Ok(Some((view, self.number)));

@@ -9,12 +9,12 @@ mod tree;
 use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
+use crate::output::standard_output;
 use crate::output_color::OutputColor;
 use crate::ray_input::{InputRay, RayReader};
 use crate::trust::Trust;
 pub(crate) use answers::RayAnswers;
 use options::Options;
-use radsight_brdf_host::guard::standard_output::StandardOutput;
 use radsight_frame::{Effort, average};
 use radsight_picture::Resolution;
 use radsight_render::{Ray, Renderer, Spread};
@@ -43,7 +43,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
 
 fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
     let failed = |error: io::Error| Failure::write("standard output", &error);
-    let mut out = BufWriter::with_capacity(1 << 16, StandardOutput);
+    let mut out = BufWriter::with_capacity(1 << 16, standard_output());
     out.write_all(&start(options)).map_err(failed)?;
     let pace = Pace::new(options);
     let mut left = pace.total;

@@ -1,0 +1,104 @@
+//! Which files this process has read, so that no output goes over one of them.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, Metadata};
+use std::io;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+#[cfg(unix)]
+type Identity = (u64, u64);
+#[cfg(not(unix))]
+type Identity = std::path::PathBuf;
+
+/// The names under which files were read.
+static READ: Mutex<BTreeMap<Identity, String>> = Mutex::new(BTreeMap::new());
+
+/// Notes that a file is an input. Pipes and devices are not noted: writing to them destroys
+/// nothing.
+pub fn remember(path: &Path, file: &File) {
+    if let Some(identity) = file.metadata().ok().and_then(|found| identity(path, &found)) {
+        let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+        read.entry(identity).or_insert_with(|| path.display().to_string());
+    }
+}
+
+/// The name under which this file was read, if it was. Standard input counts as read.
+#[must_use]
+pub fn name_of(path: &Path) -> Option<String> {
+    let wanted = fs::metadata(path).ok().and_then(|found| identity(path, &found))?;
+    let named = READ.lock().unwrap_or_else(PoisonError::into_inner).get(&wanted).cloned();
+    named.or_else(|| {
+        let input = standard_input().ok().and_then(|found| identity(Path::new("-"), &found));
+        (input == Some(wanted)).then(|| "standard input".to_owned())
+    })
+}
+
+/// Whether a file is the one that standard output goes to.
+#[must_use]
+pub fn is_standard_output(path: &Path, file: &File) -> bool {
+    let of = |found: io::Result<Metadata>| found.ok().and_then(|found| identity(path, &found));
+    of(file.metadata()).is_some_and(|wanted| of(standard_output()) == Some(wanted))
+}
+
+/// Whether standard input and standard output are the same file.
+#[must_use]
+pub fn is_standard_input_standard_output() -> bool {
+    let of = |found: io::Result<Metadata>| found.ok().and_then(|found| identity(Path::new("-"), &found));
+    of(standard_input()).is_some_and(|wanted| of(standard_output()) == Some(wanted))
+}
+
+#[cfg(unix)]
+fn identity(_path: &Path, found: &Metadata) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    found.is_file().then(|| (found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path, found: &Metadata) -> Option<Identity> {
+    found.is_file().then(|| fs::canonicalize(path).ok()).flatten()
+}
+
+#[cfg(unix)]
+fn standard_output() -> io::Result<Metadata> {
+    use std::os::fd::AsFd;
+    File::from(io::stdout().as_fd().try_clone_to_owned()?).metadata()
+}
+
+#[cfg(unix)]
+fn standard_input() -> io::Result<Metadata> {
+    use std::os::fd::AsFd;
+    File::from(io::stdin().as_fd().try_clone_to_owned()?).metadata()
+}
+
+#[cfg(not(unix))]
+fn standard_output() -> io::Result<Metadata> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+#[cfg(not(unix))]
+fn standard_input() -> io::Result<Metadata> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_input_is_known_through_links_and_hard_links() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["read", "other"] {
+            fs::write(at(name), "x").unwrap();
+        }
+        std::os::unix::fs::symlink(at("read"), at("link")).unwrap();
+        fs::hard_link(at("read"), at("hard")).unwrap();
+        remember(&at("read"), &File::open(at("read")).unwrap());
+        for name in ["read", "link", "hard"] {
+            assert_eq!(name_of(&at(name)), Some(at("read").display().to_string()), "{name}");
+        }
+        assert_eq!(name_of(&at("other")), None);
+        assert_eq!(name_of(&at("missing")), None);
+    }
+}
