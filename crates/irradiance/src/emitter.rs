@@ -83,10 +83,6 @@ const LEAST_COSINE: f32 = 0.05;
 /// than neighbouring records can tell.
 const SOFTENING: f32 = 0.09;
 
-/// Within the reach of a record its irradiance changes by no more than these shares by a slope and by a curvature.
-const STEEPEST_SLOPE: f64 = 1.0;
-const GREATEST_BEND: f64 = 0.25;
-
 /// Sums are made in so many parts, which vector instructions add at once.
 const LANES: usize = 8;
 
@@ -183,32 +179,11 @@ pub(crate) struct Change {
     pub(crate) curvature: [f64; 3],
 }
 
-impl Change {
-    /// The share of it that changes an irradiance over a length `reach` by no more than is likely.
-    pub(crate) fn believed(&self, irradiance: f64, reach: f64) -> f64 {
-        let [x, y] = self.slope;
-        let [xx, yy, xy] = self.curvature;
-        let by_slope = x.hypot(y) * reach;
-        let by_curvature = 0.5 * (xx.abs().max(yy.abs()) + xy.abs()) * reach * reach;
-        let most = (by_slope / STEEPEST_SLOPE).max(by_curvature / GREATEST_BEND);
-        if most > irradiance { (irradiance / most).max(0.0) } else { 1.0 }
-    }
-
-    /// A share of it.
-    pub(crate) fn scaled(&self, share: f64) -> Change {
-        Change { slope: self.slope.map(|slope| slope * share), curvature: self.curvature.map(|bend| bend * share) }
-    }
-}
-
 impl<const BANDS: usize> EmitterModel<BANDS> {
-    /// Around a position, from records with the weight of each, which sum to 1; `radius` is that of the neighbourhood.
-    pub(crate) fn new<'r>(
-        origin: DVec3,
-        records: impl ExactSizeIterator<Item = (&'r Record<BANDS>, f64)>,
-        radius: f64,
-    ) -> Self {
+    /// A model that knows of no emitters.
+    pub(crate) fn none(origin: DVec3, radius: f64) -> Self {
         let none = [0.0; CAPACITY];
-        let mut model = EmitterModel {
+        EmitterModel {
             origin,
             radius,
             count: 0,
@@ -217,7 +192,16 @@ impl<const BANDS: usize> EmitterModel<BANDS> {
             is_near: none,
             faces_all: none,
             strength: [none; BANDS],
-        };
+        }
+    }
+
+    /// Around a position, from records with the weight of each, which sum to 1; `radius` is that of the neighbourhood.
+    pub(crate) fn new<'r>(
+        origin: DVec3,
+        records: impl ExactSizeIterator<Item = (&'r Record<BANDS>, f64)>,
+        radius: f64,
+    ) -> Self {
+        let mut model = Self::none(origin, radius);
         // Of each record as many points, so that all have room.
         let kept = (CAPACITY / records.len().max(1)).clamp(1, COUNT);
         for (index, (record, weight)) in records.enumerate() {

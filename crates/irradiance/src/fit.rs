@@ -42,6 +42,7 @@ struct Misfit {
 }
 
 /// A neighbour of a record as its fit sees it.
+#[derive(Clone)]
 struct Neighbour<'r, const BANDS: usize> {
     record: &'r Record<BANDS>,
     /// Its irradiance without what the trend changes on the way to it.
@@ -93,7 +94,21 @@ impl<const BANDS: usize> Fit<BANDS> {
                 })
             })
             .collect();
-        let trend = Trend::new(record, &mut neighbours, radius, record.reach(limits));
+        let weight = |other: &Neighbour<'r, BANDS>| other.weight(1.0);
+        let total: f64 = neighbours.iter().map(weight).sum();
+        let records = neighbours.iter().map(|other| (other.record, weight(other) / total));
+        let model = EmitterModel::new(record.position, records, radius);
+        // In creases emitters are so near that the model says too much: then the records agree better without it.
+        let mut bent = neighbours.clone();
+        let with_model = Trend::new(record, &mut bent, radius, &model);
+        let without = Trend::new(record, &mut neighbours, radius, &EmitterModel::none(record.position, radius));
+        let excess = |neighbours: &[_], trend: &_| Fit::over(record, (neighbours, trend), 1.0, limits).1.excess;
+        let trend = if excess(&bent, &with_model) <= MODEL_FAILS * excess(&neighbours, &without) {
+            neighbours = bent;
+            with_model
+        } else {
+            without
+        };
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
             let (mut fit, misfit) = Fit::over(record, (&neighbours, &trend), share, limits);
@@ -270,7 +285,12 @@ struct Trend<const BANDS: usize> {
 
 impl<const BANDS: usize> Trend<BANDS> {
     /// From the neighbours of a record, which then know what it takes from their irradiance.
-    fn new(record: &Record<BANDS>, neighbours: &mut [Neighbour<'_, BANDS>], radius: f64, reach: f64) -> Self {
+    fn new(
+        record: &Record<BANDS>,
+        neighbours: &mut [Neighbour<'_, BANDS>],
+        radius: f64,
+        model: &EmitterModel<BANDS>,
+    ) -> Self {
         let weight = |neighbour: &Neighbour<'_, BANDS>| neighbour.weight(1.0);
         let total: f64 = neighbours.iter().map(weight).sum();
         let average = |of: &dyn Fn(&Record<BANDS>) -> DVec3| {
@@ -278,17 +298,7 @@ impl<const BANDS: usize> Trend<BANDS> {
         };
         let frame = Record::<BANDS>::frame(record.normal);
         let [x, y, normal] = frame;
-        let model = EmitterModel::new(
-            record.position,
-            neighbours.iter().map(|other| (other.record, weight(other) / total)),
-            radius,
-        );
         let changes = model.change(record.position, frame, DIFFERENCE * radius);
-        let irradiance =
-            neighbours.iter().map(|other| weight(other) * mean(&other.record.irradiance)).sum::<f64>() / total;
-        // In a crease emitters are so near that the model says too much: then less of it counts.
-        let share = changes.iter().map(|change| change.believed(irradiance, reach)).fold(1.0, f64::min);
-        let changes = changes.map(|change| change.scaled(share));
         let trend = Trend {
             rotation: std::array::from_fn(|band| average(&|other| other.gradients.rotation[band])),
             gradient: std::array::from_fn(|band| average(&|other| other.gradients.translation[band])),
@@ -300,7 +310,7 @@ impl<const BANDS: usize> Trend<BANDS> {
             let turn = neighbour.record.normal.cross(record.normal);
             let there = model.irradiance(neighbour.record.position, normal);
             for band in 0..BANDS {
-                neighbour.moved[band] += turn.dot(trend.rotation[band]) - share * (there[band] - here[band]);
+                neighbour.moved[band] += turn.dot(trend.rotation[band]) - (there[band] - here[band]);
             }
         }
         trend
@@ -320,8 +330,11 @@ const WIDEST_IN_REACHES: f64 = 3.5;
 /// The weight of the gradient that the rays themselves tell, beside that of the neighbours.
 const PRIOR: f64 = 0.02;
 
+/// The emitter model is used unless the neighbours differ by this many times as much, in squares, with it as without.
+const MODEL_FAILS: f64 = 1.2;
+
 /// Slopes and curvatures are told by differences over this share of the radius of the neighbourhood.
-const DIFFERENCE: f64 = 0.3;
+const DIFFERENCE: f64 = 0.25;
 
 /// Squared residuals that exceed the noise by more than this over the square root of the neighbours' number are no noise any more: over four
 /// standard deviations of its mean, since few bright rays make most of it.
