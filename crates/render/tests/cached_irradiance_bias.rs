@@ -208,7 +208,11 @@ fn a_wall_in_the_plane_of_a_window_gets_nothing_from_it() {
     // Every other ray meets the floor, whose records see the sky.
     let target = |index: u32| {
         let [u, v] = [0.754_877_666, 0.569_840_291].map(|step| 0.01 + 0.98 * (f64::from(index) * step).fract());
-        if index % 2 == 0 { DVec3::new(1.4 * u, 0.0, SIZE.z * v) } else { DVec3::new(SIZE.x * u, SIZE.y * v, 0.0) }
+        if index.is_multiple_of(2) {
+            DVec3::new(1.4 * u, 0.0, SIZE.z * v)
+        } else {
+            DVec3::new(SIZE.x * u, SIZE.y * v, 0.0)
+        }
     };
     let rays: Vec<_> = (0..800).map(|index| Ray::new(eye, target(index) - eye)).collect();
     renderer.gather_irradiance(&rays, Spread::UNKNOWN);
