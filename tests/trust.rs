@@ -116,7 +116,9 @@ fn the_command_line_allows_libraries() {
     // A name that the command line gives allows no other.
     let trap = Trap::new();
     if evil_library(&trap).is_some() {
-        trap.refuses(&["rtrace", "--brdf", "m=builtin:ward(.5,.5,.5,.2)", "lights.rad", "plugin.rad"], "evil");
+        // Whether the named library is there depends on what was built beside the program.
+        let words = ["rtrace", "--brdf", "m=builtin:ward(.5,.5,.5,.2)", "lights.rad", "plugin.rad"];
+        trap.leaves_no_trace(&words, b"0 0 0 0 1 0\n");
     }
 }
 
