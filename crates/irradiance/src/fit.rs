@@ -102,16 +102,17 @@ impl<const BANDS: usize> Fit<BANDS> {
         let mut bent = neighbours.clone();
         let with_model = Trend::new(record, &mut bent, radius, &model);
         let without = Trend::new(record, &mut neighbours, radius, &EmitterModel::none(record.position, radius));
-        let excess = |neighbours: &[_], trend: &_| Fit::over(record, (neighbours, trend), 1.0, limits).1.excess;
-        let trend = if excess(&bent, &with_model) <= MODEL_FAILS * excess(&neighbours, &without) {
+        let bent_fit = Fit::over(record, (&bent, &with_model), 1.0, limits);
+        let plain_fit = Fit::over(record, (&neighbours, &without), 1.0, limits);
+        let (trend, mut tried) = if bent_fit.1.excess <= MODEL_FAILS * plain_fit.1.excess {
             neighbours = bent;
-            with_model
+            (with_model, bent_fit)
         } else {
-            without
+            (without, plain_fit)
         };
         let (mut share, mut bend) = (1.0, 0.0);
         loop {
-            let (mut fit, misfit) = Fit::over(record, (&neighbours, &trend), share, limits);
+            let (mut fit, misfit) = tried;
             let allowed = 1.0 + MISFIT_BY_CHANCE / (neighbours.len() as f64).sqrt();
             let (agree, can_judge) = (misfit.excess <= allowed, neighbours.len() >= FEWEST_TO_JUDGE);
             if can_judge {
@@ -125,6 +126,7 @@ impl<const BANDS: usize> Fit<BANDS> {
             }
             share *= 0.5f64.sqrt();
             neighbours.retain(|neighbour| neighbour.distance < share);
+            tried = Fit::over(record, (&neighbours, &trend), share, limits);
         }
     }
 
