@@ -1,6 +1,6 @@
 //! Rays, and where they end.
 
-use crate::view::Placed;
+use crate::surface_interaction::Placed;
 use glam::DVec3;
 use radsight_ir::{SurfaceHandle, Transform};
 
@@ -44,16 +44,16 @@ impl Ray {
 
 /// How far apart neighbouring rays are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct RaySpacing {
     /// Distance of their origins, scene units.
     pub width: f64,
     /// Angle between them, radians.
     pub angle: f64,
 }
 
-impl Spread {
+impl RaySpacing {
     /// Rays that have nothing to do with each other.
-    pub const UNKNOWN: Spread = Spread { width: 0.0, angle: 0.0 };
+    pub const UNKNOWN: RaySpacing = RaySpacing { width: 0.0, angle: 0.0 };
 
     /// Distance of neighbouring rays where they have gone so far, scene units.
     pub(crate) fn at(&self, distance: f64) -> f64 {
@@ -101,7 +101,7 @@ pub(crate) struct Crossing {
 
 /// Where a ray meets a surface, with all that its shading asks for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hit {
+pub(crate) struct Intersection {
     pub(crate) distance: f64,
     pub(crate) primitive: PrimitiveId,
     /// The surface of the whole scene: a mesh or an instance where the ray hits something within one.

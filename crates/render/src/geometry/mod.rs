@@ -19,8 +19,8 @@ mod sphere;
 
 use crate::cast::material_name;
 use crate::compile::ShaderTable;
-use crate::ray::{Crossing, Hit, MemberId, PrimitiveId, Ray, ShaderId};
-use crate::view::Placed;
+use crate::ray::{Crossing, Intersection, MemberId, PrimitiveId, Ray, ShaderId};
+use crate::surface_interaction::Placed;
 use bounds::Bounds;
 use glam::DVec3;
 use hierarchy::Hierarchy;
@@ -258,7 +258,7 @@ impl Geometry {
         shaders: &ShaderTable,
         ray: &Ray,
         from: Option<PrimitiveId>,
-    ) -> Option<Hit> {
+    ) -> Option<Intersection> {
         let crossing = self.first_off(scene, ray, from)?;
         Some(self.hit(scene, shaders, ray, crossing))
     }
@@ -498,23 +498,31 @@ impl Geometry {
 
     /// All that the shading of a crossing asks for.
     #[inline]
-    pub(crate) fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
+    pub(crate) fn hit(&self, scene: &ValidScene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Intersection {
         let Crossing { distance, primitive } = crossing;
         if primitive.0 < self.members.len() as u64 {
             let surface = self.members[primitive.0 as usize];
             let (modifier, shape) = (scene.surfaces[surface].modifier, self.shapes[primitive.0 as usize]);
             let (point, front) = surface_point(scene, shape, ray.at(distance));
-            return Hit { distance, primitive, surface, shader: shaders.of(modifier), point, front, placed: None };
+            return Intersection {
+                distance,
+                primitive,
+                surface,
+                shader: shaders.of(modifier),
+                point,
+                front,
+                placed: None,
+            };
         }
         self.hit_within(scene, shaders, ray, crossing)
     }
 
     #[cold]
-    fn hit_within(&self, scene: &Scene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Hit {
+    fn hit_within(&self, scene: &Scene, shaders: &ShaderTable, ray: &Ray, crossing: Crossing) -> Intersection {
         let Crossing { distance, primitive } = crossing;
         let surface = self.members[self.member_of(primitive).0.0 as usize];
         let Described { shader, point, front, placed } = self.describe(scene, shaders, primitive, ray.at(distance));
-        Hit { distance, primitive, surface, shader, point, front, placed }
+        Intersection { distance, primitive, surface, shader, point, front, placed }
     }
 
     fn describe(&self, scene: &Scene, shaders: &ShaderTable, primitive: PrimitiveId, point: DVec3) -> Described {
