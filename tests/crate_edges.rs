@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 /// What each crate of the workspace may know, without the `radsight-` that begins all their names.
 /// A crate that is missing here may not exist.
 const ALLOWED: &[(&str, &[&str])] = &[
+    ("accel", &["diag", "ir"]),
     (
         "bench",
         &[
@@ -48,7 +49,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("picture", &[]),
     ("picture-ops", &["cal", "diag", "formats", "picture"]),
     ("pinhole", &["sampling"]),
-    ("render", &["brdf", "measured", "cal", "diag", "ir", "irradiance-cache", "retro", "sampling", "spectrum"]),
+    (
+        "render",
+        &["accel", "brdf", "measured", "cal", "diag", "ir", "irradiance-cache", "retro", "sampling", "spectrum"],
+    ),
     ("retro", &["brdf"]),
     ("rad-project", &["scene-generators"]),
     ("sampling", &[]),
@@ -58,8 +62,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// What tests, benchmarks and examples of a crate may know beyond that.
-const ALLOWED_IN_TESTS: &[(&str, &[&str])] =
-    &[("bench", &["cal", "irradiance-cache"]), ("camera", &["sampling"]), ("irradiance-cache", &["sampling"])];
+const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
+    ("accel", &["sampling"]),
+    ("bench", &["cal", "irradiance-cache"]),
+    ("camera", &["sampling"]),
+    ("irradiance-cache", &["sampling"]),
+];
 
 /// What a plugin may know: the layer for plugin authors. The plugin of the built-in models wraps them.
 const ALLOWED_IN_PLUGINS: &[&str] = &["brdf-sdk"];
@@ -191,6 +199,11 @@ fn the_walls_hold_by_any_detour() {
     }
     assert!(!reachable("render").contains("loader"), "the renderer reads no files");
     assert!(!reachable("render").contains("brdf-host"), "the renderer loads no libraries");
+    assert_eq!(
+        reachable("accel"),
+        reachable("ir").into_iter().chain(["ir"]).collect(),
+        "hierarchies know shapes and ids, no shading"
+    );
     assert!(reachable("measured").is_empty(), "scattering data know no scenes");
     assert!(!reachable("brdf").contains("ir"), "reflectance models know no scenes");
     assert!(reachable("brdf-abi").is_empty(), "the C interface stands alone");

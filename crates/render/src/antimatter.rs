@@ -5,10 +5,10 @@
 //! with the old one. If antimatter names a material to shade the cut with, its surface is there, turned inside out, where the
 //! ray is within one of the bodies that it cuts; the ray knows that by counting the fronts less the backs of their surfaces that it passed.
 
-use crate::ray::{Intersection, ShaderId};
 use crate::shader::{Kind, Shader};
 use crate::trace::PathIntegrator;
 use glam::DVec3;
+use radsight_accel::{Intersection, ShaderId};
 
 /// What the `antimatter` material does.
 #[derive(Clone, Debug)]

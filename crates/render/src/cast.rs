@@ -1,8 +1,8 @@
 //! Where rays end, without what they bring.
 
 use crate::plan::RenderPlan;
-use crate::ray::{Intersection, PrimitiveId, Ray};
 use glam::DVec3;
+use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_ir::{ModifierHandle, ModifierKind, Scene, SurfaceHandle};
 
 /// Where the first ray ended.

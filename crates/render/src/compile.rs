@@ -8,12 +8,12 @@ use crate::medium::MistKind;
 use crate::options::{Skip, Skipping};
 use crate::plan::{ModelRequest, ModelSource};
 use crate::prism::PrismKind;
-use crate::ray::ShaderId;
 use crate::refraction::DielectricInterface;
 use crate::scatter::{Appearances, MeasuredKind, Scatterer};
 use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
 use crate::step::{MixedSteps, Step};
+use radsight_accel::{ShaderId, ShaderTable};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
     Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
@@ -21,23 +21,6 @@ use radsight_ir::{
 };
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// The shader of each modifier that surfaces of a scene name, and those of the scenes that it places.
-#[derive(Debug)]
-pub(crate) struct ShaderTable {
-    /// By modifier, `void` first.
-    of_modifier: Vec<ShaderId>,
-    /// By octree handle.
-    pub(crate) octrees: Vec<Arc<ShaderTable>>,
-}
-
-impl ShaderTable {
-    /// The shader of a modifier that a surface or a triangle of the scene has.
-    #[inline]
-    pub(crate) fn of(&self, modifier: Option<ModifierHandle>) -> ShaderId {
-        self.of_modifier[modifier.map_or(0, |handle| handle.index() + 1)]
-    }
-}
 
 /// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
 ///
@@ -126,7 +109,8 @@ impl Compiler<'_> {
         }
         let octrees =
             scene.octrees.items().iter().zip(uses).map(|(octree, used)| self.compile_octree(&octree.scene, used));
-        ShaderTable { octrees: octrees.collect(), of_modifier }
+        let octrees = octrees.collect();
+        ShaderTable::new(of_modifier, octrees)
     }
 
     /// A scene that several others place is compiled once.

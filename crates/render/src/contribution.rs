@@ -4,10 +4,10 @@
 
 use crate::bands::BandValues;
 use crate::options::{RenderOptions, TrackedValue};
-use crate::ray::Intersection;
 use crate::shader::Shader;
 use crate::surface_interaction::{SurfaceInteraction, View};
 use crate::trace::{PathIntegrator, PathState, product};
+use radsight_accel::Intersection;
 use radsight_cal::Host;
 use radsight_ir::Scene;
 use std::collections::HashMap;

@@ -4,15 +4,15 @@ use crate::antimatter::SubtractionId;
 use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use crate::light::{Light, LightId};
 use crate::light_form::{LightForm, LightSample};
-use crate::light_tree::{LightTree, Reception, Subtraction};
+use crate::light_tree::{LightTree, Reception, TreeCut};
 use crate::options::{Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
-use crate::ray::PrimitiveId;
 use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{MediumId, PathIntegrator, emission, given, product};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
+use radsight_accel::PrimitiveId;
 use radsight_sampling::DimensionSet;
 
 /// Up to so many lights each one is sampled at every point; of more, so many are drawn.
@@ -195,7 +195,7 @@ impl DirectSampler<'_> {
         first_set: u32,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
-        let cut = Subtraction::new(tree, &plan.lights, self.point, &self.reception);
+        let cut = TreeCut::new(tree, &plan.lights, self.point, &self.reception);
         let draws = self.reception.draws;
         // A number of the sequence has 24 bits, which so many lights would use up.
         let [coarse, fine, ..] = tracer.sampler.take(DimensionSet::render(first_set));
@@ -384,7 +384,7 @@ const SEQUENCE_STEP: f64 = 1.0 / (1 << 24) as f64;
 pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
     match &plan.light_tree {
         Some(tree) if reception.draws > 0 => {
-            f64::from(reception.draws) * Subtraction::new(tree, &plan.lights, point, reception).chance(id)
+            f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
         }
         _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
     }

@@ -1,11 +1,11 @@
 //! The forms of lights: places on them, drawn by area or by solid angle.
 
-use crate::geometry;
 use crate::light::VirtualSource;
 use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
 use crate::visible_side::VisibleSide;
 use earcut::Earcut;
 use glam::DVec3;
+use radsight_accel::polygon_normal;
 use radsight_ir::{Facing, Scene, Shape};
 use radsight_sampling::unit_disk;
 use std::f64::consts::{PI, TAU};
@@ -395,7 +395,7 @@ fn point_on_triangles(triangles: &[[DVec3; 3]], cumulative: &[f64], u: f64, v: f
 }
 
 fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
-    let normal = geometry::polygon_normal(vertices)?;
+    let normal = polygon_normal(vertices)?;
     if let [a, b, c, d] = vertices {
         let (x, y) = (*b - *a, *d - *a);
         if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {

@@ -1,7 +1,7 @@
 //! A hierarchy of lights, from which a few of many are drawn by what they promise to give at a point.
 //!
 //! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018: each node knows a sphere around its
-//! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`Subtraction`]: nodes that are seen
+//! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`TreeCut`]: nodes that are seen
 //! under a wide angle are opened first, so that the promises from which is drawn are good ones; the rest of the way down is a choice between two.
 //! Distant lights have a tree of their own, over their directions.
 //!
@@ -109,7 +109,7 @@ pub(crate) struct Choice {
 
 /// Nodes that together hold all lights, none twice, with what they promise at a point.
 #[derive(Debug)]
-pub(crate) struct Subtraction<'t> {
+pub(crate) struct TreeCut<'t> {
     tree: &'t LightTree,
     lights: &'t [Light],
     point: DVec3,
@@ -303,15 +303,10 @@ impl LightTree {
 /// Of the mean radiance of all lights: what each is taken to have at least.
 const LEAST_SHARE: f64 = 0.01;
 
-impl<'t> Subtraction<'t> {
+impl<'t> TreeCut<'t> {
     /// The tree as a point sees it.
-    pub(crate) fn new(
-        tree: &'t LightTree,
-        lights: &'t [Light],
-        point: DVec3,
-        reception: &'t Reception,
-    ) -> Subtraction<'t> {
-        let mut cut = Subtraction { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
+    pub(crate) fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> TreeCut<'t> {
+        let mut cut = TreeCut { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
         for root in &tree.roots {
             cut.nodes[cut.len] = (*root, cut.importance(*root));
             cut.len += 1;
@@ -381,7 +376,7 @@ impl<'t> Subtraction<'t> {
         (total > 0.0).then(|| importances[0] / total)
     }
 
-    /// The chance with which [`Subtraction::draw`] finds a light.
+    /// The chance with which [`TreeCut::draw`] finds a light.
     pub(crate) fn chance(&self, light: LightId) -> f64 {
         let leaf = self.tree.leaf_of[light.0 as usize];
         // Nodes below a node have the next numbers, so the last one that begins before the leaf holds it.
@@ -503,7 +498,7 @@ mod tests {
             let lights = lights(count);
             let tree = LightTree::new(&lights, |_| 1.0);
             for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
-                let cut = Subtraction::new(&tree, &lights, point, &reception);
+                let cut = TreeCut::new(&tree, &lights, point, &reception);
                 let draws = 2000;
                 let mut found = vec![0u32; lights.len()];
                 let mut lost = 0u32;
@@ -534,7 +529,7 @@ mod tests {
         let lights = lights(500);
         let tree = LightTree::new(&lights, |_| 1.0);
         for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
-            let cut = Subtraction::new(&tree, &lights, point, &reception);
+            let cut = TreeCut::new(&tree, &lights, point, &reception);
             for (index, light) in lights.iter().enumerate() {
                 let gives = (0..64).any(|place| {
                     let u = [scattered(place, 0), scattered(place, 1)];
@@ -562,7 +557,7 @@ mod tests {
             .collect();
         let tree = LightTree::new(&lights, |_| 1.0);
         let reception = receptions()[0];
-        let cut = Subtraction::new(&tree, &lights, DVec3::ZERO, &reception);
+        let cut = TreeCut::new(&tree, &lights, DVec3::ZERO, &reception);
         let gives = |light: &Light| light.center.z / light.center.length().powi(3);
         let total: f64 = lights.iter().map(gives).sum();
         for (index, light) in lights.iter().enumerate() {

@@ -1,14 +1,13 @@
 //! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
-use crate::geometry::{Geometry, flat_normal};
 use crate::light::{Light, LightCone, Redirection, VirtualSource};
 use crate::light_form::{LightForm, virtual_form};
 use crate::prism::PrismKind;
 use crate::prism_image::PrismInteraction;
-use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{Kind, Shader};
 use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::{Geometry, MemberId, PrimitiveId, Ray, flat_normal};
 use radsight_cal::Scratch;
 use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, ValidScene};
 

@@ -1,10 +1,10 @@
 //! Surfaces that are part one material, part another.
 
 use crate::options::BackFaces;
-use crate::ray::Intersection;
 use crate::shader::{Kind, MixtureKind, Shader};
 use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{PathIntegrator, PathState};
+use radsight_accel::Intersection;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Both parts, each with its share, as Radiance does; where one has no material, the ray goes on. The segment comes with and without

@@ -4,10 +4,9 @@ use crate::antimatter::all_cut;
 use crate::bands::BandLayout;
 use crate::cast::FirstHit;
 use crate::cast::material_name;
-use crate::compile::{ShaderTable, compile_shaders};
+use crate::compile::compile_shaders;
 use crate::contribution::mark_tracked;
 use crate::direct::{ALWAYS_ALL, light_draws};
-use crate::geometry::Geometry;
 use crate::indirect::excluded;
 use crate::light::{Light, LightId};
 use crate::light_tree::LightTree;
@@ -15,10 +14,11 @@ use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
 use crate::portals::{Portals, makes_caustics};
-use crate::ray::{Intersection, MemberId, PrimitiveId, Ray, ShaderId};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
+use crate::substance::substance;
 use crate::veils::find_veils;
 use crate::visibility_class::{Receiver, Visibility};
+use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ray, ShaderId, ShaderTable};
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
@@ -111,8 +111,8 @@ impl RenderPlan {
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let is_bare = |shader: &Shader| matches!(shader.kind, Kind::Transparent);
         let meets_bare = options.bare_surfaces == BareSurfaces::Met;
-        let geometry =
-            Geometry::build(&scene, |handle| meets_bare || !is_bare(shader(handle))).map_err(|error| vec![error])?;
+        let geometry = Geometry::build(&scene, substance, |handle| meets_bare || !is_bare(shader(handle)))
+            .map_err(|error| vec![error])?;
         let virtual_source = |handle: SurfaceHandle| virtual_source_shader(&shaders, shader(handle));
         let lights = collect_lights(&scene, &geometry, shader, virtual_source, options.mirror_sources);
         let mut lights_of: Vec<_> =
@@ -260,7 +260,8 @@ impl RenderPlan {
             let material = material_name(&self.scene, modifier);
             return [self.scene.surface_name(hit.surface), self.scene.modifier_name(modifier), material];
         }
-        self.geometry.names(&self.scene, hit.primitive)
+        let Identity { scene, name, modifier } = self.geometry.identify(&self.scene, hit.primitive);
+        [name, scene.modifier_name(modifier), material_name(scene, modifier)]
     }
 
     /// The scene.

@@ -7,13 +7,12 @@
 //! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings
 //! that are seen behind each other.
 
-use crate::geometry::is_flat;
 use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
-use crate::ray::{MemberId, PrimitiveId, Ray};
 use crate::shader::{EmitterClass, Kind, Shader};
 use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::{MemberId, PrimitiveId, Ray, is_flat};
 use radsight_cal::Scratch;
 use radsight_ir::{Surface, SurfaceHandle};
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};

@@ -7,9 +7,9 @@
 use crate::light::Redirection;
 use crate::light_form::{LightForm, coordinates};
 use crate::prism::PrismKind;
-use crate::ray::Ray;
 use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use std::f64::consts::TAU;
 

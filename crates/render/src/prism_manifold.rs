@@ -9,11 +9,11 @@ use crate::direct::DirectSampler;
 use crate::light::{Light, Redirection, VirtualSource};
 use crate::light_form::LightSample;
 use crate::prism::PrismKind;
-use crate::ray::Ray;
 use crate::shader::Kind;
 use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::PathIntegrator;
 use glam::{DMat2, DVec2, DVec3};
+use radsight_accel::Ray;
 use radsight_cal::Scratch;
 
 /// Steps; a smooth prism takes three or four.

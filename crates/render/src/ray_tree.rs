@@ -10,10 +10,10 @@ use crate::light::Light;
 use crate::light_form::LightSample;
 use crate::options::{RayTreeOutput, RenderOptions};
 use crate::plan::RenderPlan;
-use crate::ray::{Intersection, Ray};
 use crate::trace::{PathIntegrator, product};
 use crate::transmission_lobe::luminance;
 use glam::DVec3;
+use radsight_accel::{Intersection, Ray};
 use radsight_ir::SurfaceHandle;
 
 /// What a ray brings or what counts of it, as a colour and, where spectra are traced, band by band.

@@ -3,9 +3,10 @@
 use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::contribution::Contribution;
 use crate::plan::RenderPlan;
-use crate::ray::{Ray, RaySpacing};
+use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
 use crate::trace::{PathIntegrator, Traced};
+use radsight_accel::Ray;
 use rayon::prelude::*;
 
 /// Answers rays.

@@ -7,19 +7,18 @@
 use crate::antimatter::{AntimatterEvent, SubtractionId};
 use crate::bsdf::pane;
 use crate::direct::DirectSampler;
-use crate::geometry::RayFrame;
 use crate::light::{Light, Redirection, VirtualSource};
 use crate::light_form::LightSample;
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;
-use crate::ray::{self, Intersection, MemberId, PrimitiveId, Ray};
 use crate::ray_tree::{BounceType, Image};
 use crate::shader::{Kind, Shader, Substitution, bands};
 use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{PathIntegrator, emission, given, product, reflect};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
+use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_cal::Scratch;
 use radsight_ir::Shape;
 
@@ -344,7 +343,7 @@ impl DirectSampler<'_> {
         let tolerance = plan.geometry.tolerance();
         let mut passed = plan.see_through.then(Passed::default);
         let mut is_blocked = false;
-        let mut block = |crossing: ray::Crossing| {
+        let mut block = |crossing: Crossing| {
             if crossing.primitive == target {
                 return false;
             }

@@ -1,7 +1,7 @@
 //! What a function sees of a ray.
 
-use crate::ray::{Intersection, Ray};
 use glam::DVec3;
+use radsight_accel::{Intersection, Placed, Ray};
 use radsight_cal::Host;
 use radsight_ir::Transform;
 
@@ -23,17 +23,6 @@ pub(crate) struct SurfaceInteraction {
     pub(crate) behind: bool,
     /// What only meshes and instances have.
     pub(crate) placed: Option<Placed>,
-}
-
-/// What meshes and instances add to an interaction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    /// From the scene's coordinates to those in which the surface's modifiers stand; `None` where they are the same.
-    pub(crate) to_object: Option<Transform>,
-    /// Local coordinates of a mesh, the variables `Lu` and `Lv`; zero elsewhere.
-    pub(crate) uv: [f64; 2],
-    /// Interpolated minus geometric unit normal, scene coordinates, as the surface faces; textures add to it.
-    pub(crate) perturbation: DVec3,
 }
 
 impl SurfaceInteraction {

@@ -19,13 +19,13 @@ use crate::bands::gathered;
 use crate::bsdf::Bsdf;
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
-use crate::ray::Intersection;
 use crate::ray_tree::Image;
 use crate::shader::{Appearance, Function, Shader};
 use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{Passage, PathIntegrator, PathState, shading_normal};
 use crate::transmission_lobe::luminance;
 use glam::DVec3;
+use radsight_accel::Intersection;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
 

@@ -7,9 +7,9 @@ use crate::bsdf::{Bsdf, BsdfSample, sum};
 use crate::direct::DirectSampler;
 use crate::indirect::Indirect;
 use crate::mis::{Lobe, MisState};
-use crate::ray::{PrimitiveId, Ray};
 use crate::ray_tree::BounceType;
 use glam::DVec3;
+use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
 use radsight_sampling::DimensionSet;
 

@@ -2,10 +2,9 @@
 
 use super::path_state::{MediumId, PathState};
 use super::{PathIntegrator, product};
-use crate::geometry::is_flat;
-use crate::ray::{Intersection, Ray};
 use crate::ray_tree::{BounceType, Image};
 use glam::DVec3;
+use radsight_accel::{Intersection, Ray, is_flat};
 
 /// What kind of specular event a ray passes.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use crate::antimatter::SubtractionId;
 use crate::mis::MisState;
-use crate::ray::{PrimitiveId, Ray};
 use crate::ray_tree::NodeId;
+use radsight_accel::{PrimitiveId, Ray};
 
 /// Names a medium that the present ray has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,13 +6,12 @@ use super::path_state::PathState;
 use super::{PathIntegrator, product};
 use crate::bsdf::{Bsdf, colored, pane};
 use crate::cast::FirstHit;
-use crate::geometry::is_flat;
 use crate::options::Quantity;
-use crate::ray::Intersection;
 use crate::ray_tree::Image;
 use crate::shader::{Appearance, Kind, Shader, bands};
 use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::{Intersection, is_flat};
 use std::f64::consts::PI;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {

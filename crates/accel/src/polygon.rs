@@ -9,14 +9,16 @@ use std::ops::Range;
 /// Two polygons that share an edge project its ends to the same numbers, so no ray passes between them, nor through both
 /// (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RayFrame {
+pub struct RayFrame {
     u: DVec3,
     v: DVec3,
 }
 
 impl RayFrame {
+    /// The shear of a ray.
     #[inline]
-    pub(crate) fn new(ray: &Ray) -> RayFrame {
+    #[must_use]
+    pub fn new(ray: &Ray) -> RayFrame {
         let size = ray.direction.abs();
         let d = ray.direction;
         let (u, v) = if size.x > size.y && size.x > size.z {
@@ -87,7 +89,7 @@ fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
 
 /// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
 #[inline]
-pub(super) fn area_vector(vertices: &[DVec3]) -> DVec3 {
+pub(crate) fn area_vector(vertices: &[DVec3]) -> DVec3 {
     let first = vertices[0];
     let mut sum = DVec3::ZERO;
     let mut previous = vertices[1] - first;

@@ -1,17 +1,19 @@
 //! Triangle meshes, in their own coordinates.
 
-use super::bounds::Bounds;
-use super::coincident;
-use super::hierarchy::Hierarchy;
-use super::polygon::{self, RayFrame};
-use super::{Limits, SELF_HIT};
-use crate::ray::{Crossing, PrimitiveId, Ray};
+use crate::bounds::Bounds;
+use crate::coincident;
+use crate::hierarchy::Hierarchy;
+use crate::ids::PrimitiveId;
+use crate::intersection::Crossing;
+use crate::limits::{Limits, SELF_HIT};
+use crate::polygon::{self, RayFrame};
+use crate::ray::Ray;
 use glam::DVec3;
 use radsight_ir::{Mesh, MeshTriangle};
 
 /// The hierarchy of a mesh, shared by all its copies.
 #[derive(Debug)]
-pub(super) struct MeshGeometry {
+pub(crate) struct MeshGeometry {
     hierarchy: Hierarchy,
     /// The corners by slot, and the index of the triangle there.
     slots: Vec<([u32; 3], u32)>,
@@ -19,16 +21,16 @@ pub(super) struct MeshGeometry {
 }
 
 /// Where a mesh is hit: unit normals and local coordinates.
-pub(super) struct MeshPoint {
+pub(crate) struct MeshPoint {
     /// Of the triangle, counter-clockwise seen from the front.
-    pub(super) front: DVec3,
+    pub(crate) front: DVec3,
     /// Interpolated between the vertices, where they have normals.
-    pub(super) smooth: Option<DVec3>,
-    pub(super) uv: [f64; 2],
+    pub(crate) smooth: Option<DVec3>,
+    pub(crate) uv: [f64; 2],
 }
 
 impl MeshGeometry {
-    pub(super) fn build(mesh: &Mesh) -> MeshGeometry {
+    pub(crate) fn build(mesh: &Mesh) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
         let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
         let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of);
@@ -38,21 +40,21 @@ impl MeshGeometry {
     }
 
     /// Which triangle a primitive is.
-    pub(super) fn triangle<'m>(&self, mesh: &'m Mesh, primitive: PrimitiveId) -> &'m MeshTriangle {
+    pub(crate) fn triangle<'m>(&self, mesh: &'m Mesh, primitive: PrimitiveId) -> &'m MeshTriangle {
         &mesh.triangles[self.slots[primitive.0 as usize].1 as usize]
     }
 
     /// Memory of the hierarchy and its slots.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.hierarchy.bytes() + size_of_val(&*self.slots)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         self.hierarchy.bounds()
     }
 
     /// The first triangle along the ray, `from` excluded; primitives are triangles, by slot.
-    pub(super) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
+    pub(crate) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut best: Option<Crossing> = None;
@@ -78,7 +80,7 @@ impl MeshGeometry {
     }
 
     /// Calls `block` for each triangle within the limits, until it returns true; tells whether it did.
-    pub(super) fn any(
+    pub(crate) fn any(
         &self,
         mesh: &Mesh,
         ray: &Ray,
@@ -124,12 +126,12 @@ fn bounds(mesh: &Mesh, vertices: [u32; 3]) -> Bounds {
 }
 
 /// The unit normal of a triangle, on the side from which its vertices run counter-clockwise.
-pub(super) fn front(mesh: &Mesh, triangle: &MeshTriangle) -> DVec3 {
+pub(crate) fn front(mesh: &Mesh, triangle: &MeshTriangle) -> DVec3 {
     polygon::normal(&corners(mesh, triangle.vertices))
 }
 
 /// What a mesh is like at a point of a triangle.
-pub(super) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
+pub(crate) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
     let corners = corners(mesh, triangle.vertices);
     let area = polygon::area_vector(&corners);
     let front = area.normalize_or(DVec3::Z);

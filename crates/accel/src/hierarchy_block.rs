@@ -1,7 +1,7 @@
 //! Triangles of a leaf, four at once, in one line of cache: nearly all that a ray misses are ruled out here, and only what is left is
 //! looked up and decided in double precision.
 
-use super::hierarchy_node::{Grid, lanes};
+use crate::hierarchy_node::{Grid, lanes};
 use glam::{DVec3, Vec3, Vec4};
 
 /// The error of a projected coordinate as a share of the radius of the whole, the roundings of origin, direction, shear and differences
@@ -11,7 +11,7 @@ const ERROR: f32 = 4e-6;
 /// Up to four triangles, with corners on a grid.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Block {
+pub(crate) struct Block {
     /// By corner, by axis, by triangle.
     corners: [[[u8; 4]; 3]; 3],
     grid: Grid,
@@ -26,7 +26,7 @@ const HOLDS_OTHERS: u32 = 1 << 31;
 
 impl Block {
     /// What is in `count` slots from `first_slot` on, with corners about the centre of the whole where it is a triangle.
-    pub(super) fn new(first_slot: u32, count: u32, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) -> Block {
+    pub(crate) fn new(first_slot: u32, count: u32, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) -> Block {
         let slots = (count - 1) << COUNT_SHIFT | first_slot;
         let mut triangles = [[Vec3::ZERO; 3]; 4];
         for lane in 0..count {
@@ -52,7 +52,7 @@ impl Block {
 
     /// The first slot.
     #[inline]
-    pub(super) fn first_slot(&self) -> u32 {
+    pub(crate) fn first_slot(&self) -> u32 {
         self.slots & ((1 << COUNT_SHIFT) - 1)
     }
 
@@ -65,7 +65,7 @@ impl Block {
 
 /// A ray as blocks see it: sheared so that it runs along one axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT
 /// 2(1), 2013), with the error that single precision may make.
-pub(super) struct Probe {
+pub(crate) struct Probe {
     axes: [usize; 3],
     origin: [f32; 3],
     shear: [f32; 2],
@@ -77,7 +77,7 @@ pub(super) struct Probe {
 impl Probe {
     /// For a ray from `origin` about the centre of what has this radius.
     #[inline]
-    pub(super) fn new(origin: Vec3, direction: Vec3, radius: f32) -> Probe {
+    pub(crate) fn new(origin: Vec3, direction: Vec3, radius: f32) -> Probe {
         let z = direction.abs().max_position();
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         let inverse = direction[z].recip();
@@ -92,7 +92,7 @@ impl Probe {
 
     /// A bit for each item that the ray may meet before `farthest`.
     #[inline]
-    pub(super) fn candidates(&self, block: &Block, farthest: f32) -> u32 {
+    pub(crate) fn candidates(&self, block: &Block, farthest: f32) -> u32 {
         if block.slots & HOLDS_OTHERS != 0 {
             return block.all();
         }

@@ -1,50 +1,19 @@
 //! Nodes of eight boxes from a binary tree: which boxes become nodes is chosen for the least cost of all (Ylitie, Karras, Laine, "Efficient
 //! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.4).
 
-use super::hierarchy::Child;
-use super::hierarchy_build::Leaves;
-use super::hierarchy_node::{Node, WIDTH};
+use crate::hierarchy_child::Child;
+use crate::hierarchy_node::{Node, WIDTH};
+use crate::hierarchy_part::{Leaves, Part};
 use glam::Vec3;
 
 /// What it costs to enter a node, in tests of leaves.
 const ENTERING: f32 = 1.2;
 
-/// A box of the binary tree. The first of the two in it is the next part.
-#[derive(Clone, Copy)]
-pub(super) struct Part {
-    low: Vec3,
-    /// What a leaf holds.
-    leaf: Child,
-    high: Vec3,
-    /// How many parts on from here the second box in it is; zero in leaves.
-    right: u32,
-}
-
-impl Part {
-    pub(super) fn leaf(low: Vec3, high: Vec3, leaf: Child) -> Part {
-        Part { low, leaf, high, right: 0 }
-    }
-
-    /// Of two boxes; where the second one is, is told later.
-    pub(super) fn branch(low: Vec3, high: Vec3) -> Part {
-        Part { low, leaf: Child::NONE, high, right: 0 }
-    }
-
-    pub(super) fn set_right(&mut self, parts_on: usize) {
-        self.right = parts_on as u32;
-    }
-
-    fn half_area(&self) -> f32 {
-        let size = self.high - self.low;
-        size.x * size.y + size.y * size.z + size.z * size.x
-    }
-}
-
 /// What it costs at least to have all that is in a part within no more than 1, 2, … boxes of a node.
 type Costs = [f32; WIDTH - 1];
 
 /// Makes the nodes; those in one node stand one after the other.
-pub(super) fn collapse(parts: &[Part], leaves: Leaves) -> (Vec<Node>, Child) {
+pub(crate) fn collapse(parts: &[Part], leaves: Leaves) -> (Vec<Node>, Child) {
     let Some(first) = parts.first() else { return (Vec::new(), Child::node(0)) };
     if first.right == 0 {
         return (Vec::new(), first.leaf);

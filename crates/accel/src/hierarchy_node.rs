@@ -1,26 +1,26 @@
 //! Nodes of a hierarchy: eight boxes on a grid in two lines of cache, tested four at once (after Ylitie, Karras, Laine, "Efficient Incoherent Ray
 //! Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.1).
 
-use super::hierarchy::{Child, Waiting};
+use crate::hierarchy_child::{Child, Waiting};
 use glam::{Vec3, Vec4};
 
 /// A grid of 256 places along each axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Grid {
-    pub(super) origin: [f32; 3],
+pub(crate) struct Grid {
+    pub(crate) origin: [f32; 3],
     /// From one place to the next.
-    pub(super) step: [f32; 3],
+    pub(crate) step: [f32; 3],
 }
 
 impl Grid {
     /// From corner to corner; the last place is never short of the high one.
-    pub(super) fn over(low: Vec3, high: Vec3) -> Grid {
+    pub(crate) fn over(low: Vec3, high: Vec3) -> Grid {
         let step = (high - low) * ((1.0 + 4.0 * f32::EPSILON) / 255.0);
         Grid { origin: low.to_array(), step: step.to_array() }
     }
 
     /// How many steps from the origin a coordinate is, 0 to 255.
-    pub(super) fn steps(&self, axis: usize, coordinate: f32) -> f32 {
+    pub(crate) fn steps(&self, axis: usize, coordinate: f32) -> f32 {
         let steps = (coordinate - self.origin[axis]) / self.step[axis];
         // A grid without extent has one place.
         if steps.is_finite() { steps.clamp(0.0, 255.0) } else { 0.0 }
@@ -29,33 +29,33 @@ impl Grid {
 
 /// Four places as numbers.
 #[inline]
-pub(super) fn lanes(places: [u8; 4]) -> Vec4 {
+pub(crate) fn lanes(places: [u8; 4]) -> Vec4 {
     Vec4::from_array(places.map(f32::from))
 }
 
 /// Boxes of a node.
-pub(super) const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = 8;
 
 /// Eight boxes, and what is in them.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// The low sides by axis, then the high sides, in halves.
     planes: [[[u8; 4]; WIDTH / 4]; 6],
     grid: Grid,
-    pub(super) children: [Child; WIDTH],
+    pub(crate) children: [Child; WIDTH],
 }
 
 impl Node {
     /// Of no boxes.
-    pub(super) const EMPTY: Node = Node {
+    pub(crate) const EMPTY: Node = Node {
         planes: [[[0; 4]; WIDTH / 4]; 6],
         grid: Grid { origin: [0.0; 3], step: [0.0; 3] },
         children: [Child::NONE; WIDTH],
     };
 
     /// Around up to eight boxes, low and high corner; the others are never entered.
-    pub(super) fn around(boxes: &[[Vec3; 2]], children: [Child; WIDTH]) -> Node {
+    pub(crate) fn around(boxes: &[[Vec3; 2]], children: [Child; WIDTH]) -> Node {
         let (low, high) = boxes
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), of| (low.min(of[0]), high.max(of[1])));
@@ -72,7 +72,7 @@ impl Node {
 }
 
 /// A ray as the boxes see it.
-pub(super) struct Slabs {
+pub(crate) struct Slabs {
     origin: [f32; 3],
     /// One over the direction.
     inverse: [f32; 3],
@@ -82,7 +82,7 @@ pub(super) struct Slabs {
 }
 
 /// The children whose boxes a ray enters.
-pub(super) struct Entered {
+pub(crate) struct Entered {
     /// A bit for each.
     lanes: u32,
     entries: [[f32; 4]; WIDTH / 4],
@@ -90,7 +90,7 @@ pub(super) struct Entered {
 
 impl Slabs {
     #[inline]
-    pub(super) fn new(origin: Vec3, direction: Vec3) -> Slabs {
+    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Slabs {
         // A ray along a plane of a box must not ask for zero times infinity.
         let inverse = direction
             .map(|component| if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { component.recip() });
@@ -105,7 +105,7 @@ impl Slabs {
     }
 
     #[inline(always)]
-    pub(super) fn enter(&self, node: &Node, farthest: f32) -> Entered {
+    pub(crate) fn enter(&self, node: &Node, farthest: f32) -> Entered {
         let mut near = [Vec4::ZERO; WIDTH / 4];
         let mut far = [Vec4::splat(farthest); WIDTH / 4];
         for axis in 0..3 {
@@ -125,7 +125,7 @@ impl Slabs {
 impl Entered {
     /// One that was not told yet.
     #[inline(always)]
-    pub(super) fn next(&mut self, node: &Node) -> Option<Waiting> {
+    pub(crate) fn next(&mut self, node: &Node) -> Option<Waiting> {
         if self.lanes == 0 {
             return None;
         }
@@ -135,7 +135,7 @@ impl Entered {
     }
 
     /// Two that were told already and all others, the nearest last.
-    pub(super) fn sorted<'p>(
+    pub(crate) fn sorted<'p>(
         mut self,
         node: &Node,
         two: [Waiting; 2],
@@ -157,7 +157,7 @@ impl Entered {
 
     /// Whether all were told.
     #[inline(always)]
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.lanes == 0
     }
 }

@@ -3,10 +3,12 @@
 //! It is in single precision about the centre of what it holds, with boxes padded by more than its rounding; what it proposes is
 //! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
 
-use super::bounds::Bounds;
-use super::hierarchy_block::{Block, Probe};
-use super::hierarchy_build::{Built, Leaves, build};
-use super::hierarchy_node::{Node, Slabs, WIDTH};
+use crate::bounds::Bounds;
+use crate::hierarchy_block::{Block, Probe};
+use crate::hierarchy_build::{Built, build};
+use crate::hierarchy_child::{Child, Waiting};
+use crate::hierarchy_node::{Node, Slabs, WIDTH};
+use crate::hierarchy_part::Leaves;
 use crate::ray::Ray;
 use glam::DVec3;
 
@@ -15,7 +17,7 @@ const BOX_PADDING: f64 = 2e-6;
 
 /// Boxes in boxes around items. Items have slots, so that those of a box have slots one after the other.
 #[derive(Debug, Default)]
-pub(super) struct Hierarchy {
+pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
     /// The leaves, where they hold triangles; else the slots of a leaf stand in its [`Child`].
     blocks: Vec<Block>,
@@ -23,75 +25,6 @@ pub(super) struct Hierarchy {
     bounds: Bounds,
     center: DVec3,
     radius: f64,
-}
-
-/// A node, or up to four items: by their slots, or the number of their block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Child(u32);
-
-/// Most items of a box without boxes in it.
-pub(super) const LARGEST_LEAF: usize = 4;
-
-const LEAF: u32 = 1 << 31;
-const COUNT_SHIFT: u32 = 29;
-
-impl Child {
-    /// Nothing at all.
-    pub(super) const NONE: Child = Child(!LEAF);
-
-    /// Most items of a hierarchy.
-    const MOST_ITEMS: u32 = 1 << COUNT_SHIFT;
-
-    pub(super) fn node(index: usize) -> Child {
-        Child(index as u32)
-    }
-
-    /// Items in `count` slots from `first` on: 1 to [`LARGEST_LEAF`].
-    pub(super) fn leaf(first: usize, count: usize) -> Child {
-        Child(LEAF | (count as u32 - 1) << COUNT_SHIFT | first as u32)
-    }
-
-    #[inline]
-    fn is_leaf(self) -> bool {
-        self.0 & LEAF != 0
-    }
-
-    #[inline]
-    pub(super) fn slots(self) -> std::ops::Range<u32> {
-        let first = self.0 & (Child::MOST_ITEMS - 1);
-        first..first + (self.0 >> COUNT_SHIFT & 3) + 1
-    }
-
-    fn block(index: usize) -> Child {
-        Child(LEAF | index as u32)
-    }
-
-    #[inline]
-    fn block_index(self) -> usize {
-        (self.0 & !LEAF) as usize
-    }
-}
-
-/// A child that waits, below the distance at which the ray enters it: numbers of this kind stand in the order of the distances, which
-/// are not negative.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Waiting(u64);
-
-impl Waiting {
-    #[inline]
-    pub(super) fn new(child: Child, entry: f32) -> Waiting {
-        Waiting(u64::from(entry.to_bits()) << 32 | u64::from(child.0))
-    }
-
-    #[inline]
-    pub(super) fn child(self) -> Child {
-        Child(self.0 as u32)
-    }
-
-    #[inline]
-    fn entry(self) -> f32 {
-        f32::from_bits((self.0 >> 32) as u32)
-    }
 }
 
 /// Children that wait, the next one last.
@@ -140,7 +73,7 @@ impl Stack {
 
 impl Hierarchy {
     /// Around items that are numbered from 0, of which some may be triangles; tells also which item is in which slot.
-    pub(super) fn build(
+    pub(crate) fn build(
         count: usize,
         bounds_of: impl Fn(usize) -> Bounds + Sync,
         triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
@@ -179,24 +112,24 @@ impl Hierarchy {
     }
 
     /// Memory of nodes and leaves.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
     }
 
     /// The box around all items.
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(crate) fn bounds(&self) -> Bounds {
         self.bounds
     }
 
     /// Centre and radius of a sphere around all items.
-    pub(super) fn bounding_sphere(&self) -> (DVec3, f64) {
+    pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
         (self.center, self.radius)
     }
 
     /// Visits the slots of items that a ray may meet before `limit`, the nearest boxes first. `visit` tells the limit from
     /// then on; below zero ends it.
     #[inline]
-    pub(super) fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(u32) -> f64) {
+    pub(crate) fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(u32) -> f64) {
         let (start, skip) = self.start(ray);
         let to_single = |distance: f64| ((distance - skip).max(0.0) as f32).next_up();
         let (start, direction) = (start.as_vec3(), ray.direction.as_vec3());

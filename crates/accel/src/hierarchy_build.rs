@@ -2,16 +2,17 @@
 //! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
 //! The cuts make a binary tree, of which [`collapse`] makes nodes of eight boxes.
 
-use super::hierarchy::{Child, LARGEST_LEAF};
-use super::hierarchy_collapse::{Part, collapse};
-use super::hierarchy_node::Node;
+use crate::hierarchy_child::{Child, LARGEST_LEAF};
+use crate::hierarchy_collapse::collapse;
+use crate::hierarchy_node::Node;
+use crate::hierarchy_part::{Leaves, Part};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// Nodes, and the items by slot.
-pub(super) struct Built {
-    pub(super) nodes: Vec<Node>,
-    pub(super) root: Child,
-    pub(super) order: Vec<u32>,
+pub(crate) struct Built {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) root: Child,
+    pub(crate) order: Vec<u32>,
 }
 
 /// An item's box; the fourth number of `low` holds the bits of the item's number.
@@ -26,26 +27,6 @@ struct Item {
 struct Hull {
     low: Vec4,
     high: Vec4,
-}
-
-/// What a leaf is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Leaves {
-    /// Items that are tested one after the other.
-    Slots,
-    /// Up to four triangles that are tested at once.
-    Blocks,
-}
-
-impl Leaves {
-    /// What it costs to test so many items, in tests.
-    #[inline]
-    pub(super) fn cost(self, count: u32) -> f32 {
-        match self {
-            Leaves::Slots => count as f32,
-            Leaves::Blocks => count.div_ceil(LARGEST_LEAF as u32) as f32,
-        }
-    }
 }
 
 /// Bins along an axis; few items have fewer.
@@ -69,7 +50,7 @@ const PARALLEL: usize = 1 << 15;
 const DEEPEST_CHOICE: u32 = 40;
 
 /// Builds over `count` items with the boxes that `box_of` tells, low and high corner.
-pub(super) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
+pub(crate) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
     let mut items: Vec<Item> = (0..count)
         .map(|index| {
             let [low, high] = box_of(index);
