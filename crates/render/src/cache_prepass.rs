@@ -3,7 +3,6 @@
 use crate::gather::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
-use crate::options::Gathering;
 use crate::plan::RenderPlan;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
@@ -93,7 +92,8 @@ impl RenderPlan {
 
     /// By what share records may disagree around a point and still be trusted there.
     pub(crate) fn max_interpolation_error(&self) -> f64 {
-        if self.has_caustics { self.options.gathering.caustic_error } else { Gathering::MAX_INTERPOLATION_ERROR }
+        let gathering = &self.options.gathering;
+        if self.has_caustics { gathering.caustic_error } else { gathering.most_residual }
     }
 
     /// How near and how far records are trusted: as Radiance does, from the scene's size.
@@ -340,7 +340,10 @@ impl<const BANDS: usize> Level<BANDS> {
             .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
         // Where there is not enough for all, all get the same share.
-        let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
+        let gathering = &plan.options.gathering;
+        let most = gathering.record_share * (self.cache.len() * gathering.rays()) as f64;
+        let left = (self.budget as f64).min(most) - self.rays as f64;
+        let share = (left / wanted.max(1) as f64).clamp(0.0, 1.0);
         let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
         for (index, looks) in (first..).zip(missing) {
             due += looks as f64 * share;

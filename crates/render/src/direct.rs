@@ -5,7 +5,7 @@ use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use crate::light::{Light, LightId};
 use crate::light_form::{LightForm, LightSample};
 use crate::light_tree::{LightTree, Reception, TreeCut};
-use crate::options::{Quantity, RenderOptions, Uncached};
+use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
 use crate::surface_interaction::SurfaceInteraction;
@@ -31,6 +31,9 @@ const THRIFT: [LightSelectionPolicy; 2] =
 /// there.
 const SPLIT_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
+/// Where a pixel has few rays.
+const DIVISION_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 32, draws: 32 };
+
 /// So many images of lights count as one light: from most places most of them are not seen.
 const IMAGES_FOR_ONE: usize = 3;
 
@@ -43,7 +46,11 @@ pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
     let real = plan.lights.partition_point(|light| light.virtual_sources.is_empty());
     let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
     let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
-    let first = if splits_first(&plan.options) { SPLIT_THRIFT } else { THRIFT[0] };
+    let first = match plan.options.light_division {
+        _ if splits_first(&plan.options) => SPLIT_THRIFT,
+        LightDivision::BySize => DIVISION_THRIFT,
+        LightDivision::Whole => THRIFT[0],
+    };
     [first, THRIFT[1]]
         .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }

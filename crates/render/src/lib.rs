@@ -69,8 +69,8 @@ pub use bands::BandValues;
 pub use cast::FirstHit;
 pub use contribution::Contribution;
 pub use options::{
-    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RayTreeOutput,
-    RenderOptions, Skip, Skipping, TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, LightDivision, Lights, PathLimit, Quantity,
+    RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
 pub use plan::{ModelRequest, ModelSource, NoModels, PlanDecision, RenderPlan};
 pub use radsight_accel::Ray;

@@ -2,7 +2,7 @@
 
 use super::path_state::PathState;
 use super::{PathIntegrator, product};
-use crate::cast::FirstHit;
+use crate::cast::{DISTANT, FirstHit};
 use crate::options::Lights;
 use crate::plan::RenderPlan;
 use crate::shader::{Emitter, EmitterClass, Shader, bands};
@@ -20,6 +20,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some((surface, shader)) = plan.sky_at(direction, path.mis.is_some()) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
         let interaction = SurfaceInteraction::distant(direction);
+        self.note_surface(path, DISTANT);
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }
