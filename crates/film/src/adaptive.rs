@@ -26,8 +26,8 @@ const FIRST_SAMPLES: u32 = 4;
 /// Pixels that are finished together; whole rows.
 const BLOCK: usize = 1 << 14;
 
-/// The same where they are interpolated, which takes samples around a block too.
-const INTERPOLATED_BLOCK: usize = 1 << 17;
+/// Rows that are finished together where pixels are interpolated: that takes some samples of the rows around too. A multiple of every cell's size.
+const INTERPOLATED_ROWS: usize = 64;
 
 /// This share of the picture's typical value is added in squares to that of a pixel where an error is taken relative to it: what is darker need not be more exact.
 const DARK: f64 = 0.01;
@@ -153,8 +153,10 @@ impl<'r> Film<'r> {
     /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
     #[must_use]
     pub fn block_of(&self, row: usize) -> Range<usize> {
-        let size = if let SamplingBudget::Interpolated(_) = self.budget { INTERPOLATED_BLOCK } else { BLOCK };
-        let height = (size / self.camera.columns().max(1)).max(1);
+        let height = match self.budget {
+            SamplingBudget::Interpolated(_) => INTERPOLATED_ROWS,
+            _ => (BLOCK / self.camera.columns().max(1)).max(1),
+        };
         let first = row - row % height;
         first..(first + height).min(self.camera.rows())
     }

@@ -25,8 +25,9 @@ pub struct Interpolation {
     pub contrast: f64,
 }
 
-/// The widest cell, pixels.
+/// The widest cell, pixels, and the fewest cells across a picture.
 const WIDEST_CELL: usize = 16;
+const LEAST_CELLS: usize = 8;
 
 /// Rays through a pixel, at first and at most: where it stands for a cell of the coarsest grids, for one of the finer ones where samples around
 /// are noisy, and where they are not.
@@ -202,6 +203,8 @@ struct Block<'b> {
     darkness: f64,
     first_row: usize,
     rows: usize,
+    /// Those of its rows, from `first_row` on, that are wanted.
+    wanted: Range<usize>,
     samples: Vec<Option<Sample>>,
     /// The spacing of the grid by which each pixel was sampled; 0 for none.
     spacing: Vec<u8>,
@@ -214,7 +217,7 @@ pub(crate) fn block(
     interpolation: Interpolation,
     rows: &Range<usize>,
 ) -> Vec<[f32; 3]> {
-    let spacing = interpolation.grid();
+    let spacing = interpolation.grid(camera.columns().min(camera.rows()));
     // Whole cells, and one more on either side for averages.
     let first_row = (rows.start / spacing).saturating_sub(1) * spacing;
     let last_row = (rows.end.div_ceil(spacing) * spacing + spacing).min(camera.rows() - 1);
@@ -226,6 +229,7 @@ pub(crate) fn block(
         darkness: 0.0,
         first_row,
         rows: count,
+        wanted: rows.start - first_row..rows.end - first_row,
         samples: vec![None; count * camera.columns()],
         spacing: vec![0; count * camera.columns()],
     };
@@ -236,10 +240,10 @@ pub(crate) fn block(
 }
 
 impl Interpolation {
-    /// The spacing of the coarsest grid, a power of two.
-    fn grid(&self) -> usize {
+    /// The spacing of the coarsest grid for a picture whose shorter side has so many pixels, a power of two.
+    fn grid(&self, side: usize) -> usize {
         let spacing = self.spacing.clamp(1.0, WIDEST_CELL as f64) as usize;
-        1 << spacing.ilog2()
+        1 << spacing.min(side / LEAST_CELLS).max(1).ilog2()
     }
 }
 
@@ -271,7 +275,10 @@ impl Block<'_> {
         };
         let mut cells: Vec<Cell> = Vec::new();
         for (top, bottom) in pairs(&rows) {
-            cells.extend(pairs(&columns).into_iter().map(|(left, right)| Cell { left, right, top, bottom }));
+            // Beyond what is wanted only the first samples count, for averages.
+            if top < self.wanted.end && bottom >= self.wanted.start {
+                cells.extend(pairs(&columns).into_iter().map(|(left, right)| Cell { left, right, top, bottom }));
+            }
         }
         let mut smooth = Vec::new();
         let mut finer = spacing;
