@@ -41,6 +41,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("scene-generators", &["cal", "diag", "loader", "sky"]),
     ("ir", &["measured", "cal", "diag"]),
     ("irradiance-cache", &[]),
+    ("light", &["accel", "ir", "sampling"]),
     ("loader", &[]),
     ("matrix", &["measured", "cal", "diag", "picture", "spectrum"]),
     ("octree", &["formats", "ir"]),

@@ -3,8 +3,6 @@
 use crate::bands::spread;
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
-use crate::light_tree::{LightSampleCount, Reception};
-use crate::lobe_weighting::LobePeak;
 use crate::measured_lobe::MeasuredLobe;
 use crate::shader::{GlossyKind, bands};
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
@@ -13,6 +11,7 @@ use glam::DVec3;
 use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_light::{LightSampleCount, LobePeak, Reception};
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;

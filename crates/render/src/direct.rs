@@ -2,9 +2,6 @@
 
 use crate::antimatter::SubtractionId;
 use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
-use crate::light::{Light, LightId};
-use crate::light_form::{LightForm, LightSample};
-use crate::light_tree::{LightTree, Reception, TreeCut};
 use crate::options::{Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
@@ -13,6 +10,7 @@ use crate::trace::{MediumId, PathIntegrator, emission, given, product};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
+use radsight_light::{Light, LightForm, LightId, LightSample, LightTree, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
 
 /// Up to so many lights each one is sampled at every point; of more, so many are drawn.

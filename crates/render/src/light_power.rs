@@ -1,8 +1,5 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
-use crate::emission_profile::EmissionProfile;
-use crate::light::Light;
-use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
 use crate::shader::Shader;
 use crate::surface_interaction::SurfaceInteraction;
@@ -11,6 +8,7 @@ use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_light::{EmissionProfile, Light, LightForm};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 

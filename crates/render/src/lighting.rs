@@ -1,7 +1,5 @@
 //! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
-use crate::light::{Light, LightCone, Redirection, VirtualSource};
-use crate::light_form::{LightForm, virtual_form};
 use crate::prism::PrismKind;
 use crate::prism_image::PrismInteraction;
 use crate::shader::{Kind, Shader};
@@ -10,6 +8,7 @@ use glam::DVec3;
 use radsight_accel::{Geometry, MemberId, PrimitiveId, Ray, flat_normal};
 use radsight_cal::Scratch;
 use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, ValidScene};
+use radsight_light::{Light, LightCone, LightForm, Redirection, VirtualSource, virtual_form};
 
 /// All lights: real ones first, then their images in one mirror or prism, in two, and so on.
 pub(crate) fn collect_lights<'a>(

@@ -1,8 +1,6 @@
 //! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
 
 use crate::direct::DirectSampler;
-use crate::light::Light;
-use crate::light_tree::Reception;
 use crate::medium::{Medium, MistKind};
 use crate::options::BackFaces;
 use crate::prism::PrismKind;
@@ -12,6 +10,7 @@ use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{Passage, PathIntegrator, PathState, product};
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
+use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
 
 /// A ray in mist takes no more samples of a light than this, as in Radiance.

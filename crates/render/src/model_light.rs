@@ -4,10 +4,10 @@
 
 use crate::bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 use crate::direct::DirectSampler;
-use crate::light_form::LightSample;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_brdf::Brdf;
+use radsight_light::LightSample;
 
 /// The memory of one thread.
 #[derive(Debug, Default)]

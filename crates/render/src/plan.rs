@@ -8,8 +8,6 @@ use crate::compile::compile_shaders;
 use crate::contribution::mark_tracked;
 use crate::direct::{ALWAYS_ALL, light_draws};
 use crate::indirect::excluded;
-use crate::light::{Light, LightId};
-use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
@@ -22,6 +20,7 @@ use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ra
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
+use radsight_light::{Light, LightId, LightTree};
 use std::sync::{Arc, OnceLock};
 
 /// A scene made ready for rays.

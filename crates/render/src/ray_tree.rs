@@ -6,8 +6,6 @@
 use crate::bands::BandValues;
 use crate::cast::FirstHit;
 use crate::direct::DirectSampler;
-use crate::light::Light;
-use crate::light_form::LightSample;
 use crate::options::{RayTreeOutput, RenderOptions};
 use crate::plan::RenderPlan;
 use crate::trace::{PathIntegrator, product};
@@ -15,6 +13,7 @@ use crate::transmission_lobe::luminance;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_ir::SurfaceHandle;
+use radsight_light::{Light, LightSample};
 
 /// What a ray brings or what counts of it, as a colour and, where spectra are traced, band by band.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,6 @@
 use crate::antimatter::{AntimatterEvent, SubtractionId};
 use crate::bsdf::pane;
 use crate::direct::DirectSampler;
-use crate::light::{Light, Redirection, VirtualSource};
-use crate::light_form::LightSample;
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;
@@ -21,6 +19,7 @@ use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_cal::Scratch;
 use radsight_ir::Shape;
+use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 
 /// A shadow ray that crosses more surfaces than this is taken to be lost.
 const MAX_CROSSINGS: u32 = 1000;

@@ -2,9 +2,9 @@
 
 use crate::bands::gathered;
 use crate::frame::Frame;
-use crate::lobe_weighting::LobePeak;
 use glam::DVec3;
 use radsight_brdf::GaussianTransmission;
+use radsight_light::LobePeak;
 use std::f64::consts::PI;
 
 /// The transmitting part of a lit point.

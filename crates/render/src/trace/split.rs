@@ -23,8 +23,8 @@
 use super::PathIntegrator;
 use super::path_state::PathState;
 use crate::bsdf::Bsdf;
-use crate::light_tree::LightSampleCount;
 use crate::options::{Quantity, RenderOptions};
+use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 

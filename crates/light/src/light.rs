@@ -2,93 +2,60 @@
 
 use crate::disk_overlap::Overlap;
 use crate::emission_profile::EmissionProfile;
-use crate::light_form::{LightForm, LightSample, seen};
+use crate::form::{LightForm, LightSample, seen};
 use crate::lobe_weighting::LobePeak;
+use crate::virtual_source::VirtualSource;
 use glam::DVec3;
-use radsight_accel::{MemberId, PrimitiveId, Ray};
+use radsight_accel::{PrimitiveId, Ray};
 use radsight_ir::SurfaceHandle;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Index of a light in the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct LightId(pub(crate) u32);
+pub struct LightId(pub u32);
 
 /// A source of direct light: an emitting surface, or its image in plane mirrors.
 #[derive(Clone, Debug)]
-pub(crate) struct Light {
-    pub(crate) surface: SurfaceHandle,
-    pub(crate) primitive: Option<PrimitiveId>,
-    pub(crate) form: LightForm,
+pub struct Light {
+    /// The surface that emits.
+    pub surface: SurfaceHandle,
+    /// Its name to the search for surfaces; none for a distant one.
+    pub primitive: Option<PrimitiveId>,
+    /// What is drawn from.
+    pub form: LightForm,
     /// Sphere around it; infinite radius for a distant one.
-    pub(crate) center: DVec3,
-    pub(crate) radius: f64,
+    pub center: DVec3,
+    /// Radius of that sphere, scene units.
+    pub radius: f64,
     /// A cone outside of which it is dark.
-    pub(crate) cone: Option<LightCone>,
+    pub cone: Option<LightCone>,
     /// Where it shines brightest, if that is narrow; images have none.
-    pub(crate) profile: Option<Arc<EmissionProfile>>,
+    pub profile: Option<Arc<EmissionProfile>>,
     /// Farther points get nothing from it (a glow's radius).
-    pub(crate) max_distance: f64,
+    pub max_distance: f64,
     /// F of a spotlight: the brightness is scaled by (r/(r+F))².
-    pub(crate) focal_distance: f64,
+    pub focal_distance: f64,
     /// The mirrors and prisms through which it is seen, the one next to the receiver first; empty for a real light.
-    pub(crate) virtual_sources: Vec<VirtualSource>,
+    pub virtual_sources: Vec<VirtualSource>,
 }
 
 /// A sharp cone of emission.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightCone {
+pub struct LightCone {
     /// Unit, along which it shines.
-    pub(crate) axis: DVec3,
-    pub(crate) half_angle: f64,
+    pub axis: DVec3,
+    /// Radians.
+    pub half_angle: f64,
 }
 
 /// A cosine of two axes above this is one axis.
 const PARALLEL: f64 = 1.0 - 1e-12;
 
-/// A plane mirror or prism that relays a light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct VirtualSource {
-    pub(crate) surface: SurfaceHandle,
-    pub(crate) member: MemberId,
-    pub(crate) point: DVec3,
-    pub(crate) normal: DVec3,
-    /// How far a point's image is from it, for each unit of its height above the plane: −2 normals for a mirror.
-    pub(crate) shift: DVec3,
-    /// For a prism.
-    pub(crate) redirection: Option<Redirection>,
-}
-
-/// How a prism relays a light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Redirection {
-    pub(crate) face: u32,
-    /// Centre of the light as it is seen from the prism, or the unit direction to a distant one.
-    pub(crate) target: DVec3,
-    pub(crate) is_distant: bool,
-}
-
-impl VirtualSource {
-    pub(crate) fn image_of_point(&self, point: DVec3) -> DVec3 {
-        point + self.shift * self.normal.dot(point - self.point)
-    }
-
-    /// As long as the direction only for a mirror.
-    pub(crate) fn image_of_direction(&self, direction: DVec3) -> DVec3 {
-        direction + self.shift * self.normal.dot(direction)
-    }
-
-    /// The unit image of a unit direction.
-    pub(crate) fn image_of_unit(&self, direction: DVec3) -> DVec3 {
-        let image = self.image_of_direction(direction);
-        if self.redirection.is_some() { image.normalize_or(direction) } else { image }
-    }
-}
-
 impl Light {
     /// A place of the light that is lit towards `receiver`, from a point of the unit square, where the highlight is bright.
     #[inline]
-    pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
+    pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
         let gradient = self.gradient(receiver, peak);
         if let Some(mixture) = self.profile_near(receiver) {
             return self.sample_profile(mixture, receiver, [u, v], gradient);
@@ -109,7 +76,7 @@ impl Light {
     }
 
     /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
-    pub(crate) fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
+    pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
         let gradient = self.gradient(receiver, peak);
         if let Some(mixture) = self.profile_near(receiver) {
             return mixture.pdf(direction, self.form.pdf(receiver, direction, distance, cosine, gradient));
@@ -157,7 +124,7 @@ impl Light {
 
     /// The factor of a spotlight's radiance at a distance.
     #[inline]
-    pub(crate) fn focal_factor(&self, distance: f64) -> f64 {
+    pub fn focal_factor(&self, distance: f64) -> f64 {
         if self.focal_distance > 0.0 { (distance / (distance + self.focal_distance)).powi(2) } else { 1.0 }
     }
 
@@ -204,7 +171,7 @@ impl Light {
 
     /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.
     #[inline]
-    pub(crate) fn misses(&self, receiver: DVec3) -> bool {
+    pub fn misses(&self, receiver: DVec3) -> bool {
         let is_behind = |virtual_source: &VirtualSource| {
             virtual_source.redirection.is_none() && virtual_source.normal.dot(receiver - virtual_source.point) <= 0.0
         };
@@ -230,12 +197,12 @@ impl Light {
     }
 
     /// Whether a prism relays it, so that only following a ray tells what it brings.
-    pub(crate) fn is_redirected(&self) -> bool {
+    pub fn is_redirected(&self) -> bool {
         self.virtual_sources.iter().any(|virtual_source| virtual_source.redirection.is_some())
     }
 
     /// The ray from a receiver towards the light as the light itself sees it: reflected in all mirrors.
-    pub(crate) fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
+    pub fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
         let (mut origin, mut direction) = (receiver, direction);
         for virtual_source in &self.virtual_sources {
             origin = virtual_source.image_of_point(origin);

@@ -4,8 +4,8 @@
 //! the border of the range runs through the body, light comes from a share of the places only. Here the share is computed.
 
 use crate::disk_overlap::Overlap;
+use crate::form::LightForm;
 use crate::light::Light;
-use crate::light_form::LightForm;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ impl Light {
     /// The share of a glow that has a receiver within its radius, 0…1, for light from the place at `distance` along `direction`. Of a sphere it is that of
     /// the volume's light, of a cone or cylinder that of the section at the place's height; other places are in or out of range by themselves.
     #[inline]
-    pub(crate) fn share_in_radius(&self, receiver: DVec3, direction: DVec3, distance: f64) -> f64 {
+    pub fn share_in_radius(&self, receiver: DVec3, direction: DVec3, distance: f64) -> f64 {
         let range = self.max_distance;
         if range == f64::INFINITY {
             return 1.0;

@@ -4,7 +4,7 @@
 //! finds that part, so half of the places are drawn by direction: the pattern of the light's middle is tabulated, and from a direction follows the
 //! place. Both ways are mixed, so that the table need not be right where the pattern depends on the place too.
 
-use crate::light_form::LightForm;
+use crate::form::LightForm;
 use glam::DVec3;
 
 /// Cells of the table along each axis: 1.8° around the normal.
@@ -24,7 +24,7 @@ const BY_DIRECTION: f64 = 0.5;
 
 /// Directions out of a flat light, drawn by its radiance there. They are told by their projection on the light's plane, a square around the unit circle in cells.
 #[derive(Clone, Debug)]
-pub(crate) struct EmissionProfile {
+pub struct EmissionProfile {
     /// Unit: two in the light's plane, and its normal.
     frame: [DVec3; 3],
     /// The chance of each row of cells, and within each row of each cell, summed up.
@@ -34,7 +34,7 @@ pub(crate) struct EmissionProfile {
 
 impl EmissionProfile {
     /// Of a light that shines in a narrow beam; `radiance` is what it shows in a unit direction away from it.
-    pub(crate) fn new(form: &LightForm, mut radiance: impl FnMut(DVec3) -> f64) -> Option<EmissionProfile> {
+    pub fn new(form: &LightForm, mut radiance: impl FnMut(DVec3) -> f64) -> Option<EmissionProfile> {
         let (normal, _) = form.plane()?;
         let (x, y) = normal.any_orthonormal_pair();
         let mut at_corner = |index: usize| {
@@ -77,12 +77,12 @@ impl EmissionProfile {
     }
 
     /// How often a place is drawn by direction for a receiver so far from the middle of a light of this radius.
-    pub(crate) fn chance(distance: f64, radius: f64) -> f64 {
+    pub fn chance(distance: f64, radius: f64) -> f64 {
         if radius > NEAR * distance { BY_DIRECTION } else { 0.0 }
     }
 
     /// A unit direction away from the light, from a point of the unit square.
-    pub(crate) fn draw(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
+    pub fn draw(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
         let (row, b) = drawn(&self.rows, v);
         let (column, a) = drawn(&self.columns[row * CELLS..][..CELLS], u);
         let [a, b] = [column as f64 + a, row as f64 + b].map(|step| 2.0 * step / CELLS as f64 - 1.0);
@@ -92,7 +92,7 @@ impl EmissionProfile {
     }
 
     /// The density of [`EmissionProfile::draw`], 1/sr.
-    pub(crate) fn pdf(&self, direction: DVec3) -> f64 {
+    pub fn pdf(&self, direction: DVec3) -> f64 {
         let [a, b, cosine] = self.frame.map(|axis| axis.dot(direction));
         if cosine <= 0.0 {
             return 0.0;

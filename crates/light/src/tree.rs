@@ -8,15 +8,14 @@
 //! Guarantees: a light that can give something at a point has a chance there; nothing is allocated after the tree is built.
 
 use crate::light::{Light, LightId};
-use crate::light_form::LightForm;
-use crate::light_tree_build::{self, Item};
 use crate::lobe_weighting::LobePeak;
+use crate::tree_build::{self, Item};
+use crate::tree_node::{Angle, Content, Node};
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The lights of a plan.
 #[derive(Debug)]
-pub(crate) struct LightTree {
+pub struct LightTree {
     /// A node's first child is the next one.
     nodes: Vec<Node>,
     /// Of the lights that have a place, and of the distant ones.
@@ -25,91 +24,49 @@ pub(crate) struct LightTree {
     leaf_of: Vec<u32>,
 }
 
-/// Lights that are near each other, or one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
-    /// A sphere around them; around their unit directions if they are distant.
-    pub(crate) center: DVec3,
-    pub(crate) radius: f64,
-    pub(crate) is_distant: bool,
-    pub(crate) emission: Emission,
-    /// Sum over the lights of radiance times the area that they show where they show most; times solid angle for distant ones.
-    pub(crate) strength: f64,
-    /// Farther points get nothing.
-    pub(crate) range: f64,
-    pub(crate) content: Content,
-}
-
-/// What a node holds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Content {
-    /// Two nodes; the second one has this number.
-    Two(u32),
-    One(LightId),
-}
-
-/// Where lights shine to: from normals within `spread` of `axis` as far as `reach` from the normal.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EmissionCone {
-    /// Unit.
-    pub(crate) axis: DVec3,
-    /// Angles.
-    pub(crate) spread: f64,
-    pub(crate) reach: f64,
-}
-
-/// The same, ready to be asked.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Emission {
-    axis: DVec3,
-    spread: Angle,
-    reach_cosine: f64,
-}
-
-/// An angle from zero to π.
-#[derive(Clone, Copy, Debug)]
-struct Angle {
-    cos: f64,
-    sin: f64,
-}
-
 /// What a point makes of light by its direction, as far as drawing lights needs it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reception {
+pub struct Reception {
     /// Unit normal of the diffuse component.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
     /// The diffuse component without the cosine, 1/sr.
-    pub(crate) diffuse: f64,
-    pub(crate) peak: LobePeak,
+    pub diffuse: f64,
+    /// The highlight.
+    pub peak: LobePeak,
     /// What may come back from any direction beside these two, 1/sr.
-    pub(crate) floor: f64,
+    pub floor: f64,
     /// How many lights are drawn here; 0 where each is sampled.
-    pub(crate) draws: u32,
-    pub(crate) places: LightSampleCount,
+    pub draws: u32,
+    /// How many points are drawn on each light.
+    pub places: LightSampleCount,
 }
 
 /// How many places on a light are sampled where each light is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LightSampleCount {
+pub struct LightSampleCount {
     /// For each steradian that it fills.
-    pub(crate) per_sr: f64,
-    pub(crate) least: f64,
+    pub per_sr: f64,
+    /// At least so many.
+    pub least: f64,
 }
 
 impl LightSampleCount {
-    pub(crate) const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0 };
+    /// One, whatever its size.
+    pub const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0 };
 }
 
 /// A light that was drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Choice {
-    pub(crate) light: LightId,
-    pub(crate) chance: f64,
+pub struct Choice {
+    /// Which one.
+    pub light: LightId,
+    /// The probability with which a draw chooses it.
+    pub chance: f64,
 }
 
 /// Nodes that together hold all lights, none twice, with what they promise at a point.
 #[derive(Debug)]
-pub(crate) struct TreeCut<'t> {
+pub struct TreeCut<'t> {
     tree: &'t LightTree,
     lights: &'t [Light],
     point: DVec3,
@@ -125,72 +82,15 @@ const MOST_NODES: usize = 32;
 /// A node is opened that is seen under more than this sine of half an angle.
 const WIDE: f64 = 0.35;
 
-impl EmissionCone {
-    /// All around.
-    pub(crate) const EVERYWHERE: EmissionCone = EmissionCone { axis: DVec3::Z, spread: PI, reach: FRAC_PI_2 };
-
-    /// Where a light shines to, without regard to mirrors.
-    pub(crate) fn of(light: &Light) -> EmissionCone {
-        let is_moved = light.is_redirected();
-        match (&light.cone, light.form.plane()) {
-            _ if is_moved => EmissionCone::EVERYWHERE,
-            (Some(cone), _) => EmissionCone { axis: cone.axis, spread: 0.0, reach: cone.half_angle.min(PI) },
-            (None, Some((axis, _))) => EmissionCone { axis, spread: 0.0, reach: FRAC_PI_2 },
-            (None, None) => EmissionCone::EVERYWHERE,
-        }
-    }
-}
-
-impl Angle {
-    const NONE: Angle = Angle { cos: 1.0, sin: 0.0 };
-
-    fn of_cosine(cos: f64) -> Angle {
-        Angle { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
-    }
-
-    fn of_sine_squared(sin_squared: f64) -> Angle {
-        Angle { cos: (1.0 - sin_squared).max(0.0).sqrt(), sin: sin_squared.sqrt() }
-    }
-
-    /// What is left of it without another; nothing if that is larger.
-    fn without(self, other: Angle) -> Angle {
-        if self.cos >= other.cos {
-            return Angle::NONE;
-        }
-        Angle { cos: self.cos * other.cos + self.sin * other.sin, sin: self.sin * other.cos - self.cos * other.sin }
-    }
-}
-
-impl Emission {
-    pub(crate) fn new(cone: &EmissionCone) -> Emission {
-        let EmissionCone { axis, spread, reach } = *cone;
-        Emission { axis, spread: Angle { cos: spread.cos(), sin: spread.sin() }, reach_cosine: reach.cos() - ROUNDING }
-    }
-
-    /// A bound on the cosine of emission towards a point, with `towards` the unit direction to the middle of the lights, of which
-    /// all are within `half_width` of it; zero where nothing is sent.
-    fn cosine(&self, towards: DVec3, half_width: Angle) -> f64 {
-        let angle = Angle::of_cosine(-self.axis.dot(towards));
-        let least = angle.without(self.spread).without(half_width);
-        if least.cos < self.reach_cosine { 0.0 } else { least.cos.max(LEAST_COSINE) }
-    }
-}
-
 /// Below the exponential of minus this a peak is nothing.
 const NEGLIGIBLE: f64 = 30.0;
-
-/// Cosines that differ by less may be the same.
-const ROUNDING: f64 = 1e-9;
-
-/// Of a light at the edge of what it can reach, so that it keeps a chance.
-const LEAST_COSINE: f64 = 1e-3;
 
 /// No more places on a light are sampled.
 const MOST_PLACES: f64 = 64.0;
 
 impl Reception {
     /// Of a point that samples every light, and wherever it is.
-    pub(crate) const NONE: Reception = Reception {
+    pub const NONE: Reception = Reception {
         normal: DVec3::Z,
         diffuse: 0.0,
         peak: LobePeak::NONE,
@@ -200,7 +100,7 @@ impl Reception {
     };
 
     /// How many places on a light are sampled at a point where each light is.
-    pub(crate) fn places_on(&self, light: &Light, point: DVec3) -> u32 {
+    pub fn places_on(&self, light: &Light, point: DVec3) -> u32 {
         if self.places == LightSampleCount::ONE {
             return 1;
         }
@@ -238,7 +138,7 @@ impl Reception {
 
 impl LightTree {
     /// A tree of lights; `radiance` is that of each where it faces a point, about.
-    pub(crate) fn new(lights: &[Light], radiance: impl Fn(&Light) -> f64) -> LightTree {
+    pub fn new(lights: &[Light], radiance: impl Fn(&Light) -> f64) -> LightTree {
         let radiances: Vec<f64> = lights.iter().map(radiance).collect();
         // What is known of a light may miss where it shines: all have some share.
         let least = LEAST_SHARE * radiances.iter().sum::<f64>() / radiances.len().max(1) as f64;
@@ -253,7 +153,7 @@ impl LightTree {
         let roots = [near, distant]
             .into_iter()
             .filter(|part| !part.is_empty())
-            .map(|part| light_tree_build::build(part, &mut nodes))
+            .map(|part| tree_build::build(part, &mut nodes))
             .collect();
         let mut leaf_of = vec![0; lights.len()];
         for (number, node) in nodes.iter().enumerate() {
@@ -305,7 +205,7 @@ const LEAST_SHARE: f64 = 0.01;
 
 impl<'t> TreeCut<'t> {
     /// The tree as a point sees it.
-    pub(crate) fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> TreeCut<'t> {
+    pub fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> TreeCut<'t> {
         let mut cut = TreeCut { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
         for root in &tree.roots {
             cut.nodes[cut.len] = (*root, cut.importance(*root));
@@ -337,7 +237,7 @@ impl<'t> TreeCut<'t> {
     }
 
     /// Draws a light by a number of the unit interval; `None` where it falls on what gives nothing.
-    pub(crate) fn draw(&self, u: f64) -> Option<Choice> {
+    pub fn draw(&self, u: f64) -> Option<Choice> {
         let mut left = u * self.total;
         let mut drawn = None;
         for (number, importance) in &self.nodes[..self.len] {
@@ -377,7 +277,7 @@ impl<'t> TreeCut<'t> {
     }
 
     /// The chance with which [`TreeCut::draw`] finds a light.
-    pub(crate) fn chance(&self, light: LightId) -> f64 {
+    pub fn chance(&self, light: LightId) -> f64 {
         let leaf = self.tree.leaf_of[light.0 as usize];
         // Nodes below a node have the next numbers, so the last one that begins before the leaf holds it.
         let held =
@@ -401,19 +301,10 @@ impl<'t> TreeCut<'t> {
 /// The largest number below one.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// What a light shows of itself where it shows most: an area, or a solid angle if it is distant.
-pub(crate) fn shown(form: &LightForm) -> f64 {
-    match form {
-        LightForm::Sphere { radius, .. } => PI * radius * radius,
-        LightForm::Cone { .. } => form.area() / PI,
-        LightForm::Distant { .. } => form.solid_angle(1.0),
-        _ => form.area(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::form::LightForm;
     use crate::light::LightCone;
     use radsight_ir::{Facing, Scene, Surface};
 

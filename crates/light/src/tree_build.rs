@@ -4,7 +4,7 @@
 //! section 4.4), and splits are looked for between bins, as usual in hierarchies of surfaces.
 
 use crate::light::{Light, LightId};
-use crate::light_tree::{Content, Emission, EmissionCone, Node, shown};
+use crate::tree_node::{Content, Emission, EmissionCone, Node, shown};
 use glam::DVec3;
 use std::f64::consts::PI;
 

@@ -9,15 +9,15 @@ use glam::DVec3;
 
 /// A highlight, as far as the drawing of places needs it: `height·exp(−width·δ²) + floor`, δ the angle from `axis`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LobePeak {
+pub struct LobePeak {
     /// Unit.
-    pub(crate) axis: DVec3,
+    pub axis: DVec3,
     /// 1/rad².
-    pub(crate) width: f64,
+    pub width: f64,
     /// 1/sr.
-    pub(crate) height: f64,
+    pub height: f64,
     /// The part without a direction, 1/sr.
-    pub(crate) floor: f64,
+    pub floor: f64,
 }
 
 /// No tilt is stronger: beyond it the linear picture fails, and sampling the highlight itself does better.
@@ -25,11 +25,11 @@ const STRONGEST: f64 = 0.72;
 
 impl LobePeak {
     /// Nothing to follow.
-    pub(crate) const NONE: LobePeak = LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0 };
+    pub const NONE: LobePeak = LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0 };
 
     /// Gradient of the logarithm of the highlight by the unit direction, at `towards`.
     #[inline]
-    pub(crate) fn gradient(&self, towards: DVec3) -> DVec3 {
+    pub fn gradient(&self, towards: DVec3) -> DVec3 {
         if self.width == 0.0 {
             return DVec3::ZERO;
         }

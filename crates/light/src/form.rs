@@ -1,6 +1,5 @@
 //! The forms of lights: places on them, drawn by area or by solid angle.
 
-use crate::light::VirtualSource;
 use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
 use crate::visible_side::VisibleSide;
 use earcut::Earcut;
@@ -12,39 +11,106 @@ use std::f64::consts::{PI, TAU};
 
 /// The emitting form, as it is drawn from.
 #[derive(Clone, Debug)]
-pub(crate) enum LightForm {
+pub enum LightForm {
     /// A ring; `x` and `y` are unit and span its plane.
-    Disk { center: DVec3, normal: DVec3, x: DVec3, y: DVec3, inner_squared: f64, outer_squared: f64 },
+    Disk {
+        /// Scene units.
+        center: DVec3,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Perpendicular axes in its plane; in an image they need not be unit vectors.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+        /// Square of the radius of the hole, in units of the axes.
+        inner_squared: f64,
+        /// Square of the outer radius.
+        outer_squared: f64,
+    },
     /// A parallelogram `corner + u·x + v·y`, unit normal.
-    Parallelogram { corner: DVec3, x: DVec3, y: DVec3, normal: DVec3, area: f64 },
+    Parallelogram {
+        /// Where both sides start, scene units.
+        corner: DVec3,
+        /// A side.
+        x: DVec3,
+        /// The other side.
+        y: DVec3,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Square scene units.
+        area: f64,
+    },
     /// Any other polygon.
-    Triangles { triangles: Vec<[DVec3; 3]>, cumulative: Vec<f64>, normal: DVec3, area: f64 },
+    Triangles {
+        /// The corners of each, scene units.
+        triangles: Vec<[DVec3; 3]>,
+        /// The share of the area up to the end of each triangle; the last is 1.
+        cumulative: Vec<f64>,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Of all, square scene units.
+        area: f64,
+    },
     /// A sphere, or a bubble that shines inward.
-    Sphere { center: DVec3, radius: f64, facing: Facing },
+    Sphere {
+        /// Scene units.
+        center: DVec3,
+        /// Scene units.
+        radius: f64,
+        /// The side that emits.
+        facing: Facing,
+    },
     /// A truncated cone or cylinder; `axis` is unit.
-    Cone { base: DVec3, axis: DVec3, length: f64, radii: [f64; 2], facing: Facing },
+    Cone {
+        /// Where the axis starts, scene units.
+        base: DVec3,
+        /// Unit.
+        axis: DVec3,
+        /// Of the axis, scene units.
+        length: f64,
+        /// At the start and at the end of the axis, scene units.
+        radii: [f64; 2],
+        /// The side that emits.
+        facing: Facing,
+    },
     /// Infinitely far: a cone of directions about `direction`.
-    Distant { direction: DVec3, x: DVec3, y: DVec3, half_angle_sin_squared_half: f64 },
+    Distant {
+        /// Unit, towards its middle.
+        direction: DVec3,
+        /// Unit vectors across the direction.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+        /// `sin²(θ/2)` of the half angle θ that it fills: its solid angle over 4π.
+        half_angle_sin_squared_half: f64,
+    },
     /// What a prism makes of it: directions `direction + a·x + b·y` within the unit circle; `x` and `y` are perpendicular to the unit `direction`.
-    DistantImage { direction: DVec3, x: DVec3, y: DVec3 },
+    DistantImage {
+        /// Unit, towards its middle.
+        direction: DVec3,
+        /// Half axes of the ellipse that it fills on the plane that touches the sphere of directions at its middle.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+    },
 }
 
 /// A place on a light, seen from a point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightSample {
+pub struct LightSample {
     /// Unit, from the receiver to the light.
-    pub(crate) direction: DVec3,
+    pub direction: DVec3,
     /// Infinite for a distant one.
-    pub(crate) distance: f64,
+    pub distance: f64,
     /// Per solid angle at the receiver, 1/sr.
-    pub(crate) pdf: f64,
+    pub pdf: f64,
     /// Unit normal there on the emitting side.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
 }
 
 impl LightForm {
     /// The form of a surface; none for what cannot be drawn from.
-    pub(crate) fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
+    pub fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
         match shape {
             Shape::Polygon { start, count } => polygon_form(&scene.vertices[start as usize..][..count as usize]),
             Shape::Sphere(handle) => {
@@ -81,7 +147,7 @@ impl LightForm {
     }
 
     /// Emitting area in square scene units; the visible disk of a sphere counts whole.
-    pub(crate) fn area(&self) -> f64 {
+    pub fn area(&self) -> f64 {
         match self {
             LightForm::Disk { inner_squared, outer_squared, .. } => PI * (outer_squared - inner_squared),
             LightForm::Parallelogram { area, .. } | LightForm::Triangles { area, .. } => *area,
@@ -92,7 +158,7 @@ impl LightForm {
     }
 
     /// The unit normal of a flat light on its emitting side, and a point of its plane.
-    pub(crate) fn plane(&self) -> Option<(DVec3, DVec3)> {
+    pub fn plane(&self) -> Option<(DVec3, DVec3)> {
         match self {
             LightForm::Disk { center, normal, .. } => Some((*normal, *center)),
             LightForm::Parallelogram { corner, normal, .. } => Some((*normal, *corner)),
@@ -102,7 +168,7 @@ impl LightForm {
     }
 
     /// A sphere around it: its centre and radius; of a distant light its direction, and no radius that is finite.
-    pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
         match self {
             LightForm::Disk { center, outer_squared, .. } => (*center, outer_squared.sqrt()),
             LightForm::Parallelogram { corner, x, y, .. } => {
@@ -125,7 +191,7 @@ impl LightForm {
     }
 
     /// A point of a flat form, uniform by area, from a point of the unit square, after its unit normal; `None` for any other form.
-    pub(crate) fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
+    pub fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
         let point = match self {
             LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } => {
                 point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?
@@ -138,7 +204,7 @@ impl LightForm {
     }
 
     /// Distance along a unit direction to a flat form that turns its front to `receiver`, and the cosine under which it is met.
-    pub(crate) fn met(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    pub fn met(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
         let (normal, place) = self.plane()?;
         let (cosine, height) = (-normal.dot(direction), normal.dot(receiver - place));
         if cosine <= 0.0 || height <= 0.0 {
@@ -161,7 +227,7 @@ impl LightForm {
 
     /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
     #[inline]
-    pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
+    pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
         let (point, normal, pdf) = match self {
             LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => {
                 let area = PI * (outer_squared - inner_squared);
@@ -210,7 +276,7 @@ impl LightForm {
     }
 
     /// The density with which [`LightForm::sample`] would find the place at `distance` along `direction`, 1/sr.
-    pub(crate) fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
+    pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
         let by_area = distance * distance / (self.area() * cosine);
         match self {
             LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } if *inner_squared == 0.0 => {
@@ -252,7 +318,7 @@ impl LightForm {
     }
 
     /// Solid angle of a distant light, or a bound from the area of a near one, sr.
-    pub(crate) fn solid_angle(&self, distance: f64) -> f64 {
+    pub fn solid_angle(&self, distance: f64) -> f64 {
         match self {
             LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
             LightForm::DistantImage { x, y, .. } => PI * x.cross(*y).length(),
@@ -273,7 +339,7 @@ pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_pdf: f64) 
 }
 
 /// The two numbers whose multiples of `x` and `y` add up to a vector in their plane.
-pub(crate) fn coordinates(x: DVec3, y: DVec3, vector: DVec3) -> [f64; 2] {
+pub fn coordinates(x: DVec3, y: DVec3, vector: DVec3) -> [f64; 2] {
     let across = x.cross(y);
     [vector.cross(y), x.cross(vector)].map(|part| part.dot(across) / across.length_squared())
 }
@@ -425,53 +491,4 @@ fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
     let mut indices: Vec<u32> = Vec::new();
     Earcut::new().earcut(flat, &[], &mut indices);
     indices.chunks_exact(3).map(|t| [0, 1, 2].map(|corner| vertices[t[corner] as usize])).collect()
-}
-
-/// The form seen by way of a mirror or prism. A distant light in a prism is
-/// [`crate::prism_image`]'s matter, if that finds an image.
-pub(crate) fn virtual_form(form: &LightForm, virtual_source: &VirtualSource) -> LightForm {
-    let point = |p: &DVec3| virtual_source.image_of_point(*p);
-    let vector = |v: &DVec3| virtual_source.image_of_direction(*v);
-    let unit = |v: &DVec3| virtual_source.image_of_unit(*v);
-    match form {
-        LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => LightForm::Disk {
-            center: point(center),
-            normal: unit(normal),
-            x: vector(x),
-            y: vector(y),
-            inner_squared: *inner_squared,
-            outer_squared: *outer_squared,
-        },
-        LightForm::Parallelogram { corner, x, y, normal, area } => LightForm::Parallelogram {
-            corner: point(corner),
-            x: vector(x),
-            y: vector(y),
-            normal: unit(normal),
-            area: *area,
-        },
-        LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
-            triangles: triangles
-                .iter()
-                .map(|triangle| triangle.map(|corner| virtual_source.image_of_point(corner)))
-                .collect(),
-            cumulative: cumulative.clone(),
-            normal: unit(normal),
-            area: *area,
-        },
-        LightForm::Sphere { center, radius, facing } => {
-            LightForm::Sphere { center: point(center), radius: *radius, facing: *facing }
-        }
-        LightForm::Cone { base, axis, length, radii, facing } => {
-            LightForm::Cone { base: point(base), axis: unit(axis), length: *length, radii: *radii, facing: *facing }
-        }
-        LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => LightForm::Distant {
-            direction: unit(direction),
-            x: unit(x),
-            y: unit(y),
-            half_angle_sin_squared_half: *half_angle_sin_squared_half,
-        },
-        LightForm::DistantImage { direction, x, y } => {
-            LightForm::DistantImage { direction: unit(direction), x: vector(x), y: vector(y) }
-        }
-    }
 }
