@@ -1,12 +1,11 @@
 //! How a lit point of a surface scatters: its components, evaluated and drawn from.
 
-use crate::bands::spread;
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
 use crate::measured_lobe::MeasuredLobe;
-use crate::shader::{GlossyKind, bands};
+use crate::shader::GlossyKind;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
-use crate::transmission_lobe::{Transmission, chance_of_second, strongest};
+use crate::transmission_lobe::{Transmission, chance_of_second};
 use glam::DVec3;
 use radsight_brdf::{AshikhminShirley, Brdf, BrdfSample, Density, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
@@ -14,6 +13,7 @@ use radsight_ir::Rgb;
 use radsight_light::{LightSampleCount, LobePeak, Reception};
 use radsight_retro::{Paper1991, observation_angle};
 use radsight_sampling::cosine_hemisphere;
+use radsight_texture::{bands, spread, strongest};
 use std::f64::consts::FRAC_1_PI;
 
 /// A peak of finite width.

@@ -2,12 +2,10 @@
 //!
 //! Radiance evaluates them for light sources only; what comes from elsewhere is scattered as if diffuse.
 
-use crate::bands::spread;
-use crate::shader::Function;
-use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
 use radsight_ir::DataGrid;
+use radsight_texture::{Function, FunctionView, SurfaceInteraction, spread};
 
 /// Cosines and values nearer to zero than this count as zero (Radiance's).
 const TINY: f64 = 1e-6;
@@ -49,9 +47,9 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) color: [f64; 3],
 }
 
-/// A [`View`] with the variables that Radiance's materials add.
+/// A [`FunctionView`] with the variables that Radiance's materials add.
 pub(crate) struct MaterialView<'a> {
-    view: View<'a>,
+    view: FunctionView<'a>,
     surroundings: &'a Surroundings<'a>,
 }
 

@@ -6,11 +6,11 @@ use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
 use crate::trace::PathIntegrator;
-use crate::transmission_lobe::luminance;
 use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_irradiance_cache::{GatherHit, GatheredRadiance, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
+use radsight_texture::luminance;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Of rays that look around together, so many more are sent towards openings.

@@ -8,7 +8,6 @@
 #![forbid(unsafe_code)]
 
 mod antimatter;
-mod bands;
 mod bsdf;
 mod cache_prepass;
 mod cast;
@@ -23,7 +22,6 @@ mod gather;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
-mod lettering;
 mod light_power;
 mod lighting;
 mod measured_lobe;
@@ -46,17 +44,13 @@ mod scatter;
 mod shader;
 mod shadow;
 mod specialise;
-mod spectral_pattern;
 mod specular_threshold;
-mod step;
 mod substance;
-mod surface_interaction;
 mod trace;
 mod transmission_lobe;
 mod veils;
 mod visibility_class;
 
-pub use bands::BandValues;
 pub use cast::FirstHit;
 pub use contribution::Contribution;
 pub use options::{
@@ -66,6 +60,7 @@ pub use options::{
 pub use plan::{ModelRequest, ModelSource, NoModels, PlanDecision, RenderPlan};
 pub use radsight_accel::Ray;
 pub use radsight_spectrum::Sampling;
+pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};

@@ -2,13 +2,13 @@
 
 use crate::bsdf::BsdfSample;
 use crate::frame::Frame;
-use crate::shader::bands;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
-use crate::transmission_lobe::{chance_of_second, luminance};
+use crate::transmission_lobe::chance_of_second;
 use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_ir::Rgb;
 use radsight_measured::{MeasuredBsdf, Scattering, Side};
+use radsight_texture::{bands, luminance};
 use std::f64::consts::FRAC_1_PI;
 
 /// Data for one direction of view, without their Lambertian parts.

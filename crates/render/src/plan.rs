@@ -1,7 +1,6 @@
 //! What a scene needs, decided once before the first ray.
 
 use crate::antimatter::all_cut;
-use crate::bands::BandLayout;
 use crate::cast::FirstHit;
 use crate::cast::material_name;
 use crate::compile::compile_shaders;
@@ -12,7 +11,7 @@ use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
 use crate::portals::{Portals, makes_caustics};
-use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
+use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
 use crate::substance::substance;
 use crate::veils::find_veils;
 use crate::visibility_class::{Receiver, Visibility};
@@ -21,6 +20,7 @@ use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
 use radsight_light::{Light, LightId, LightTree};
+use radsight_texture::{BandLayout, bands};
 use std::sync::{Arc, OnceLock};
 
 /// A scene made ready for rays.
@@ -188,6 +188,7 @@ impl RenderPlan {
         let name = self.scene.surface_name(surface);
         let shader = &self.shaders[shader.0 as usize];
         let (_, modifier) = shader
+            .textures
             .home
             .scene(&self.scene)
             .chain(shader.modifier)
@@ -408,8 +409,8 @@ impl RenderPlan {
         if !self.has_antimatter {
             decisions.skip(Skip::Antimatter, "no surface is cut away".into(), "there is no antimatter");
         }
-        let functions = self.shaders.iter().flat_map(|shader| &shader.steps).count();
-        let textures = self.shaders.iter().flat_map(|s| &s.steps).filter(|step| step.is_texture()).count();
+        let functions = self.shaders.iter().flat_map(|shader| &shader.textures.steps).count();
+        let textures = self.shaders.iter().flat_map(|s| &s.textures.steps).filter(|step| step.is_texture()).count();
         decisions
             .say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
         let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();

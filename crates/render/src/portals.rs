@@ -9,13 +9,13 @@
 
 use crate::plan::RenderPlan;
 use crate::shader::{EmitterClass, Kind, Shader};
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::{MemberId, PrimitiveId, Ray, is_flat};
 use radsight_cal::Scratch;
 use radsight_ir::{Surface, SurfaceHandle};
 use radsight_light::LightForm;
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
+use radsight_texture::SurfaceInteraction;
 
 /// The openings of a scene.
 #[derive(Debug, Default)]

@@ -5,11 +5,11 @@
 //! are sent back through the prism.
 
 use crate::prism::PrismKind;
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use radsight_light::{LightForm, Redirection, coordinates};
+use radsight_texture::SurfaceInteraction;
 use std::f64::consts::TAU;
 
 /// Places on the rim that are sent back.

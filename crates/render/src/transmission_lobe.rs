@@ -1,10 +1,10 @@
 //! What light from the other side of a surface does: diffuse transmission, and a lobe about the straight way through.
 
-use crate::bands::gathered;
 use crate::frame::Frame;
 use glam::DVec3;
 use radsight_brdf::GaussianTransmission;
 use radsight_light::LobePeak;
+use radsight_texture::strongest;
 use std::f64::consts::PI;
 
 /// The transmitting part of a lit point.
@@ -72,18 +72,7 @@ impl<const BANDS: usize> TransmissionLobe<BANDS> {
     }
 }
 
-/// The largest band.
-pub(crate) fn strongest<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
-    bands.iter().copied().fold(0.0, f64::max)
-}
-
 /// The chance of the second of two ways by what they carry; even where neither carries anything.
 pub(crate) fn chance_of_second(first: f64, second: f64) -> f64 {
     if first + second > 0.0 { second / (first + second) } else { 0.5 }
-}
-
-/// Brightness of a colour, with Radiance's weights of its primaries.
-pub(crate) fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
-    let [red, green, blue] = gathered(bands);
-    0.265 * red + 0.670 * green + 0.065 * blue
 }

@@ -4,12 +4,11 @@
 use super::{BsdfContext, SurfaceScattering};
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight, schlick};
 use crate::frame::Frame;
-use crate::shader::{Function, bands};
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
-use crate::transmission_lobe::luminance;
 use radsight_brdf::AshikhminShirley;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_texture::{Function, bands, luminance};
 
 /// The parameters.
 #[derive(Clone, Debug)]

@@ -4,14 +4,13 @@
 //! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
 
 use super::{BsdfContext, SpecularBounce, SurfaceScattering};
-use crate::bands::spread;
 use crate::bsdf::{Bsdf, Highlight};
 use crate::frame::Frame;
 use crate::function_lobe::{FunctionLobe, LobeFunction, Surroundings};
-use crate::shader::{Function, bands};
 use crate::transmission_lobe::Transmission;
 use radsight_cal::Scratch;
 use radsight_ir::{DataGrid, Handle, Rgb, ScatteringRole};
+use radsight_texture::{Function, bands, spread};
 
 /// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
 #[derive(Clone, Debug)]

@@ -9,17 +9,17 @@ use crate::bsdf::{Bsdf, Highlight};
 use crate::frame::Frame;
 use crate::measured_lobe::{BlurredView, MeasuredLobe, PeakCells, StraightTransmission, straight_peak};
 use crate::ray_tree::Image;
-use crate::shader::{Function, Shader, bands};
+use crate::shader::Shader;
 use crate::specular_threshold::BelowThreshold;
-use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::{Passage, PathIntegrator, PathState};
-use crate::transmission_lobe::{Transmission, luminance};
+use crate::transmission_lobe::Transmission;
 use glam::DVec3;
 use radsight_accel::Intersection;
 use radsight_cal::Scratch;
 use radsight_ir::{BsdfForm, Rgb};
 use radsight_measured::{MeasuredBsdf, Side};
 use radsight_sampling::DimensionSet;
+use radsight_texture::{Function, SurfaceInteraction, bands, luminance};
 use std::sync::Arc;
 
 /// The parameters.
@@ -185,7 +185,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let (appearance, normal) = self.appearance(path, shader, interaction);
         let turned = interaction.turned();
-        let scene = shader.home.scene(&self.plan.scene);
+        let scene = shader.textures.home.scene(&self.plan.scene);
         let threshold = self.plan.options.highlight_threshold;
         let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
         let Some(pose) = kind.pose(&context, &mut self.workspace.scratch) else { return };
@@ -204,7 +204,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let reflected = kind.point(&context, &pose, view, Part::Reflected);
         self.light_and_scatter(path, hit.point, Some(hit.primitive), &reflected, travelled);
         let transmitted = kind.point(&context, &pose, view, Part::Transmitted);
-        let transmission = hit.point - hit.front * thickness;
-        self.light_and_scatter(path, transmission, None, &transmitted, travelled);
+        let far_side = hit.point - hit.front * thickness;
+        self.light_and_scatter(path, far_side, None, &transmitted, travelled);
     }
 }

@@ -15,19 +15,17 @@ pub(crate) use measured::MeasuredKind;
 pub(crate) use sheet::Sheet;
 pub(crate) use ward_function::{Appearances, Component, WardFunctionKind};
 
-use crate::bands::gathered;
 use crate::bsdf::Bsdf;
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
 use crate::ray_tree::Image;
-use crate::shader::{Appearance, Function, Shader};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{Passage, PathIntegrator, PathState, shading_normal};
-use crate::transmission_lobe::luminance;
+use crate::shader::Shader;
+use crate::trace::{Passage, PathIntegrator, PathState};
 use glam::DVec3;
 use radsight_accel::Intersection;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
+use radsight_texture::{Appearance, Function, SurfaceInteraction, gathered, luminance, shading_normal};
 
 #[cfg(test)]
 mod tests;
@@ -217,7 +215,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let (appearance, normal) = self.appearance(path, shader, interaction);
         let turned = interaction.turned();
-        let scene = shader.home.scene(&self.plan.scene);
+        let scene = shader.textures.home.scene(&self.plan.scene);
         let threshold = self.plan.options.highlight_threshold;
         let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
         let met = scatterer.bsdf_at(&context, &mut self.workspace.scratch);

@@ -7,12 +7,13 @@
 use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
 use crate::frame::Frame;
-use crate::shader::{Function, SMOOTH_ROUGHNESS, bands};
+use crate::shader::SMOOTH_ROUGHNESS;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use crate::transmission_lobe::{Transmission, TransmissionLobe};
 use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_texture::{Function, bands};
 
 /// The parameters.
 #[derive(Clone, Debug)]

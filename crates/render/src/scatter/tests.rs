@@ -2,14 +2,12 @@
 
 use super::{BsdfContext, Sheet};
 use crate::bsdf::{Bsdf, PdfRequest};
-use crate::shader::Appearance;
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::shading_normal;
 use glam::DVec3;
 use radsight_brdf::check::{self, CheckOptions, Effort};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, Scene};
+use radsight_texture::{Appearance, SurfaceInteraction, shading_normal};
 
 /// One component of a sheet, as a model in the frame of the surface.
 #[derive(Debug)]

@@ -6,14 +6,13 @@ use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
-use crate::shader::{Function, Shader, bands};
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
-use crate::trace::shading_normal;
-use crate::transmission_lobe::{Transmission, TransmissionLobe, luminance};
+use crate::transmission_lobe::{Transmission, TransmissionLobe};
 use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_texture::{Function, TextureChain, bands, luminance, shading_normal};
 
 /// The parameters.
 #[derive(Clone, Debug)]
@@ -44,7 +43,7 @@ pub(crate) enum Appearances {
     /// There are none.
     Plain,
     /// Another modifier.
-    Own(Box<Shader>),
+    Own(Box<TextureChain>),
 }
 
 /// Patterns and textures of one part at one point.
@@ -73,7 +72,7 @@ impl WardFunctionKind {
     pub(super) fn is_grey(&self) -> bool {
         let looks = [&self.reflection.look, &self.transmission.look, &self.diffuse_transmission];
         self.diffuse.iter().all(|color| color.is_grey())
-            && looks.iter().all(|look| !matches!(look, Appearances::Own(shader) if !shader.is_grey()))
+            && looks.iter().all(|look| !matches!(look, Appearances::Own(chain) if chain.is_colored()))
     }
 
     pub(super) fn lets_through(&self) -> bool {
@@ -171,8 +170,8 @@ impl WardFunctionKind {
         match look {
             Appearances::Main => Seen { color: context.appearance.color, normal: context.normal },
             Appearances::Plain => Seen { color: [1.0; BANDS], normal: context.interaction.normal },
-            Appearances::Own(shader) => {
-                let appearance = shader.appearance(context.scene, context.interaction, scratch);
+            Appearances::Own(chain) => {
+                let appearance = chain.appearance(context.scene, context.interaction, scratch);
                 Seen { color: appearance.color, normal: shading_normal(context.interaction, appearance.perturbation) }
             }
         }

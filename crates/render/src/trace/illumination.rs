@@ -1,8 +1,8 @@
 //! Light at a point of a surface, and the rays that look for more of it.
 
+use super::PathIntegrator;
 use super::path_state::PathState;
 use super::split::Branches;
-use super::{PathIntegrator, product};
 use crate::bsdf::{Bsdf, BsdfSample, sum};
 use crate::direct::DirectSampler;
 use crate::indirect::Indirect;
@@ -12,6 +12,7 @@ use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
 use radsight_sampling::DimensionSet;
+use radsight_texture::product;
 
 /// A retroreflector that is seen by way of a mirror is lit by way of it too, and no light sampling finds that: its highlight is drawn
 /// from this often, down to this depth.

@@ -1,17 +1,18 @@
 //! One pattern or texture, evaluated where a ray meets a surface.
 
+use crate::appearance::Appearance;
 use crate::bands::{Bands, spread};
+use crate::function::{Function, MAX_COORDINATES};
+use crate::interaction::SurfaceInteraction;
 use crate::lettering::Lettering;
-use crate::shader::{Appearance, Function};
 use crate::spectral_pattern::{SpectralData, SpectralFunction};
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::{DataGrid, Handle, PictureData, Rgb, Scene};
 
 /// A pattern or a texture.
 #[derive(Clone, Debug)]
-pub(crate) enum Step {
+pub enum Step {
     /// The same values everywhere.
     Constant(Bands),
     /// One value multiplies all bands.
@@ -25,7 +26,14 @@ pub(crate) enum Step {
     /// Three values from a picture.
     Picture(Function, Handle<PictureData>),
     /// One colour on letters, another beside them.
-    Text { lettering: Lettering, foreground: Rgb, background: Rgb },
+    Text {
+        /// The letters.
+        lettering: Lettering,
+        /// Where there is ink.
+        foreground: Rgb,
+        /// Elsewhere.
+        background: Rgb,
+    },
     /// A spectrum from a function of the wavelength.
     SpectralFunction(SpectralFunction),
     /// A spectrum from a grid whose last axis is the wavelength.
@@ -40,15 +48,18 @@ pub(crate) enum Step {
 
 /// Two lists of patterns and textures, and how much of the first.
 #[derive(Clone, Debug)]
-pub(crate) struct MixedSteps {
-    pub(crate) share: Share,
-    pub(crate) foreground: Vec<Step>,
-    pub(crate) background: Vec<Step>,
+pub struct MixedSteps {
+    /// How much of the foreground.
+    pub share: Share,
+    /// What has that share.
+    pub foreground: Vec<Step>,
+    /// What has the rest.
+    pub background: Vec<Step>,
 }
 
 /// How much of a mixture's foreground there is.
 #[derive(Clone, Debug)]
-pub(crate) enum Share {
+pub enum Share {
     /// One root.
     Function(Function),
     /// One value from a grid.
@@ -61,7 +72,7 @@ pub(crate) enum Share {
 
 impl Share {
     /// In 0…1; none after a fault of the function, where Radiance leaves the mixture out.
-    pub(crate) fn at(&self, scene: &Scene, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> Option<f64> {
+    pub fn at(&self, scene: &Scene, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> Option<f64> {
         let share = match self {
             Share::Function(function) => {
                 let mut value = [0.0];
@@ -80,7 +91,7 @@ impl Share {
 
 impl Step {
     /// Whether it can give red, green and blue different values.
-    pub(crate) fn is_colored(&self) -> bool {
+    pub fn is_colored(&self) -> bool {
         match self {
             Step::Constant(bands) => !bands.is_grey(),
             Step::Text { foreground, background, .. } => !(foreground.is_grey() && background.is_grey()),
@@ -95,7 +106,7 @@ impl Step {
     }
 
     /// Whether it can turn the normal.
-    pub(crate) fn is_texture(&self) -> bool {
+    pub fn is_texture(&self) -> bool {
         match self {
             Step::Texture(_) | Step::TextureData(..) => true,
             Step::Mixture(mixed) => mixed.foreground.iter().chain(&mixed.background).any(Step::is_texture),
@@ -104,7 +115,7 @@ impl Step {
     }
 
     /// What a fault of the function spoils is left out, as Radiance does.
-    pub(crate) fn apply<const BANDS: usize>(
+    pub fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
         interaction: &SurfaceInteraction,
@@ -192,9 +203,6 @@ fn multiply<const BANDS: usize>(color: &mut [f64; BANDS], by: [f64; 3]) {
         *band *= factor;
     }
 }
-
-/// The largest dimension of a data file that fits the evaluation's stack.
-pub(crate) const MAX_COORDINATES: usize = 16;
 
 /// Values from grids, through the functions that the primitive names: roots are first the functions, then the coordinates.
 fn from_grids(

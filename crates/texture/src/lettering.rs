@@ -14,7 +14,7 @@ const COLUMN_GAP: usize = 3;
 
 /// Text, set.
 #[derive(Clone, Debug)]
-pub(crate) struct Lettering {
+pub struct Lettering {
     origin: DVec3,
     /// With an offset from the origin its dot products are characters to the right and lines down.
     across: DVec3,
@@ -98,7 +98,7 @@ impl Outline {
 
 impl Lettering {
     /// Sets the text. `None` where its two directions do not span a plane.
-    pub(crate) fn new(text: &TextPattern, font: &Font) -> Option<Lettering> {
+    pub fn new(text: &TextPattern, font: &Font) -> Option<Lettering> {
         let normal = text.down.cross(text.right);
         let dual = |axis: DVec3, along: DVec3| {
             let scale = axis.dot(along);
@@ -120,7 +120,7 @@ impl Lettering {
     }
 
     /// Whether a point, in the coordinates in which the text stands, lies on a letter as seen along the plane's normal.
-    pub(crate) fn has_ink(&self, point: DVec3) -> bool {
+    pub fn has_ink(&self, point: DVec3) -> bool {
         let offset = point - self.origin;
         let x = offset.dot(self.across) * self.units;
         let y = offset.dot(self.down);

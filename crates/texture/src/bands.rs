@@ -9,13 +9,13 @@ use radsight_spectrum::Sampling;
 
 /// Red, green and blue in the places of a tracer; the first alone where the scene is grey.
 #[inline]
-pub(crate) fn spread<const BANDS: usize>(color: [f64; 3]) -> [f64; BANDS] {
+pub fn spread<const BANDS: usize>(color: [f64; 3]) -> [f64; BANDS] {
     std::array::from_fn(|place| color[place * 3 / BANDS])
 }
 
 /// What stands for red, green and blue in the places of a tracer: the mean of each third.
 #[inline]
-pub(crate) fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
+pub fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
     if BANDS < 3 {
         return [places[0]; 3];
     }
@@ -25,7 +25,7 @@ pub(crate) fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
 
 /// Values that are the same for all rays.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Bands {
+pub enum Bands {
     /// A colour.
     Color(Rgb),
     /// A value for each place.
@@ -33,15 +33,18 @@ pub(crate) enum Bands {
 }
 
 impl Bands {
-    pub(crate) fn is_grey(&self) -> bool {
+    /// Whether all bands are the same.
+    #[must_use]
+    pub fn is_grey(&self) -> bool {
         match self {
             Bands::Color(color) => color.is_grey(),
             Bands::Spectrum(_) => false,
         }
     }
 
+    /// Multiplies a colour band by band.
     #[inline]
-    pub(crate) fn multiply<const BANDS: usize>(&self, color: &mut [f64; BANDS]) {
+    pub fn multiply<const BANDS: usize>(&self, color: &mut [f64; BANDS]) {
         match self {
             Bands::Color(by) => {
                 for (band, factor) in color.iter_mut().zip(spread::<BANDS>(by.0)) {
@@ -65,7 +68,8 @@ pub struct BandValues {
 }
 
 impl BandValues {
-    pub(crate) fn new(bands: impl Iterator<Item = f64>) -> BandValues {
+    /// As many as there are, at most [`Sampling::MOST_BANDS`].
+    pub fn new(bands: impl Iterator<Item = f64>) -> BandValues {
         let mut all = BandValues { values: [0.0; Sampling::MOST_BANDS], count: 0 };
         for (value, band) in all.values.iter_mut().zip(bands) {
             *value = band as f32;
@@ -103,7 +107,7 @@ impl BandValues {
 
 /// Which band of a sampling stands in which place.
 #[derive(Clone, Debug)]
-pub(crate) struct BandLayout {
+pub struct BandLayout {
     sampling: Sampling,
     /// By place.
     band_of: Vec<usize>,
@@ -115,7 +119,9 @@ pub(crate) struct BandLayout {
 pub(crate) const PLACES: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
 
 impl BandLayout {
-    pub(crate) fn new(sampling: Sampling) -> BandLayout {
+    /// The layout of these bands.
+    #[must_use]
+    pub fn new(sampling: Sampling) -> BandLayout {
         let bands_of: [Vec<usize>; 3] =
             [0, 1, 2].map(|part| (0..sampling.bands()).filter(|band| sampling.part(*band) == part).collect());
         let widest = bands_of.iter().map(Vec::len).max().unwrap_or(0);
@@ -134,22 +140,24 @@ impl BandLayout {
         BandLayout { sampling, band_of, place_of }
     }
 
-    pub(crate) fn sampling(&self) -> &Sampling {
+    /// The bands.
+    #[must_use]
+    pub fn sampling(&self) -> &Sampling {
         &self.sampling
     }
 
     /// How many places a tracer needs.
-    pub(crate) fn places(&self) -> usize {
+    pub fn places(&self) -> usize {
         self.band_of.len()
     }
 
     /// The band in each place.
-    pub(crate) fn band_of(&self) -> &[usize] {
+    pub fn band_of(&self) -> &[usize] {
         &self.band_of
     }
 
     /// Values of bands in the places of a tracer.
-    pub(crate) fn arrange(&self, bands: &[f64]) -> Bands {
+    pub fn arrange(&self, bands: &[f64]) -> Bands {
         if self.sampling.is_rgb() {
             return Bands::Color(Rgb([bands[0], bands[1], bands[2]]));
         }
@@ -157,9 +165,32 @@ impl BandLayout {
     }
 
     /// The value of each band.
-    pub(crate) fn collect(&self, places: &[f64]) -> impl Iterator<Item = f64> {
+    pub fn collect(&self, places: &[f64]) -> impl Iterator<Item = f64> {
         self.place_of.iter().map(|place| places[*place])
     }
+}
+
+/// A colour in the places of a tracer.
+#[inline]
+pub fn bands<const BANDS: usize>(color: Rgb) -> [f64; BANDS] {
+    spread(color.0)
+}
+
+/// Band by band.
+#[inline]
+pub fn product<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
+    std::array::from_fn(|band| a[band] * b[band])
+}
+
+/// The largest band.
+pub fn strongest<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
+    bands.iter().copied().fold(0.0, f64::max)
+}
+
+/// Brightness of a colour, with Radiance's weights of its primaries.
+pub fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
+    let [red, green, blue] = gathered(bands);
+    0.265 * red + 0.670 * green + 0.065 * blue
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Patterns that multiply each wavelength by its own value.
 
 use crate::bands::BandLayout;
-use crate::shader::Function;
-use crate::step::MAX_COORDINATES;
-use crate::surface_interaction::SurfaceInteraction;
+use crate::function::Function;
+use crate::function::MAX_COORDINATES;
+use crate::interaction::SurfaceInteraction;
 use radsight_cal::Scratch;
 use radsight_ir::{Axis, DataGrid, Handle, Scene};
 use radsight_spectrum::{Conversion, Sampling};
@@ -36,7 +36,7 @@ impl Receiver {
 
 /// `specfunc`.
 #[derive(Clone, Debug)]
-pub(crate) struct SpectralFunction {
+pub struct SpectralFunction {
     function: Function,
     receiver: Receiver,
     /// Middles of the bands in which the function is evaluated, nm, rising.
@@ -46,7 +46,7 @@ pub(crate) struct SpectralFunction {
 impl SpectralFunction {
     /// A function of the wavelength between two of them, nm. Radiance evaluates it at random places of up to 24 bands, not narrower than
     /// a quarter of those that are traced; this takes their middles. `None` where nothing of the range is traced.
-    pub(crate) fn new(function: Function, range_nm: [f64; 2], layout: &Arc<BandLayout>) -> Option<SpectralFunction> {
+    pub fn new(function: Function, range_nm: [f64; 2], layout: &Arc<BandLayout>) -> Option<SpectralFunction> {
         let [longest, .., shortest] = layout.sampling().splits_nm();
         let (first, last) = (range_nm[0].max(shortest), range_nm[1].min(longest));
         if first >= last {
@@ -60,7 +60,8 @@ impl SpectralFunction {
         Some(SpectralFunction { function, receiver: Receiver { layout: layout.clone(), conversion }, wavelengths_nm })
     }
 
-    pub(crate) fn apply<const BANDS: usize>(
+    /// Multiplies a colour by what the pattern is where the ray meets the surface; a function that fails changes nothing.
+    pub fn apply<const BANDS: usize>(
         &self,
         interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
@@ -74,7 +75,7 @@ impl SpectralFunction {
 
 /// `specdata` and `specpict`.
 #[derive(Clone, Debug)]
-pub(crate) struct SpectralData {
+pub struct SpectralData {
     function: Function,
     grid: Handle<DataGrid>,
     receiver: Receiver,
@@ -83,12 +84,8 @@ pub(crate) struct SpectralData {
 }
 
 impl SpectralData {
-    pub(crate) fn new(
-        function: Function,
-        scene: &Scene,
-        grid: Handle<DataGrid>,
-        layout: &Arc<BandLayout>,
-    ) -> Option<Self> {
+    /// From a table whose last axis is the wavelength; `None` where it has no axis.
+    pub fn new(function: Function, scene: &Scene, grid: Handle<DataGrid>, layout: &Arc<BandLayout>) -> Option<Self> {
         let axis = scene.grids[grid].axes.last()?;
         let (first, last) = match axis {
             Axis::Regular { first, last, .. } => (*first, *last),
@@ -102,7 +99,8 @@ impl SpectralData {
         Some(SpectralData { function, grid, receiver, wavelengths_nm })
     }
 
-    pub(crate) fn apply<const BANDS: usize>(
+    /// Multiplies a colour by what the pattern is where the ray meets the surface; a function that fails changes nothing.
+    pub fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
         interaction: &SurfaceInteraction,
