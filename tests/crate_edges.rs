@@ -30,6 +30,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("brdf-abi", &[]),
     ("brdf-host", &["brdf", "brdf-abi", "diag"]),
     ("brdf-sdk", &["brdf-abi"]),
+    ("bsdf", &["brdf", "cal", "ir", "light", "measured", "retro", "sampling", "texture"]),
     ("cal", &["diag"]),
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
@@ -55,6 +56,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "accel",
             "brdf",
+            "bsdf",
             "cal",
             "diag",
             "ir",
@@ -80,6 +82,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
     ("accel", &["sampling"]),
     ("bench", &["cal", "irradiance-cache"]),
+    ("bsdf", &["accel"]),
     ("camera", &["sampling"]),
     ("irradiance-cache", &["sampling"]),
     ("texture", &["diag"]),

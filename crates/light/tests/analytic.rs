@@ -43,8 +43,7 @@ fn sphere(center: DVec3, radius: f64) -> Light {
 }
 
 fn polygon(vertices: &[DVec3]) -> Light {
-    let mut scene = Scene::default();
-    scene.vertices = vertices.to_vec();
+    let mut scene = Scene { vertices: vertices.to_vec(), ..Scene::default() };
     light(&mut scene, Shape::Polygon { start: 0, count: vertices.len() as u32 })
 }
 

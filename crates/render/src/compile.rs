@@ -8,10 +8,10 @@ use crate::options::{Skip, Skipping};
 use crate::plan::{ModelRequest, ModelSource};
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::scatter::{Appearances, MeasuredKind, Scatterer};
-use crate::shader::{Emitter, EmitterClass, GlossyKind, Kind, MixtureKind, Shader, Substitution};
+use crate::shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
 use radsight_accel::{ShaderId, ShaderTable};
+use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
     Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,

@@ -1,6 +1,6 @@
 //! From the scattering materials of a scene to what renders them.
 
-use crate::scatter::{
+use radsight_bsdf::{
     Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
 };
 use radsight_diag::Diagnostic;

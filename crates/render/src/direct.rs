@@ -1,7 +1,6 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
 use crate::antimatter::SubtractionId;
-use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use crate::options::{Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
@@ -9,6 +8,7 @@ use crate::trace::{MediumId, PathIntegrator, emission, given};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
+use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_light::{Light, LightForm, LightId, LightSample, LightTree, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, product};

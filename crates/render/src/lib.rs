@@ -8,7 +8,6 @@
 #![forbid(unsafe_code)]
 
 mod antimatter;
-mod bsdf;
 mod cache_prepass;
 mod cast;
 mod compile;
@@ -16,15 +15,12 @@ mod compile_scatter;
 mod compile_steps;
 mod contribution;
 mod direct;
-mod frame;
-mod function_lobe;
 mod gather;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
 mod light_power;
 mod lighting;
-mod measured_lobe;
 mod medium;
 mod medium_boundary;
 mod mis;
@@ -40,14 +36,11 @@ mod ray_spacing;
 mod ray_tree;
 mod refraction;
 mod renderer;
-mod scatter;
 mod shader;
 mod shadow;
 mod specialise;
-mod specular_threshold;
 mod substance;
 mod trace;
-mod transmission_lobe;
 mod veils;
 mod visibility_class;
 

@@ -369,13 +369,13 @@ impl RenderPlan {
         if images > 0 {
             decisions.say(
                 format!("{images} images of lights in plane mirrors are sampled"),
-                "mirrors virtual_source lights (-dr)",
+                "mirrors make virtual sources of lights (-dr)",
             );
         }
         let [drawn, again] = self.light_draws;
         if drawn > 0 {
             let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
-            decisions.say(what, "they are many; a hierarchy of lights tells what they importance");
+            decisions.say(what, "they are many; a hierarchy of lights tells how important each is");
         }
         for (count, what, why) in self.reach.summary() {
             if count > 0 {

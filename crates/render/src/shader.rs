@@ -4,17 +4,14 @@ use crate::antimatter::Antimatter;
 use crate::medium::MistKind;
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::scatter::Scatterer;
 use glam::DVec3;
 use radsight_accel::ShaderId;
 use radsight_brdf::Brdf;
+use radsight_bsdf::{GlossyKind, Scatterer};
 use radsight_cal::Scratch;
 use radsight_ir::{ModifierHandle, Rgb, Scene};
 use radsight_texture::{Appearance, Share, SurfaceInteraction, TextureChain};
 use std::sync::Arc;
-
-/// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
-pub(crate) const SMOOTH_ROUGHNESS: f64 = 1e-3;
 
 /// Patterns, textures and the material of a surface.
 #[derive(Clone, Debug)]
@@ -86,23 +83,6 @@ pub(crate) struct MixtureKind {
     pub(crate) arms: [ShaderId; 2],
     /// Whether one of them does.
     pub(crate) lets_light_through: bool,
-}
-
-/// A plastic or a metal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GlossyKind {
-    pub(crate) color: Rgb,
-    pub(crate) specularity: f64,
-    pub(crate) roughness: f64,
-    /// Highlights take the material's colour.
-    pub(crate) metallic: bool,
-}
-
-impl GlossyKind {
-    /// Whether its highlight is a mirror image.
-    pub(crate) fn is_smooth(&self) -> bool {
-        self.roughness <= SMOOTH_ROUGHNESS
-    }
 }
 
 /// The material that is seen in place of another.

@@ -5,7 +5,6 @@
 //! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
 
 use crate::antimatter::{AntimatterEvent, SubtractionId};
-use crate::bsdf::pane;
 use crate::direct::DirectSampler;
 use crate::medium::Medium;
 use crate::options::BackFaces;
@@ -16,6 +15,7 @@ use crate::trace::{PathIntegrator, emission, given};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
+use radsight_bsdf::pane;
 use radsight_cal::Scratch;
 use radsight_ir::Shape;
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};

@@ -11,6 +11,7 @@ mod illumination;
 mod passage;
 mod path_state;
 mod roulette;
+mod scatterer;
 mod shade;
 mod split;
 
@@ -19,7 +20,6 @@ pub(crate) use passage::Passage;
 pub(crate) use path_state::{MediumId, PathState};
 
 use crate::antimatter::{AntimatterEvent, Subtraction, SubtractionId};
-use crate::bsdf::Bsdf;
 use crate::cast::FirstHit;
 use crate::contribution::Contributions;
 use crate::gather::{CacheQuery, Caches};
@@ -31,6 +31,7 @@ use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::shader::Kind;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
+use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;

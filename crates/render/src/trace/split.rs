@@ -22,8 +22,8 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
-use crate::bsdf::Bsdf;
 use crate::options::{Quantity, RenderOptions};
+use radsight_bsdf::Bsdf;
 use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;

@@ -15,18 +15,20 @@ const MAX_COORDINATES: usize = 16;
 
 /// A scattering function at one point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FunctionLobe<'a, const BANDS: usize> {
-    pub(crate) source: LobeFunction<'a>,
-    pub(crate) surroundings: Surroundings<'a>,
+pub struct FunctionLobe<'a, const BANDS: usize> {
+    /// Where the values come from.
+    pub source: LobeFunction<'a>,
+    /// What the function sees.
+    pub surroundings: Surroundings<'a>,
     /// Factors of the function for light from the viewer's side and from the other one.
-    pub(crate) factors: [[f64; BANDS]; 2],
+    pub factors: [[f64; BANDS]; 2],
     /// What is scattered as if diffuse where the light is no source, for both sides.
-    pub(crate) ambient: [[f64; BANDS]; 2],
+    pub ambient: [[f64; BANDS]; 2],
 }
 
 /// Where the values come from.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum LobeFunction<'a> {
+pub enum LobeFunction<'a> {
     /// The first root, for all bands.
     Grey(&'a Function),
     /// Three roots from this one on, one a band.
@@ -37,29 +39,31 @@ pub(crate) enum LobeFunction<'a> {
 
 /// What a function of a material sees.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surroundings<'a> {
-    pub(crate) interaction: &'a SurfaceInteraction,
+pub struct Surroundings<'a> {
+    /// The ray at the surface.
+    pub interaction: &'a SurfaceInteraction,
     /// Unit, with textures, on the viewer's side: `NxP`.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
     /// Of the outgoing direction to it: `RdotP`.
-    pub(crate) cosine: f64,
+    pub cosine: f64,
     /// Of the material or pattern: `CrP`.
-    pub(crate) color: [f64; 3],
+    pub color: [f64; 3],
 }
 
 /// A [`FunctionView`] with the variables that Radiance's materials add.
-pub(crate) struct MaterialView<'a> {
+pub struct MaterialView<'a> {
     view: FunctionView<'a>,
     surroundings: &'a Surroundings<'a>,
 }
 
 impl<'a> Surroundings<'a> {
-    pub(crate) fn view(&'a self, function: &'a Function) -> MaterialView<'a> {
+    /// With these variables, for one function.
+    pub fn view(&'a self, function: &'a Function) -> MaterialView<'a> {
         MaterialView { view: function.view(self.interaction), surroundings: self }
     }
 
     /// A root without arguments; a fault counts as zero.
-    pub(crate) fn value(&self, function: &Function, root: usize, scratch: &mut Scratch) -> f64 {
+    pub fn value(&self, function: &Function, root: usize, scratch: &mut Scratch) -> f64 {
         function.program.eval(root, &[], &self.view(function), scratch).unwrap_or(0.0)
     }
 }
@@ -80,12 +84,12 @@ impl Host for MaterialView<'_> {
 
 impl<const BANDS: usize> FunctionLobe<'_, BANDS> {
     /// Whether light that is not from a source meets something else than the function's share of the diffuse.
-    pub(crate) fn has_ambient(&self) -> bool {
+    pub fn has_ambient(&self) -> bool {
         self.ambient.iter().flatten().any(|band| *band > 0.0)
     }
 
     /// `f·|cos θ_i|` for light from a source of the given solid angle, sr.
-    pub(crate) fn eval(&self, incident: DVec3, solid_angle: f64, scratch: &mut Scratch) -> [f64; BANDS] {
+    pub fn eval(&self, incident: DVec3, solid_angle: f64, scratch: &mut Scratch) -> [f64; BANDS] {
         let cosine = self.surroundings.normal.dot(incident);
         let factor = self.factors[usize::from(cosine < 0.0)];
         if cosine.abs() <= TINY || factor.iter().all(|band| *band <= TINY) {

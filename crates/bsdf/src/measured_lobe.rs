@@ -1,7 +1,7 @@
 //! The lobe of a measured material: light from both sides, scattered as data say.
 
-use crate::bsdf::BsdfSample;
 use crate::frame::Frame;
+use crate::sample::BsdfSample;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use crate::transmission_lobe::chance_of_second;
 use glam::DVec3;
@@ -13,19 +13,21 @@ use std::f64::consts::FRAC_1_PI;
 
 /// Data for one direction of view, without their Lambertian parts.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
-    pub(crate) reflection: Option<&'a Scattering>,
-    pub(crate) transmission: Option<&'a Scattering>,
+pub struct MeasuredLobe<'a, const BANDS: usize> {
+    /// To the viewer's side.
+    pub reflection: Option<&'a Scattering>,
+    /// From the other side.
+    pub transmission: Option<&'a Scattering>,
     /// The frame of the data: +z on the front.
-    pub(crate) frame: Frame,
+    pub frame: Frame,
     /// The view in that frame.
-    pub(crate) view: BlurredView,
+    pub view: BlurredView,
     /// Multiplies what is transmitted.
-    pub(crate) pattern: [f64; BANDS],
+    pub pattern: [f64; BANDS],
     /// What goes straight through apart from this lobe.
-    pub(crate) peak: PeakCells,
+    pub peak: PeakCells,
     /// Whether anything is drawn from it.
-    pub(crate) is_sampled_towards: bool,
+    pub is_sampled: bool,
     /// How often a draw is of transmitted light.
     transmitted_chance: f64,
 }
@@ -33,7 +35,7 @@ pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
 impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
     /// `straight` is the luminance that goes straight through, by way of the cells of `peak`; what scatters no more than `threshold` to
     /// a side is not drawn from, and returned beside it. None where nothing is scattered.
-    pub(crate) fn new(
+    pub fn new(
         [reflection, transmission]: [Option<&'a Scattering>; 2],
         (frame, view): (Frame, BlurredView),
         pattern: [f64; BANDS],
@@ -59,23 +61,15 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
             if no_reflection { 0.0 } else { reflected },
             if no_transmission { 0.0 } else { beside * luminance(&pattern) },
         );
-        let is_sampled_towards = reflection.is_some() && !no_reflection || transmission.is_some() && !no_transmission;
-        let lobe = MeasuredLobe {
-            reflection,
-            transmission,
-            frame,
-            view,
-            pattern,
-            peak,
-            is_sampled_towards,
-            transmitted_chance,
-        };
+        let is_sampled = reflection.is_some() && !no_reflection || transmission.is_some() && !no_transmission;
+        let lobe =
+            MeasuredLobe { reflection, transmission, frame, view, pattern, peak, is_sampled, transmitted_chance };
         Some((lobe, below_threshold))
     }
 
     /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is
     /// blurred in another way for light of sources, which draws leave to their sampling.
-    pub(crate) fn eval(&self, incident: DVec3) -> ([f64; BANDS], f64) {
+    pub fn eval(&self, incident: DVec3) -> ([f64; BANDS], f64) {
         let incident = self.frame.to_local(incident);
         let is_transmitted = Side::of(incident) != Side::of(self.view.exact);
         let nothing = ([0.0; BANDS], 0.0);
@@ -91,7 +85,7 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
     }
 
     /// Draws a direction in the scene.
-    pub(crate) fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
+    pub fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let is_transmitted = choice < self.transmitted_chance;
         let (scattering, chance) = self.part(is_transmitted)?;
         let sample = scattering.sample(self.view.drawn, [u, v])?;
@@ -121,7 +115,7 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
 
 /// A view that is moved about within the cells of the data, so that their edges do not show.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BlurredView {
+pub struct BlurredView {
     /// Unit, towards the viewer, in the frame of the data.
     exact: DVec3,
     /// Moved within the finest cell there; what is drawn is drawn for it.
@@ -132,12 +126,12 @@ pub(crate) struct BlurredView {
 
 impl BlurredView {
     /// As it is.
-    pub(crate) fn exact(outgoing: DVec3) -> BlurredView {
+    pub fn exact(outgoing: DVec3) -> BlurredView {
         BlurredView { exact: outgoing, drawn: outgoing, offset: None }
     }
 
     /// Moved by two numbers in [0,1).
-    pub(crate) fn new(bsdf: &MeasuredBsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
+    pub fn new(bsdf: &MeasuredBsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
         let drawn = moved(outgoing, bsdf.resolution(outgoing).least, offset);
         BlurredView { exact: outgoing, drawn, offset: Some(offset) }
     }
@@ -174,13 +168,14 @@ const MOST_CELLS: usize = STEPS.len() - 1;
 
 /// The cells of data through which a view goes undisturbed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PeakCells {
+pub struct PeakCells {
     cells: [u32; MOST_CELLS],
     count: u32,
 }
 
 impl PeakCells {
-    pub(crate) const NONE: PeakCells = PeakCells { cells: [0; MOST_CELLS], count: 0 };
+    /// No cells.
+    pub const NONE: PeakCells = PeakCells { cells: [0; MOST_CELLS], count: 0 };
 
     fn holds(&self, scattering: &Scattering, outgoing: DVec3, incident: DVec3) -> bool {
         let cells = &self.cells[..self.count as usize];
@@ -201,8 +196,8 @@ impl PeakCells {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StraightTransmission {
     /// What goes through in it: red, green, blue.
-    pub(crate) transmittance: [f64; 3],
-    pub(crate) cells: PeakCells,
+    pub transmittance: [f64; 3],
+    pub cells: PeakCells,
 }
 
 /// Directions in which a peak is looked for, in widths of the finest cell.

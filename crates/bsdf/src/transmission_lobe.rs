@@ -9,34 +9,33 @@ use std::f64::consts::PI;
 
 /// The transmitting part of a lit point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Transmission<const BANDS: usize> {
+pub struct Transmission<const BANDS: usize> {
     /// Unit normal of the diffuse part, on the viewer's side.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
     /// Diffuse transmittance.
-    pub(crate) diffuse: [f64; BANDS],
-    pub(crate) lobe: Option<TransmissionLobe<BANDS>>,
+    pub diffuse: [f64; BANDS],
+    /// The part about the straight way.
+    pub lobe: Option<TransmissionLobe<BANDS>>,
     /// How often a draw from the diffuse component goes to this side.
-    pub(crate) diffuse_chance: f64,
+    pub diffuse_chance: f64,
     /// How often a draw from the highlight goes to this side.
-    pub(crate) lobe_chance: f64,
+    pub lobe_chance: f64,
 }
 
 impl<const BANDS: usize> Transmission<BANDS> {
     /// The chances are set when it becomes part of a lit point.
-    pub(crate) fn new(
-        normal: DVec3,
-        diffuse: [f64; BANDS],
-        lobe: Option<TransmissionLobe<BANDS>>,
-    ) -> Transmission<BANDS> {
+    pub fn new(normal: DVec3, diffuse: [f64; BANDS], lobe: Option<TransmissionLobe<BANDS>>) -> Transmission<BANDS> {
         Transmission { normal, diffuse, lobe, diffuse_chance: 0.0, lobe_chance: 0.0 }
     }
 }
 
 /// A lobe of transmitted light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TransmissionLobe<const BANDS: usize> {
-    pub(crate) shape: GaussianTransmission<BANDS>,
-    pub(crate) frame: Frame,
+pub struct TransmissionLobe<const BANDS: usize> {
+    /// Its value and density.
+    pub shape: GaussianTransmission<BANDS>,
+    /// The frame in which the lobe stands.
+    pub frame: Frame,
     /// Unit, where light goes straight through, in the frame.
     axis: DVec3,
     /// Of the outgoing direction to the frame's normal.
@@ -45,7 +44,7 @@ pub(crate) struct TransmissionLobe<const BANDS: usize> {
 
 impl<const BANDS: usize> TransmissionLobe<BANDS> {
     /// `straight` is the unit direction, in the scene, about which light goes on.
-    pub(crate) fn new(
+    pub fn new(
         shape: GaussianTransmission<BANDS>,
         frame: Frame,
         straight: DVec3,
@@ -55,17 +54,17 @@ impl<const BANDS: usize> TransmissionLobe<BANDS> {
     }
 
     /// `f·|cos θ_i|` for a transmittance of one, and the density of [`TransmissionLobe::draw`], both in 1/sr.
-    pub(crate) fn eval(&self, incident: DVec3) -> (f64, f64) {
+    pub fn eval(&self, incident: DVec3) -> (f64, f64) {
         self.shape.shape(self.axis, self.cosine, self.frame.to_local(incident))
     }
 
     /// A direction in the scene.
-    pub(crate) fn draw(&self, u: [f64; 2]) -> DVec3 {
+    pub fn draw(&self, u: [f64; 2]) -> DVec3 {
         self.frame.to_scene(self.shape.draw(self.axis, u))
     }
 
     /// The lobe as the drawing of places on lights sees it.
-    pub(crate) fn peak(&self, floor: f64) -> LobePeak {
+    pub fn peak(&self, floor: f64) -> LobePeak {
         let [x, y] = self.shape.roughness;
         let height = strongest(&self.shape.transmittance) / (PI * x * y);
         LobePeak { axis: self.frame.to_scene(self.axis), width: 1.0 / (x * x).max(y * y), height, floor }

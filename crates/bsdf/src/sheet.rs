@@ -4,10 +4,10 @@
 //! Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992, in the form of Radiance's reference manual: of what is not
 //! reflected specularly a share goes through, and of that a share is not scattered diffusely.
 
-use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
+use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::frame::Frame;
-use crate::shader::SMOOTH_ROUGHNESS;
+use crate::glossy::SMOOTH_ROUGHNESS;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use crate::transmission_lobe::{Transmission, TransmissionLobe};
 use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
@@ -17,19 +17,21 @@ use radsight_texture::{Function, bands};
 
 /// The parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct Sheet {
-    pub(crate) color: Rgb,
-    pub(crate) specularity: f64,
+pub struct Sheet {
+    /// Of the material, before patterns.
+    pub color: Rgb,
+    /// Share of what is reflected that is specular, 0…1.
+    pub specularity: f64,
     /// Along u and v.
-    pub(crate) roughness: [f64; 2],
+    pub roughness: [f64; 2],
     /// Highlights take the material's colour.
-    pub(crate) metallic: bool,
+    pub metallic: bool,
     /// Share of what is not reflected specularly that goes through.
-    pub(crate) transmissivity: f64,
+    pub transmissivity: f64,
     /// Share of that which is not scattered diffusely.
-    pub(crate) transmitted_specularity: f64,
+    pub transmitted_specularity: f64,
     /// Where u points; none for `trans`.
-    pub(crate) orientation: Option<Function>,
+    pub orientation: Option<Function>,
 }
 
 /// How the light divides at one angle.
@@ -51,15 +53,18 @@ impl Sheet {
         self.orientation.is_none() && self.roughness[0] <= SMOOTH_ROUGHNESS
     }
 
-    pub(super) fn lets_through(&self) -> bool {
+    /// Whether a shadow ray can go straight through.
+    pub fn lets_through(&self) -> bool {
         self.is_smooth() && self.transmissivity * self.transmitted_specularity > 0.0
     }
 
-    pub(super) fn is_grey(&self) -> bool {
+    /// Whether every band is the same, as far as the material itself goes.
+    pub fn is_grey(&self) -> bool {
         self.color.is_grey()
     }
 
-    pub(super) fn bsdf_at<'a, const BANDS: usize>(
+    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    pub fn bsdf_at<'a, const BANDS: usize>(
         &self,
         context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
@@ -142,6 +147,6 @@ impl Sheet {
 }
 
 /// One roughness for two, where nothing says which is which.
-pub(super) fn round_roughness([u, v]: [f64; 2]) -> f64 {
+pub(crate) fn round_roughness([u, v]: [f64; 2]) -> f64 {
     (0.5 * (u * u + v * v)).sqrt()
 }

@@ -4,10 +4,11 @@ use glam::DVec3;
 
 /// A right-handed frame with +z on a unit normal.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
+pub struct Frame {
     x: DVec3,
     y: DVec3,
-    pub(crate) z: DVec3,
+    /// The unit normal.
+    pub z: DVec3,
 }
 
 /// A normal nearer than this to the scene's z axis has no meridian.
@@ -16,31 +17,33 @@ const POLE: f64 = 1e-6;
 impl Frame {
     /// Any frame, for what does not depend on the azimuth.
     #[inline]
-    pub(crate) fn new(normal: DVec3) -> Frame {
+    pub fn new(normal: DVec3) -> Frame {
         let (x, y) = normal.any_orthonormal_pair();
         Frame { x, y, z: normal }
     }
 
     /// The frame whose x axis is as near to `direction` as the normal allows; none where the two are parallel.
-    pub(crate) fn along(normal: DVec3, direction: DVec3) -> Option<Frame> {
+    pub fn along(normal: DVec3, direction: DVec3) -> Option<Frame> {
         let y = normal.cross(direction).try_normalize()?;
         Some(Frame { x: y.cross(normal), y, z: normal })
     }
 
     /// The frame of a model that is given no direction of its own: x is level (perpendicular to the scene's z axis) and turns with
     /// the surface without a jump, but where the normal is along z; there x is the scene's x.
-    pub(crate) fn level(normal: DVec3) -> Frame {
+    pub fn level(normal: DVec3) -> Frame {
         let x = if normal.x.hypot(normal.y) > POLE { DVec3::Z.cross(normal) } else { DVec3::X };
         Frame::along(normal, x).unwrap_or_else(|| Frame::new(normal))
     }
 
+    /// A vector of the scene in the frame.
     #[inline]
-    pub(crate) fn to_local(self, v: DVec3) -> DVec3 {
+    pub fn to_local(self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
+    /// A vector of the frame in the scene.
     #[inline]
-    pub(crate) fn to_scene(self, v: DVec3) -> DVec3 {
+    pub fn to_scene(self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 }

@@ -4,33 +4,30 @@
 //! geometry, scattered rays meet the data, and what these transmit goes on beyond the thickness. Through an `aBSDF` views and shadow
 //! rays go straight in as far as the data have a peak about the straight way.
 
-use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bsdf::{Bsdf, Highlight};
+use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::frame::Frame;
 use crate::measured_lobe::{BlurredView, MeasuredLobe, PeakCells, StraightTransmission, straight_peak};
-use crate::ray_tree::Image;
-use crate::shader::Shader;
 use crate::specular_threshold::BelowThreshold;
-use crate::trace::{Passage, PathIntegrator, PathState};
 use crate::transmission_lobe::Transmission;
 use glam::DVec3;
-use radsight_accel::Intersection;
 use radsight_cal::Scratch;
 use radsight_ir::{BsdfForm, Rgb};
 use radsight_measured::{MeasuredBsdf, Side};
-use radsight_sampling::DimensionSet;
 use radsight_texture::{Function, SurfaceInteraction, bands, luminance};
 use std::sync::Arc;
 
 /// The parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct MeasuredKind {
-    pub(crate) bsdf: Arc<MeasuredBsdf>,
+pub struct MeasuredKind {
+    /// The data.
+    pub bsdf: Arc<MeasuredBsdf>,
     /// The up vector; of a proxy the thickness before it.
-    pub(crate) function: Function,
-    pub(crate) form: BsdfForm,
+    pub function: Function,
+    /// A proxy for geometry, or an aperture.
+    pub form: BsdfForm,
     /// Front reflectance, back reflectance, transmittance.
-    pub(crate) added_diffuse: [Rgb; 3],
+    pub added_diffuse: [Rgb; 3],
 }
 
 /// A thickness of less than this is none (Radiance's).
@@ -38,14 +35,17 @@ const LEAST_THICKNESS: f64 = 1e-6;
 
 /// Which of the light a point scatters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Part {
+pub enum MeasuredPart {
+    /// To the viewer's side.
     Reflected,
+    /// From the other side.
     Transmitted,
+    /// All of it.
     Both,
 }
 
 /// A view of the surface in the frame of the data.
-struct Pose {
+pub struct Pose {
     frame: Frame,
     /// Unit, towards the viewer.
     outgoing: DVec3,
@@ -54,7 +54,7 @@ struct Pose {
 
 impl MeasuredKind {
     /// As a shadow ray meets it: a view that is not blurred by the size of the data's cells.
-    pub(super) fn bsdf_at<'a, const BANDS: usize>(
+    pub fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
@@ -63,31 +63,33 @@ impl MeasuredKind {
         match self.pose(context, scratch) {
             None => SurfaceScattering { point: nothing, mirror: None, straight: None },
             Some(pose) => SurfaceScattering {
-                point: self.point(context, &pose, BlurredView::exact(pose.outgoing), Part::Both),
+                point: self.point(context, &pose, BlurredView::exact(pose.outgoing), MeasuredPart::Both),
                 mirror: None,
                 straight: self.straight(context, &pose),
             },
         }
     }
 
-    pub(super) fn lets_through(&self) -> bool {
+    /// Whether a shadow ray can go straight through.
+    pub fn lets_through(&self) -> bool {
         match self.form {
             BsdfForm::Proxy => self.function.program.constant(0) != Some(0.0),
             BsdfForm::Aperture => self.bsdf.transmission(Side::Front).is_some(),
         }
     }
 
-    pub(super) fn is_grey(&self) -> bool {
+    /// Whether every band is the same, as far as the material itself goes.
+    pub fn is_grey(&self) -> bool {
         self.bsdf.is_grey() && self.added_diffuse.iter().all(|color| color.is_grey())
     }
 
     /// Whether it is not there for shadow rays.
-    pub(super) fn is_passed_by_shadows(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> bool {
+    pub fn is_passed_by_shadows(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> bool {
         self.thickness(interaction, scratch) != 0.0
     }
 
     /// Scene units; zero for none.
-    fn thickness(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
+    pub fn thickness(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
         if self.form == BsdfForm::Aperture {
             return 0.0;
         }
@@ -96,7 +98,7 @@ impl MeasuredKind {
     }
 
     /// None where the up vector is along the normal, or fails.
-    fn pose<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, scratch: &mut Scratch) -> Option<Pose> {
+    pub fn pose<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, scratch: &mut Scratch) -> Option<Pose> {
         let interaction = context.interaction;
         let (first, view) = (usize::from(self.form == BsdfForm::Proxy), self.function.view(interaction));
         let mut up = [0.0; 3];
@@ -112,7 +114,8 @@ impl MeasuredKind {
         Some(Pose { frame, outgoing, peak })
     }
 
-    fn straight<const BANDS: usize>(
+    /// What goes straight through by way of the peak of the data.
+    pub fn straight<const BANDS: usize>(
         &self,
         context: &BsdfContext<'_, BANDS>,
         pose: &Pose,
@@ -121,12 +124,13 @@ impl MeasuredKind {
         SpecularBounce::new(context.interaction.direction, weight)
     }
 
-    fn point<'a, const BANDS: usize>(
+    /// The BSDF there, of the wanted part.
+    pub fn point<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
         pose: &Pose,
         view: BlurredView,
-        part: Part,
+        part: MeasuredPart,
     ) -> Bsdf<'a, BANDS> {
         let side = if context.interaction.behind { Side::Back } else { Side::Front };
         let [front, back, transmitted] = self.added_diffuse;
@@ -135,11 +139,11 @@ impl MeasuredKind {
             let sum: [f64; BANDS] = bands(Rgb(std::array::from_fn(|band| own[band] + added.0[band])));
             if is_wanted { context.colored(sum) } else { [0.0; BANDS] }
         };
-        let reflected = diffuse(self.bsdf.diffuse_reflectance(side), added, part != Part::Transmitted);
-        let transmitted = diffuse(self.bsdf.diffuse_transmittance(side), transmitted, part != Part::Reflected);
+        let reflected = diffuse(self.bsdf.diffuse_reflectance(side), added, part != MeasuredPart::Transmitted);
+        let transmitted = diffuse(self.bsdf.diffuse_transmittance(side), transmitted, part != MeasuredPart::Reflected);
         let scattering = [
-            self.bsdf.reflection(side).filter(|_| part != Part::Transmitted),
-            self.bsdf.transmission(side).filter(|_| part != Part::Reflected),
+            self.bsdf.reflection(side).filter(|_| part != MeasuredPart::Transmitted),
+            self.bsdf.transmission(side).filter(|_| part != MeasuredPart::Reflected),
         ];
         let peak = match &pose.peak {
             Some(peak) => (peak.cells, luminance(&peak.transmittance)),
@@ -161,50 +165,10 @@ impl MeasuredKind {
     }
 
     /// Where a peak goes straight through, the view is not blurred: the peak would be found twice.
-    fn view(&self, pose: &Pose, offset: [f64; 2]) -> BlurredView {
+    pub fn view(&self, pose: &Pose, offset: [f64; 2]) -> BlurredView {
         match pose.peak {
             Some(_) => BlurredView::exact(pose.outgoing),
             None => BlurredView::new(&self.bsdf, pose.outgoing, offset),
         }
-    }
-}
-
-impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// A ray meets measured data, or passes the proxy that they are.
-    pub(super) fn shade_measured(
-        &mut self,
-        path: &PathState<BANDS>,
-        hit: &Intersection,
-        shader: &Shader,
-        kind: &MeasuredKind,
-        interaction: &SurfaceInteraction,
-    ) {
-        let thickness = kind.thickness(interaction, &mut self.workspace.scratch);
-        if thickness != 0.0 && (!path.is_scattered() || (thickness > 0.0) == interaction.behind) {
-            return self.pass_through(path, hit);
-        }
-        let (appearance, normal) = self.appearance(path, shader, interaction);
-        let turned = interaction.turned();
-        let scene = shader.textures.home.scene(&self.plan.scene);
-        let threshold = self.plan.options.highlight_threshold;
-        let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
-        let Some(pose) = kind.pose(&context, &mut self.workspace.scratch) else { return };
-        if let Some(straight) = kind.straight(&context, &pose) {
-            let passage = Passage::Sheet { undisturbed: true, image: Image::InPlace };
-            self.specular(path, hit, straight.direction, straight.weight, passage);
-        }
-        let u = self.sampler.take(DimensionSet::render(self.next_set));
-        self.next_set += 1;
-        let view = kind.view(&pose, [u[0], u[1]]);
-        let travelled = interaction.total_distance;
-        if thickness == 0.0 {
-            let point = kind.point(&context, &pose, view, Part::Both);
-            return self.light_and_scatter(path, hit.point, Some(hit.primitive), &point, travelled);
-        }
-        let reflected = kind.point(&context, &pose, view, Part::Reflected);
-        self.light_and_scatter(path, hit.point, Some(hit.primitive), &reflected, travelled);
-        let transmitted = kind.point(&context, &pose, view, Part::Transmitted);
-        let far_side = hit.point - hit.front * thickness;
-        self.light_and_scatter(path, far_side, None, &transmitted, travelled);
     }
 }

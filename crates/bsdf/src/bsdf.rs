@@ -2,8 +2,9 @@
 
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
+use crate::glossy::GlossyKind;
 use crate::measured_lobe::MeasuredLobe;
-use crate::shader::GlossyKind;
+use crate::sample::{BsdfSample, BsdfValue, PdfRequest};
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use crate::transmission_lobe::{Transmission, chance_of_second};
 use glam::DVec3;
@@ -18,22 +19,28 @@ use std::f64::consts::FRAC_1_PI;
 
 /// A peak of finite width.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Highlight<'a, const BANDS: usize> {
+pub enum Highlight<'a, const BANDS: usize> {
+    /// There is none.
     None,
+    /// Ward's isotropic highlight.
     Ward(WardIsotropic<BANDS>),
+    /// Ward's highlight with two roughnesses.
     WardAnisotropic(WardAnisotropic<BANDS>),
+    /// Ashikhmin and Shirley's highlight.
     Ashikhmin(AshikhminShirley<BANDS>),
+    /// The retroreflecting lobe of the paper.
     Retro(Paper1991<BANDS>),
     /// Meets light from sources only, and is not drawn from.
     Function(FunctionLobe<'a, BANDS>),
     /// Of both sides.
     Measured(MeasuredLobe<'a, BANDS>),
+    /// A model from elsewhere, of both sides.
     Model(&'a dyn Brdf),
 }
 
 /// What the surface above the diffuse component takes from light of sources before it gets there, by the incident angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum FresnelCoat {
+pub enum FresnelCoat {
     /// Nothing.
     None,
     /// What a smooth coat reflects by Radiance's estimate.
@@ -56,85 +63,32 @@ impl FresnelCoat {
 
 /// A point of a surface, ready to be lit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bsdf<'a, const BANDS: usize> {
+pub struct Bsdf<'a, const BANDS: usize> {
     /// Unit, towards where the ray came from.
-    pub(crate) outgoing: DVec3,
+    pub outgoing: DVec3,
     /// Unit geometric normal on that side.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
     /// Frame on the shading normal.
-    pub(crate) frame: Frame,
+    pub frame: Frame,
     /// Unit normal of the diffuse component: the shading normal, but for the turned texture of a retroreflector.
-    pub(crate) diffuse_normal: DVec3,
+    pub diffuse_normal: DVec3,
     /// Diffuse reflectance at normal incidence.
-    pub(crate) diffuse: [f64; BANDS],
-    pub(crate) coat: FresnelCoat,
-    pub(crate) highlight: Highlight<'a, BANDS>,
+    pub diffuse: [f64; BANDS],
+    /// What stands above the diffuse component.
+    pub coat: FresnelCoat,
+    /// The peak about the mirror direction, or back to the viewer.
+    pub highlight: Highlight<'a, BANDS>,
     /// What of the highlights, on both sides, is only for light of sources.
-    pub(crate) below_threshold: BelowThreshold<BANDS>,
+    pub below_threshold: BelowThreshold<BANDS>,
     /// Reflectance of the mirror image; zero for rough surfaces.
-    pub(crate) mirror: [f64; BANDS],
+    pub mirror: [f64; BANDS],
     /// What light from the other side does; none for an opaque surface.
-    pub(crate) transmission: Option<Transmission<BANDS>>,
-}
-
-/// Products `f·|cos θ_i|` and densities of the two components for one incident direction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BsdfValue<const BANDS: usize> {
-    pub(crate) diffuse: [f64; BANDS],
-    pub(crate) diffuse_pdf: f64,
-    pub(crate) highlight: [f64; BANDS],
-    pub(crate) highlight_pdf: f64,
-}
-
-/// Whether densities of drawing are needed beside the values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PdfRequest {
-    Wanted,
-    Unused,
-}
-
-/// A drawn direction with its weight `f·|cos θ_i|/pdf`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BsdfSample<const BANDS: usize> {
-    pub(crate) direction: DVec3,
-    pub(crate) weight: [f64; BANDS],
-    pub(crate) pdf: Density,
-    /// How many times as often it is drawn as by the lobe alone, which makes it weigh less and not matter less.
-    pub(crate) pdf_ratio: f64,
-}
-
-impl<const BANDS: usize> BsdfSample<BANDS> {
-    /// One of several draws that share the work: each weighs less, and there is more density of them. A draw that is made with some
-    /// chance only is that fraction of one.
-    pub(crate) fn split(self, draws: f64) -> Self {
-        let pdf = match self.pdf {
-            Density::Continuous(pdf) => Density::Continuous(pdf * draws),
-            Density::Delta => Density::Delta,
-        };
-        BsdfSample { weight: self.weight.map(|band| band / draws), pdf, ..self }
-    }
-
-    /// One of several branches, which count as one where they share the work with light sampling.
-    pub(crate) fn branch(self, branches: f64) -> Self {
-        BsdfSample { weight: self.weight.map(|band| band / branches), ..self }
-    }
-}
-
-impl<const BANDS: usize> BsdfValue<BANDS> {
-    pub(crate) const NONE: Self =
-        BsdfValue { diffuse: [0.0; BANDS], diffuse_pdf: 0.0, highlight: [0.0; BANDS], highlight_pdf: 0.0 };
-
-    /// Sets the highlight from a lobe's value without cosine and density.
-    #[inline]
-    fn set_highlight(&mut self, specularity: &[f64; BANDS], (shape, pdf): (f64, f64), cosine: f64) {
-        self.highlight_pdf = pdf;
-        self.highlight = specularity.map(|band| band * shape * cosine);
-    }
+    pub transmission: Option<Transmission<BANDS>>,
 }
 
 impl<const BANDS: usize> Highlight<'_, BANDS> {
     /// What it reflects, about.
-    pub(crate) fn strength(&self) -> f64 {
+    pub fn strength(&self) -> f64 {
         match self {
             Highlight::None | Highlight::Function(_) => 0.0,
             Highlight::Ward(ward) => strongest(&ward.specularity),
@@ -146,7 +100,8 @@ impl<const BANDS: usize> Highlight<'_, BANDS> {
     }
 }
 
-pub(crate) fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
+/// Band by band.
+pub fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| a[band] + b[band])
 }
 
@@ -165,7 +120,7 @@ pub(crate) fn schlick(cosine: f64) -> f64 {
 
 impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     /// A surface that does nothing yet, seen from `outgoing`.
-    pub(crate) fn new(outgoing: DVec3, normal: DVec3, frame: Frame) -> Self {
+    pub fn new(outgoing: DVec3, normal: DVec3, frame: Frame) -> Self {
         Bsdf {
             outgoing,
             normal,
@@ -181,7 +136,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// A plastic or metal with this (already patterned) colour and shading normal.
-    pub(crate) fn glossy(
+    pub fn glossy(
         kind: &GlossyKind,
         retro: bool,
         color: [f64; BANDS],
@@ -220,13 +175,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// What scatters all light evenly, seen from this unit direction.
-    pub(crate) fn white(outgoing: DVec3, normal: DVec3) -> Self {
+    pub fn white(outgoing: DVec3, normal: DVec3) -> Self {
         let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
         Bsdf::glossy(&white, false, [1.0; BANDS], outgoing, normal, normal)
     }
 
     /// The same plastic or metal; its highlight is not drawn from where it is no stronger than the threshold.
-    pub(crate) fn with_threshold(self, kind: &GlossyKind, threshold: f64) -> Self {
+    pub fn with_threshold(self, kind: &GlossyKind, threshold: f64) -> Self {
         let Highlight::Ward(ward) = &self.highlight else { return self };
         let share = kind.specularity;
         let highlight = LobeStrength { share, color: ward.specularity, diffuse: 1.0 - share };
@@ -234,13 +189,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// A reflectance model from elsewhere.
-    pub(crate) fn model(model: &'a dyn Brdf, outgoing: DVec3, normal: DVec3, shading_normal: DVec3) -> Self {
+    pub fn model(model: &'a dyn Brdf, outgoing: DVec3, normal: DVec3, shading_normal: DVec3) -> Self {
         let highlight = Highlight::Model(model);
         Bsdf { highlight, ..Bsdf::new(outgoing, normal, Frame::level(shading_normal)) }
     }
 
     /// The same surface, with a transmitting part. The shares of draws follow what each side carries.
-    pub(crate) fn with_transmission(self, mut transmission: Transmission<BANDS>) -> Self {
+    pub fn with_transmission(self, mut transmission: Transmission<BANDS>) -> Self {
         let ambient = self.ambient();
         let carried = |own: &[f64; BANDS], ambient: &[f64; BANDS]| strongest(own) + strongest(ambient);
         let transmitted = carried(&transmission.diffuse, &ambient[1]);
@@ -257,7 +212,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// The highlight as the drawing of places on lights sees it.
-    pub(crate) fn peak(&self) -> LobePeak {
+    pub fn peak(&self) -> LobePeak {
         let floor = strongest(&self.diffuse) * FRAC_1_PI;
         let about_mirror = |width: f64, specularity: &[f64; BANDS]| {
             let height = strongest(specularity) * width * FRAC_1_PI;
@@ -290,7 +245,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// The same for drawing lights, of which so many are drawn.
-    pub(crate) fn reception(&self, draws: u32) -> Reception {
+    pub fn reception(&self, draws: u32) -> Reception {
         let peak = self.peak();
         if draws == 0 {
             return Reception { peak, ..Reception::NONE };
@@ -314,24 +269,24 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Whether there is a highlight, on either side, that can only be found by drawing from it.
-    pub(crate) fn has_highlight(&self) -> bool {
+    pub fn has_highlight(&self) -> bool {
         let [own_left_out, through_left_out] = self.below_threshold.is_left_out();
         let own = match &self.highlight {
             Highlight::None | Highlight::Function(_) => false,
-            Highlight::Measured(lobe) => lobe.is_sampled_towards,
+            Highlight::Measured(lobe) => lobe.is_sampled,
             _ => !own_left_out,
         };
         own || self.transmission.is_some_and(|transmission| transmission.lobe.is_some() && !through_left_out)
     }
 
     /// The unit normal of a point that is matte on the viewer's side and lets nothing through.
-    pub(crate) fn facing(&self) -> Option<DVec3> {
+    pub fn facing(&self) -> Option<DVec3> {
         let is_matte = matches!(self.highlight, Highlight::None) && self.transmission.is_none();
         is_matte.then_some(self.diffuse_normal)
     }
 
     /// What the highlights of both sides send on, about.
-    pub(crate) fn highlight_strength(&self) -> f64 {
+    pub fn highlight_strength(&self) -> f64 {
         let through = self
             .transmission
             .and_then(|transmission| transmission.lobe)
@@ -340,12 +295,12 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Whether its highlight sends light back to where it comes from.
-    pub(crate) fn is_retroreflector(&self) -> bool {
+    pub fn is_retroreflector(&self) -> bool {
         matches!(self.highlight, Highlight::Retro(_))
     }
 
     /// Whether there is a diffuse component.
-    pub(crate) fn has_diffuse(&self) -> bool {
+    pub fn has_diffuse(&self) -> bool {
         let any = |bands: &[f64; BANDS]| bands.iter().any(|band| *band > 0.0);
         any(&self.diffuse)
             || self.transmission.is_some_and(|transmission| any(&transmission.diffuse))
@@ -354,14 +309,14 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     /// Whether the diffuse component treats light from sources and other light alike. Radiance takes a coat's reflection from the former
     /// only, and gives the latter the share of a function, and of highlights that are not drawn from.
-    pub(crate) fn diffuse_finds_lights(&self) -> bool {
+    pub fn diffuse_finds_lights(&self) -> bool {
         self.coat == FresnelCoat::None
             && !self.below_threshold.has_any()
             && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
 
     /// The share of even light from all around, but for sources, that is scattered as if diffuse.
-    pub(crate) fn ambient_reflectance(&self) -> [f64; BANDS] {
+    pub fn ambient_reflectance(&self) -> [f64; BANDS] {
         let [own, transmission] = self.ambient();
         let through = self.transmission.map_or([0.0; BANDS], |transmission| transmission.diffuse);
         sum(sum(self.diffuse, own), sum(through, transmission))
@@ -369,7 +324,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     /// What is scattered as if diffuse of light that comes from each side, but for sources: the unit normals of the surface and of
     /// its facet, and the share.
-    pub(crate) fn ambient_sides(&self) -> [(DVec3, DVec3, [f64; BANDS]); 2] {
+    pub fn ambient_sides(&self) -> [(DVec3, DVec3, [f64; BANDS]); 2] {
         let [own, transmission] = self.ambient();
         let (facet, through) = self
             .transmission
@@ -388,13 +343,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     /// All components for light from `incident`, which comes from a source whose places are drawn with `light_pdf` (1/sr).
     /// The densities here are right only where they are asked for.
     #[inline]
-    pub(crate) fn eval(
-        &self,
-        incident: DVec3,
-        light_pdf: f64,
-        pdfs: PdfRequest,
-        scratch: &mut Scratch,
-    ) -> BsdfValue<BANDS> {
+    pub fn eval(&self, incident: DVec3, light_pdf: f64, pdfs: PdfRequest, scratch: &mut Scratch) -> BsdfValue<BANDS> {
         let mut bsdf_value = BsdfValue::NONE;
         let cosine = self.diffuse_normal.dot(incident);
         if cosine > 0.0 {
@@ -482,13 +431,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Whether a direction is on the same side of the surface as of the normal with its texture; no others are drawn.
-    pub(crate) fn sides_agree(&self, direction: DVec3) -> bool {
+    pub fn sides_agree(&self, direction: DVec3) -> bool {
         matches!(self.highlight, Highlight::Retro(_))
             || (self.normal.dot(direction) > 0.0) == (self.frame.z.dot(direction) > 0.0)
     }
 
     /// Draws from the highlight.
-    pub(crate) fn sample_highlight(&self, u: [f64; 3]) -> Option<BsdfSample<BANDS>> {
+    pub fn sample_highlight(&self, u: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let Some(transmission) = &self.transmission else { return self.sample_reflected(u) };
         let chance = transmission.lobe_chance;
         if u[2] >= chance {
@@ -530,7 +479,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Draws from the diffuse component; without a density where only light from elsewhere than sampled sources counts.
-    pub(crate) fn sample_diffuse(&self, u: f64, v: f64) -> Option<BsdfSample<BANDS>> {
+    pub fn sample_diffuse(&self, u: f64, v: f64) -> Option<BsdfSample<BANDS>> {
         let [ambient, ambient_transmission] = self.ambient();
         let Some(transmission) = &self.transmission else {
             return self.sample_cosine(self.diffuse_normal, &self.reflectance_of_surroundings(), [u, v]);
@@ -550,12 +499,12 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// Whether a direction is drawn that the diffuse component on this normal would send on.
-    pub(crate) fn is_sampled_towards(&self, direction: DVec3, normal: DVec3) -> bool {
+    pub fn is_sampled_towards(&self, direction: DVec3, normal: DVec3) -> bool {
         (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0) && self.sides_agree(direction)
     }
 
     /// What is scattered as if diffuse of light that is no source's and comes from the viewer's side.
-    pub(crate) fn reflectance_of_surroundings(&self) -> [f64; BANDS] {
+    pub fn reflectance_of_surroundings(&self) -> [f64; BANDS] {
         sum(self.diffuse, self.ambient()[0])
     }
 
@@ -570,7 +519,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 
     /// The mirror direction; a texture that would send it through the surface is not used.
-    pub(crate) fn mirror_direction(&self) -> DVec3 {
+    pub fn mirror_direction(&self) -> DVec3 {
         let reflect = |normal: DVec3| normal * (2.0 * normal.dot(self.outgoing)) - self.outgoing;
         let direction = reflect(self.frame.z);
         if direction.dot(self.normal) > 0.0 { direction } else { reflect(self.normal) }
@@ -610,7 +559,7 @@ fn sample_retro<const BANDS: usize>(
 
 /// Reflectance and transmittance of a thin pane with multiple internal reflections, both polarisations averaged (Radiance's
 /// `glass`).
-pub(crate) fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64, cosine: f64) -> [[f64; BANDS]; 2] {
+pub fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64, cosine: f64) -> [[f64; BANDS]; 2] {
     let inside = ((1.0 - 1.0 / (index * index)) + cosine * cosine / (index * index)).sqrt();
     let perpendicular = ((cosine - index * inside) / (cosine + index * inside)).powi(2);
     let parallel = ((1.0 / cosine - index / inside) / (1.0 / cosine + index / inside)).powi(2);
@@ -629,17 +578,17 @@ pub(crate) fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64,
 }
 
 /// The colour of a material with a colour of its own.
-pub(crate) fn colored<const BANDS: usize>(kind: &GlossyKind, pattern: [f64; BANDS]) -> [f64; BANDS] {
+pub fn colored<const BANDS: usize>(kind: &GlossyKind, pattern: [f64; BANDS]) -> [f64; BANDS] {
     let own: [f64; BANDS] = bands(kind.color);
     std::array::from_fn(|band| own[band] * pattern[band])
 }
 
 /// In how many bands models from elsewhere are made: they know no spectra.
-pub(crate) const fn model_bands<const BANDS: usize>() -> usize {
+pub const fn model_bands<const BANDS: usize>() -> usize {
     if BANDS > 3 { 3 } else { BANDS }
 }
 
 /// A model's values in the places of a tracer.
-pub(crate) fn of_model<const BANDS: usize>(values: &[f64]) -> [f64; BANDS] {
+pub fn of_model<const BANDS: usize>(values: &[f64]) -> [f64; BANDS] {
     if BANDS > 3 { spread([values[0], values[1], values[2]]) } else { std::array::from_fn(|band| values[band]) }
 }

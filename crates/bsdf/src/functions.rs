@@ -3,8 +3,8 @@
 //! As in Radiance, the function meets light from sources alone. Light from elsewhere is scattered by `plasfunc` and its kin as if the
 //! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
 
-use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bsdf::{Bsdf, Highlight};
+use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::frame::Frame;
 use crate::function_lobe::{FunctionLobe, LobeFunction, Surroundings};
 use crate::transmission_lobe::Transmission;
@@ -14,27 +14,31 @@ use radsight_texture::{Function, bands, spread};
 
 /// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
 #[derive(Clone, Debug)]
-pub(crate) struct ScatteringKind {
-    pub(crate) role: ScatteringRole,
+pub struct ScatteringKind {
+    /// Which of the six materials it is.
+    pub role: ScatteringRole,
     /// The function, then for data the coordinates.
-    pub(crate) function: Function,
-    pub(crate) grid: Option<Handle<DataGrid>>,
-    pub(crate) color: Rgb,
+    pub function: Function,
+    /// The table of a `…data` material.
+    pub grid: Option<Handle<DataGrid>>,
+    /// Of the material, before patterns.
+    pub color: Rgb,
     /// Share of light that the function reflects.
-    pub(crate) specularity: f64,
-    pub(crate) transmissivity: f64,
-    pub(crate) transmitted_specularity: f64,
+    pub specularity: f64,
+    /// Share of what is not reflected specularly that goes through, 0…1.
+    pub transmissivity: f64,
+    /// Share of what goes through that is specular, 0…1.
+    pub transmitted_specularity: f64,
 }
 
 impl ScatteringKind {
-    pub(super) fn is_grey(&self) -> bool {
+    /// Whether every band is the same, as far as the material itself goes.
+    pub fn is_grey(&self) -> bool {
         self.color.is_grey()
     }
 
-    pub(super) fn bsdf_at<'a, const BANDS: usize>(
-        &'a self,
-        context: &BsdfContext<'a, BANDS>,
-    ) -> SurfaceScattering<'a, BANDS> {
+    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    pub fn bsdf_at<'a, const BANDS: usize>(&'a self, context: &BsdfContext<'a, BANDS>) -> SurfaceScattering<'a, BANDS> {
         let color = context.colored(bands(self.color));
         let share = |share: f64| color.map(|band| band * share.max(0.0));
         let transmitted = self.transmissivity * (1.0 - self.specularity);
@@ -65,13 +69,13 @@ impl ScatteringKind {
 
 /// `BRTDfunc`.
 #[derive(Clone, Debug)]
-pub(crate) struct BrtdKind {
+pub struct BrtdKind {
     /// Nine roots: mirror, straight-through and scattering, three bands each.
-    pub(crate) function: Function,
+    pub function: Function,
     /// Front reflected, back reflected, transmitted.
-    pub(crate) diffuse: [Rgb; 3],
+    pub diffuse: [Rgb; 3],
     /// Whether the three bands have the same functions.
-    pub(crate) has_grey_functions: bool,
+    pub has_grey_functions: bool,
 }
 
 /// First roots.
@@ -80,15 +84,18 @@ const STRAIGHT: usize = 3;
 const SCATTERING: usize = 6;
 
 impl BrtdKind {
-    pub(super) fn is_grey(&self) -> bool {
+    /// Whether every band is the same, as far as the material itself goes.
+    pub fn is_grey(&self) -> bool {
         self.has_grey_functions && self.diffuse.iter().all(|color| color.is_grey())
     }
 
-    pub(super) fn lets_through(&self) -> bool {
+    /// Whether a shadow ray can go straight through.
+    pub fn lets_through(&self) -> bool {
         (STRAIGHT..SCATTERING).any(|root| self.function.program.constant(root) != Some(0.0))
     }
 
-    pub(super) fn bsdf_at<'a, const BANDS: usize>(
+    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    pub fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,

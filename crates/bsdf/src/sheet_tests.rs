@@ -1,7 +1,9 @@
 //! A lit point's draws have the density that its response claims, on both sides and under a turned normal; no sheet makes light.
 
-use super::{BsdfContext, Sheet};
-use crate::bsdf::{Bsdf, PdfRequest};
+use crate::bsdf::Bsdf;
+use crate::context::BsdfContext;
+use crate::sample::PdfRequest;
+use crate::sheet::Sheet;
 use glam::DVec3;
 use radsight_brdf::check::{self, CheckOptions, Effort};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
@@ -27,7 +29,7 @@ enum Component {
 
 impl Part<'_> {
     fn point<T>(&self, outgoing: DVec3, see: impl FnOnce(&Bsdf<'_, 1>) -> T) -> T {
-        let ray = crate::Ray { origin: outgoing, direction: -outgoing };
+        let ray = radsight_accel::Ray { origin: outgoing, direction: -outgoing };
         let interaction = SurfaceInteraction::new(&ray, DVec3::ZERO, DVec3::Z, 1.0, 1.0);
         let turned = interaction.turned();
         let appearance = Appearance { color: [1.0], perturbation: self.perturbation };

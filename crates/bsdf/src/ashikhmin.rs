@@ -1,8 +1,8 @@
 //! `ashik2`: Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools 5(2), 2000, as Radiance has it:
 //! Lambert's diffuse component less Schlick's term at the incident angle, and a highlight that grows by it at the outgoing one.
 
-use super::{BsdfContext, SurfaceScattering};
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight, schlick};
+use crate::context::{BsdfContext, SurfaceScattering};
 use crate::frame::Frame;
 use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use radsight_brdf::AshikhminShirley;
@@ -12,22 +12,25 @@ use radsight_texture::{Function, bands, luminance};
 
 /// The parameters.
 #[derive(Clone, Debug)]
-pub(crate) struct AshikhminKind {
+pub struct AshikhminKind {
     /// Where u points.
-    pub(crate) orientation: Function,
-    pub(crate) diffuse: Rgb,
+    pub orientation: Function,
+    /// Diffuse reflectance, by colour.
+    pub diffuse: Rgb,
     /// At normal incidence; patterns leave it alone.
-    pub(crate) specular: Rgb,
+    pub specular: Rgb,
     /// Along u and v.
-    pub(crate) exponents: [f64; 2],
+    pub exponents: [f64; 2],
 }
 
 impl AshikhminKind {
-    pub(super) fn is_grey(&self) -> bool {
+    /// Whether every band is the same, as far as the material itself goes.
+    pub fn is_grey(&self) -> bool {
         self.diffuse.is_grey() && self.specular.is_grey()
     }
 
-    pub(super) fn bsdf_at<'a, const BANDS: usize>(
+    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    pub fn bsdf_at<'a, const BANDS: usize>(
         &self,
         context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,

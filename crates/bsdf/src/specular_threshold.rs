@@ -5,19 +5,20 @@
 
 /// The undrawn parts of a lit point's highlight, by the side from which light comes: the viewer's, and the other one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BelowThreshold<const BANDS: usize> {
+pub struct BelowThreshold<const BANDS: usize> {
     /// What joins the diffuse component; none where the highlight is drawn from, or where there is none.
     sides: [Option<[f64; BANDS]>; 2],
 }
 
 /// A highlight on one side.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LobeStrength<const BANDS: usize> {
+pub struct LobeStrength<const BANDS: usize> {
     /// What it reflects or transmits, about: this is compared.
-    pub(crate) share: f64,
-    pub(crate) color: [f64; BANDS],
+    pub share: f64,
+    /// What it reflects or transmits, by band.
+    pub color: [f64; BANDS],
     /// The share of the diffuse component that it would join.
-    pub(crate) diffuse: f64,
+    pub diffuse: f64,
 }
 
 /// Shares up to this count as none (Radiance's).
@@ -25,10 +26,10 @@ const TINY: f64 = 1e-6;
 
 impl<const BANDS: usize> BelowThreshold<BANDS> {
     /// All highlights are drawn from.
-    pub(crate) const NOTHING: Self = BelowThreshold { sides: [None; 2] };
+    pub const NOTHING: Self = BelowThreshold { sides: [None; 2] };
 
     /// What of these highlights is no more than the threshold.
-    pub(crate) fn new(threshold: f64, sides: [LobeStrength<BANDS>; 2]) -> Self {
+    pub fn new(threshold: f64, sides: [LobeStrength<BANDS>; 2]) -> Self {
         let weak = |side: LobeStrength<BANDS>| {
             let is_weak = side.share > 0.0 && side.share <= threshold + TINY && threshold > 0.0;
             is_weak.then_some(if side.diffuse > TINY { side.color } else { [0.0; BANDS] })
@@ -37,23 +38,24 @@ impl<const BANDS: usize> BelowThreshold<BANDS> {
     }
 
     /// Whether the highlight for light from each side is left out.
-    pub(crate) fn is_left_out(&self) -> [bool; 2] {
+    pub fn is_left_out(&self) -> [bool; 2] {
         self.sides.map(|side| side.is_some())
     }
 
     /// What is scattered as if diffuse of light from each side that is no source's.
-    pub(crate) fn as_diffuse(&self) -> [[f64; BANDS]; 2] {
+    pub fn as_diffuse(&self) -> [[f64; BANDS]; 2] {
         self.sides.map(|side| side.unwrap_or([0.0; BANDS]))
     }
 
     /// Whether there is any such light.
-    pub(crate) fn has_any(&self) -> bool {
+    pub fn has_any(&self) -> bool {
         self.sides.iter().flatten().flatten().any(|band| *band > 0.0)
     }
 }
 
 impl<const BANDS: usize> LobeStrength<BANDS> {
-    pub(crate) const NONE: Self = LobeStrength { share: 0.0, color: [0.0; BANDS], diffuse: 0.0 };
+    /// There is none.
+    pub const NONE: Self = LobeStrength { share: 0.0, color: [0.0; BANDS], diffuse: 0.0 };
 }
 
 #[cfg(test)]
