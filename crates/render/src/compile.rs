@@ -1,7 +1,6 @@
 //! From chains of modifiers to shaders.
 
 use crate::antimatter::Antimatter;
-use crate::bands::BandLayout;
 use crate::compile_scatter::compile_scatterer;
 use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
 use crate::medium::MistKind;
@@ -9,16 +8,16 @@ use crate::options::{Skip, Skipping};
 use crate::plan::{ModelRequest, ModelSource};
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::scatter::{Appearances, MeasuredKind, Scatterer};
-use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
+use crate::shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
-use crate::step::{MixedSteps, Step};
 use radsight_accel::{ShaderId, ShaderTable};
+use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
     Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
     ValidScene,
 };
+use radsight_texture::{BandLayout, Function, Home, MixedSteps, Step, TextureChain};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -148,7 +147,12 @@ impl Compiler<'_> {
             (Vec::new(), Kind::Transparent)
         });
         chains.nesting = nesting;
-        self.shaders.push(recognised(Shader { steps, kind, home: chains.home.clone(), modifier, tracked: None }));
+        self.shaders.push(recognised(Shader {
+            textures: TextureChain { steps, home: chains.home.clone() },
+            kind,
+            modifier,
+            tracked: None,
+        }));
         ShaderId((self.shaders.len() - 1) as u32)
     }
 
@@ -306,13 +310,7 @@ impl Compiler<'_> {
     ) -> Result<Appearances, Diagnostic> {
         let steps = self.steps_alone(chains, Some(first))?;
         let home = chains.home.clone();
-        Ok(Appearances::Own(Box::new(Shader {
-            steps,
-            kind: Kind::Transparent,
-            home,
-            modifier: Some(first),
-            tracked: None,
-        })))
+        Ok(Appearances::Own(Box::new(TextureChain { steps, home })))
     }
 
     fn mixed_materials(
@@ -425,14 +423,14 @@ impl Compiler<'_> {
 
 /// The paper's construction becomes its lobe, which is sampled exactly.
 fn recognised(mut shader: Shader) -> Shader {
-    let textures = shader.steps.iter().filter(|step| step.is_texture()).count();
+    let textures = shader.textures.steps.iter().filter(|step| step.is_texture()).count();
     if let Kind::Glossy(glossy) = shader.kind
         && textures == 1
         && glossy.specularity > 0.0
         && !glossy.is_smooth()
-        && turns_the_normal_to_the_viewer(&shader)
+        && turns_the_normal_to_the_viewer(&shader.textures)
     {
-        shader.steps.retain(|step| !matches!(step, Step::Texture(_)));
+        shader.textures.steps.retain(|step| !matches!(step, Step::Texture(_)));
         shader.kind = Kind::Retro(glossy);
     }
     shader

@@ -1,11 +1,11 @@
 //! From the scattering materials of a scene to what renders them.
 
-use crate::scatter::{
+use radsight_bsdf::{
     Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
 };
-use crate::shader::Function;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandle, ScatteringFunction, Translucent};
+use radsight_texture::Function;
 
 /// The scattering of a material; none if it scatters in some other way. `look` makes the patterns and textures of a modifier that it
 /// names beside its own, which is `own`.

@@ -1,16 +1,13 @@
 //! From patterns, textures and mixtures to steps.
 
-use crate::bands::{BandLayout, Bands};
-use crate::lettering::Lettering;
-use crate::shader::{Function, Kind};
-use crate::spectral_pattern::{SpectralData, SpectralFunction};
-use crate::step::{Share, Step};
+use crate::shader::Kind;
 use radsight_diag::Diagnostic;
 use radsight_ir::{
     DataGrid, FunctionCall, GridCall, Handle, MixtureAmount, Modifier, ModifierHandle, ModifierKind, Pattern, Rgb,
     Scene, Spectrum, TextPattern, Texture,
 };
 use radsight_spectrum::Conversion;
+use radsight_texture::{BandLayout, Bands, Function, Lettering, Share, SpectralData, SpectralFunction, Step};
 use std::sync::Arc;
 
 /// The step of a texture; none for one that never turns the normal.

@@ -2,14 +2,13 @@
 //!
 //! Where no modifier is tracked, all of this is one pointer that is null.
 
-use crate::bands::BandValues;
 use crate::options::{RenderOptions, TrackedValue};
 use crate::shader::Shader;
-use crate::surface_interaction::{SurfaceInteraction, View};
-use crate::trace::{PathIntegrator, PathState, product};
+use crate::trace::{PathIntegrator, PathState};
 use radsight_accel::Intersection;
 use radsight_cal::Host;
 use radsight_ir::Scene;
+use radsight_texture::{BandValues, FunctionView, SurfaceInteraction, product};
 use std::collections::HashMap;
 
 /// What a ray owes to one surface: emitted light that has come along the ray, or, of a surface that emits none, the share of the radiance
@@ -28,7 +27,7 @@ pub struct Contribution {
 
 impl Host for Contribution {
     fn channel(&self, channel: u32) -> f64 {
-        View::new(&self.interaction, None).channel(channel)
+        FunctionView::new(&self.interaction, None).channel(channel)
     }
 }
 
@@ -172,7 +171,7 @@ pub(crate) fn mark_tracked(shaders: &mut [Shader], scene: &Scene, names: &[Strin
     }
     let numbered: HashMap<&str, u32> = names.iter().map(String::as_str).zip(0..).collect();
     for shader in shaders {
-        let name = shader.home.scene(scene).modifier_name(shader.modifier);
+        let name = shader.textures.home.scene(scene).modifier_name(shader.modifier);
         shader.tracked = numbered.get(name).copied();
     }
 }

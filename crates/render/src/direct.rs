@@ -1,19 +1,17 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
 use crate::antimatter::SubtractionId;
-use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
-use crate::light::{Light, LightId};
-use crate::light_form::{LightForm, LightSample};
-use crate::light_tree::{LightTree, Reception, TreeCut};
 use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
 use crate::portals::VisiblePortals;
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{MediumId, PathIntegrator, emission, given, product};
+use crate::trace::{MediumId, PathIntegrator, emission, given};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
+use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
+use radsight_light::{Light, LightForm, LightId, LightSample, LightTree, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
+use radsight_texture::{SurfaceInteraction, product};
 
 /// Up to so many lights each one is sampled at every point; of more, so many are drawn.
 #[derive(Clone, Copy, Debug)]

@@ -1,11 +1,9 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
 use crate::antimatter::Subtraction;
-use crate::bsdf::Bsdf;
 use crate::direct::DirectSampler;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
-use crate::light_tree::Reception;
 use crate::medium::Medium;
 use crate::mis::{Lobe, MisState};
 use crate::ray_spacing::RaySpacing;
@@ -13,7 +11,9 @@ use crate::ray_tree::NodeId;
 use crate::trace::{PathIntegrator, PathState};
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
+use radsight_bsdf::Bsdf;
 use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
+use radsight_light::Reception;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
 

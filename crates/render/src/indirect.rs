@@ -1,9 +1,10 @@
 //! Light from diffuse surroundings: the one place that decides how it is found.
 
 use crate::options::AmbientSurfaces;
-use crate::shader::{Shader, bands};
+use crate::shader::Shader;
 use crate::trace::PathIntegrator;
 use radsight_ir::Scene;
+use radsight_texture::bands;
 
 /// How diffuse surroundings are found at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 /// Whether interreflection is left out, by shader; empty where it is left out nowhere.
 pub(crate) fn excluded(scene: &Scene, shaders: &[Shader], surfaces: &AmbientSurfaces) -> Vec<bool> {
     let named = |names: &[String], shader: &Shader| {
-        let modifier = shader.home.scene(scene).modifier_name(shader.modifier);
+        let modifier = shader.textures.home.scene(scene).modifier_name(shader.modifier);
         names.iter().any(|name| name == modifier)
     };
     match surfaces {

@@ -8,8 +8,6 @@
 #![forbid(unsafe_code)]
 
 mod antimatter;
-mod bands;
-mod bsdf;
 mod cache_prepass;
 mod cast;
 mod compile;
@@ -17,24 +15,12 @@ mod compile_scatter;
 mod compile_steps;
 mod contribution;
 mod direct;
-mod disk_overlap;
-mod emission_profile;
-mod frame;
-mod function_lobe;
 mod gather;
-mod glow_radius;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
-mod lettering;
-mod light;
-mod light_form;
 mod light_power;
-mod light_tree;
-mod light_tree_build;
 mod lighting;
-mod lobe_weighting;
-mod measured_lobe;
 mod medium;
 mod medium_boundary;
 mod mis;
@@ -50,22 +36,14 @@ mod ray_spacing;
 mod ray_tree;
 mod refraction;
 mod renderer;
-mod scatter;
 mod shader;
 mod shadow;
 mod specialise;
-mod spectral_pattern;
-mod specular_threshold;
-mod step;
 mod substance;
-mod surface_interaction;
 mod trace;
-mod transmission_lobe;
 mod veils;
 mod visibility_class;
-mod visible_side;
 
-pub use bands::BandValues;
 pub use cast::FirstHit;
 pub use contribution::Contribution;
 pub use options::{
@@ -75,6 +53,7 @@ pub use options::{
 pub use plan::{ModelRequest, ModelSource, NoModels, PlanDecision, RenderPlan};
 pub use radsight_accel::Ray;
 pub use radsight_spectrum::Sampling;
+pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};

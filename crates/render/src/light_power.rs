@@ -1,16 +1,14 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
-use crate::emission_profile::EmissionProfile;
-use crate::light::Light;
-use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
 use crate::shader::Shader;
-use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::emission;
 use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
+use radsight_light::{EmissionProfile, Light, LightForm};
+use radsight_texture::SurfaceInteraction;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
@@ -25,7 +23,7 @@ impl RenderPlan {
     pub(crate) fn typical_radiance(&self, light: &Light) -> f64 {
         let shader = self.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
-        if shader.steps.is_empty() {
+        if shader.textures.steps.is_empty() {
             let Rgb(radiance) = emitter.radiance;
             return radiance.into_iter().fold(0.0, f64::max);
         }
@@ -74,7 +72,7 @@ impl RenderPlan {
             .iter()
             .enumerate()
             .filter(|(_, light)| light.virtual_sources.is_empty() && light.cone.is_none())
-            .filter(|(_, light)| !self.shader(light.surface).steps.is_empty())
+            .filter(|(_, light)| !self.shader(light.surface).textures.steps.is_empty())
             .take(MOST_PROFILES)
             .filter_map(|(index, light)| Some((index, self.profile(light)?)))
             .collect();

@@ -1,15 +1,14 @@
 //! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
-use crate::light::{Light, LightCone, Redirection, VirtualSource};
-use crate::light_form::{LightForm, virtual_form};
 use crate::prism::PrismKind;
 use crate::prism_image::PrismInteraction;
 use crate::shader::{Kind, Shader};
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::{Geometry, MemberId, PrimitiveId, Ray, flat_normal};
 use radsight_cal::Scratch;
 use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, ValidScene};
+use radsight_light::{Light, LightCone, LightForm, Redirection, VirtualSource, virtual_form};
+use radsight_texture::SurfaceInteraction;
 
 /// All lights: real ones first, then their images in one mirror or prism, in two, and so on.
 pub(crate) fn collect_lights<'a>(

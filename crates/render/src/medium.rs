@@ -6,11 +6,12 @@
 //! in which the light travels and that towards the viewer. As in Radiance a shadow ray loses only what is absorbed, `exp(−(1 − a)σd)`,
 //! and light that is scattered twice is a constant, the ambient value.
 
-use crate::light::{Light, LightId};
-use crate::shader::{Kind, Shader, bands};
+use crate::shader::{Kind, Shader};
 use glam::DVec3;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Mist, Rgb, Scene};
+use radsight_light::{Light, LightId};
+use radsight_texture::bands;
 use std::f64::consts::PI;
 
 /// Extinction where a transmissivity is zero: nothing comes through a hundredth of a scene unit.

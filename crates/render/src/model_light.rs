@@ -2,12 +2,12 @@
 //!
 //! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
 
-use crate::bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 use crate::direct::DirectSampler;
-use crate::light_form::LightSample;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_brdf::Brdf;
+use radsight_bsdf::{Bsdf, BsdfValue, model_bands, of_model};
+use radsight_light::LightSample;
 
 /// The memory of one thread.
 #[derive(Debug, Default)]

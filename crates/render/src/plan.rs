@@ -1,20 +1,17 @@
 //! What a scene needs, decided once before the first ray.
 
 use crate::antimatter::all_cut;
-use crate::bands::BandLayout;
 use crate::cast::FirstHit;
 use crate::cast::material_name;
 use crate::compile::compile_shaders;
 use crate::contribution::mark_tracked;
 use crate::direct::{ALWAYS_ALL, light_draws};
 use crate::indirect::excluded;
-use crate::light::{Light, LightId};
-use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
 use crate::portals::{Portals, makes_caustics};
-use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
+use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
 use crate::substance::substance;
 use crate::veils::find_veils;
 use crate::visibility_class::{Receiver, Visibility};
@@ -22,6 +19,8 @@ use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ra
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
+use radsight_light::{Light, LightId, LightTree};
+use radsight_texture::{BandLayout, bands};
 use std::sync::{Arc, OnceLock};
 
 /// A scene made ready for rays.
@@ -189,6 +188,7 @@ impl RenderPlan {
         let name = self.scene.surface_name(surface);
         let shader = &self.shaders[shader.0 as usize];
         let (_, modifier) = shader
+            .textures
             .home
             .scene(&self.scene)
             .chain(shader.modifier)
@@ -369,13 +369,13 @@ impl RenderPlan {
         if images > 0 {
             decisions.say(
                 format!("{images} images of lights in plane mirrors are sampled"),
-                "mirrors virtual_source lights (-dr)",
+                "mirrors make virtual sources of lights (-dr)",
             );
         }
         let [drawn, again] = self.light_draws;
         if drawn > 0 {
             let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
-            decisions.say(what, "they are many; a hierarchy of lights tells what they importance");
+            decisions.say(what, "they are many; a hierarchy of lights tells how important each is");
         }
         for (count, what, why) in self.reach.summary() {
             if count > 0 {
@@ -409,8 +409,8 @@ impl RenderPlan {
         if !self.has_antimatter {
             decisions.skip(Skip::Antimatter, "no surface is cut away".into(), "there is no antimatter");
         }
-        let functions = self.shaders.iter().flat_map(|shader| &shader.steps).count();
-        let textures = self.shaders.iter().flat_map(|s| &s.steps).filter(|step| step.is_texture()).count();
+        let functions = self.shaders.iter().flat_map(|shader| &shader.textures.steps).count();
+        let textures = self.shaders.iter().flat_map(|s| &s.textures.steps).filter(|step| step.is_texture()).count();
         decisions
             .say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
         let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();

@@ -7,15 +7,15 @@
 //! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings
 //! that are seen behind each other.
 
-use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
 use crate::shader::{EmitterClass, Kind, Shader};
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::{MemberId, PrimitiveId, Ray, is_flat};
 use radsight_cal::Scratch;
 use radsight_ir::{Surface, SurfaceHandle};
+use radsight_light::LightForm;
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
+use radsight_texture::SurfaceInteraction;
 
 /// The openings of a scene.
 #[derive(Debug, Default)]

@@ -4,11 +4,10 @@
 //! light is, as `DxA`, `DyA`, `DzA`; for others these are zero. The light appears where a shear parallel to the prism's plane moves it
 //! that makes the middle of the prism send it right: the virtual source of Radiance. From there the way to a near light is looked for (`prism_path`).
 
-use crate::shader::Function;
-use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
 use radsight_ir::{Prism, PrismFace};
+use radsight_texture::{Function, FunctionView, SurfaceInteraction};
 
 /// Roots of one face: its coefficient and the components of its direction.
 const ROOTS: usize = 4;
@@ -25,7 +24,7 @@ pub(crate) struct PrismKind {
 
 /// A ray at a prism, and where its light is.
 struct PrismView<'a> {
-    view: View<'a>,
+    view: FunctionView<'a>,
     /// Unit, in the function's frame; zero for a ray that looks for no light.
     aim: DVec3,
 }

@@ -4,13 +4,12 @@
 //! source arrives from all directions that the prism sends into the source's cone. They are found from the other end: rays from the source's rim
 //! are sent back through the prism.
 
-use crate::light::Redirection;
-use crate::light_form::{LightForm, coordinates};
 use crate::prism::PrismKind;
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
+use radsight_light::{LightForm, Redirection, coordinates};
+use radsight_texture::SurfaceInteraction;
 use std::f64::consts::TAU;
 
 /// Places on the rim that are sent back.

@@ -3,18 +3,16 @@
 //! Where they are not wanted, all of this is one pointer that is null. Rays are noted as they are sent on, each below the one from which it comes;
 //! what each has brought is summed up when the first is answered.
 
-use crate::bands::BandValues;
 use crate::cast::FirstHit;
 use crate::direct::DirectSampler;
-use crate::light::Light;
-use crate::light_form::LightSample;
 use crate::options::{RayTreeOutput, RenderOptions};
 use crate::plan::RenderPlan;
-use crate::trace::{PathIntegrator, product};
-use crate::transmission_lobe::luminance;
+use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_ir::SurfaceHandle;
+use radsight_light::{Light, LightSample};
+use radsight_texture::{BandValues, luminance, product};
 
 /// What a ray brings or what counts of it, as a colour and, where spectra are traced, band by band.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,47 +1,27 @@
 //! What a surface does to light, compiled from its chain of modifiers once a scene.
 
 use crate::antimatter::Antimatter;
-use crate::bands::spread;
 use crate::medium::MistKind;
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::scatter::Scatterer;
-use crate::step::{Share, Step};
-use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
 use radsight_accel::ShaderId;
 use radsight_brdf::Brdf;
-use radsight_cal::{Program, Scratch};
-use radsight_ir::{FunctionCall, ModifierHandle, Rgb, Scene, Transform};
+use radsight_bsdf::{GlossyKind, Scatterer};
+use radsight_cal::Scratch;
+use radsight_ir::{ModifierHandle, Rgb, Scene};
+use radsight_texture::{Appearance, Share, SurfaceInteraction, TextureChain};
 use std::sync::Arc;
-
-/// Slopes below this are perfectly smooth to Radiance (its α² ≤ 1e-6).
-pub(crate) const SMOOTH_ROUGHNESS: f64 = 1e-3;
 
 /// Patterns, textures and the material of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Shader {
-    /// In the order in which Radiance applies them.
-    pub(crate) steps: Vec<Step>,
+    pub(crate) textures: TextureChain,
     pub(crate) kind: Kind,
-    /// Where its chain of modifiers stands, with all that the handles in here name.
-    pub(crate) home: Home,
     /// The first modifier of its chain; `None` for `void`.
     pub(crate) modifier: Option<ModifierHandle>,
     /// Which of the modifiers it is whose contributions are wanted.
     pub(crate) tracked: Option<u32>,
-}
-
-/// The scene that a shader's modifiers come from; `None` for the whole one.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Home(pub(crate) Option<Arc<Scene>>);
-
-impl Home {
-    /// The scene.
-    #[inline]
-    pub(crate) fn scene<'s>(&'s self, whole: &'s Scene) -> &'s Scene {
-        self.0.as_deref().unwrap_or(whole)
-    }
 }
 
 /// The material.
@@ -105,23 +85,6 @@ pub(crate) struct MixtureKind {
     pub(crate) lets_light_through: bool,
 }
 
-/// A plastic or a metal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct GlossyKind {
-    pub(crate) color: Rgb,
-    pub(crate) specularity: f64,
-    pub(crate) roughness: f64,
-    /// Highlights take the material's colour.
-    pub(crate) metallic: bool,
-}
-
-impl GlossyKind {
-    /// Whether its highlight is a mirror image.
-    pub(crate) fn is_smooth(&self) -> bool {
-        self.roughness <= SMOOTH_ROUGHNESS
-    }
-}
-
 /// The material that is seen in place of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Substitution {
@@ -178,46 +141,6 @@ impl Kind {
     }
 }
 
-/// A program and its frame.
-#[derive(Clone, Debug)]
-pub(crate) struct Function {
-    pub(crate) program: Arc<Program>,
-    /// From the scene to the function; `None` is the identity.
-    to_function: Option<Transform>,
-    to_scene: Transform,
-}
-
-impl Function {
-    pub(crate) fn new(call: &FunctionCall) -> Function {
-        let to_function = (call.to_scene != Transform::IDENTITY).then(|| call.to_scene.inverse());
-        Function { program: call.program.clone(), to_function, to_scene: call.to_scene }
-    }
-
-    /// A vector of the function in the scene, where the function's modifier stands; its length stays.
-    pub(crate) fn in_scene(&self, interaction: &SurfaceInteraction, vector: DVec3) -> DVec3 {
-        interaction.direction_to_scene(self.to_scene.direction(vector))
-    }
-
-    /// A length of the function in the scene.
-    pub(crate) fn length_in_scene(&self, interaction: &SurfaceInteraction, length: f64) -> f64 {
-        let to_object = interaction.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
-        length * self.to_scene.scale / to_object.map_or(1.0, |transform| transform.scale)
-    }
-
-    pub(crate) fn view<'a>(&'a self, interaction: &'a SurfaceInteraction) -> View<'a> {
-        View::new(interaction, self.to_function.as_ref())
-    }
-}
-
-/// What patterns and textures make of an interaction.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Appearance<const BANDS: usize> {
-    /// Multiplies the material's colour.
-    pub(crate) color: [f64; BANDS],
-    /// Added to the unit normal on the side from which the ray comes.
-    pub(crate) perturbation: DVec3,
-}
-
 impl Shader {
     /// Runs all patterns and textures.
     #[inline]
@@ -227,17 +150,7 @@ impl Shader {
         interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> Appearance<BANDS> {
-        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: interaction.perturbation() };
-        if !self.steps.is_empty() {
-            let scene = self.home.scene(scene);
-            for step in &self.steps {
-                step.apply(scene, interaction, scratch, &mut appearance);
-            }
-        }
-        if interaction.behind {
-            appearance.perturbation = -appearance.perturbation;
-        }
-        appearance
+        self.textures.appearance(scene, interaction, scratch)
     }
 
     /// The same at the surface of a body: the colour, and what is added to the front normal.
@@ -299,7 +212,7 @@ impl Shader {
     }
 
     fn has_color_steps(&self) -> bool {
-        self.steps.iter().any(Step::is_colored)
+        self.textures.is_colored()
     }
 }
 
@@ -323,10 +236,4 @@ fn is_grey_model(model: &dyn Brdf) -> bool {
         let equal = |bands: &[f64]| bands[0] == bands[1] && bands[1] == bands[2];
         values.chunks(3).all(equal) && (drawn.is_none() || equal(&weights))
     })
-}
-
-/// A colour in the places of a tracer.
-#[inline]
-pub(crate) fn bands<const BANDS: usize>(color: Rgb) -> [f64; BANDS] {
-    spread(color.0)
 }

@@ -5,22 +5,21 @@
 //! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
 
 use crate::antimatter::{AntimatterEvent, SubtractionId};
-use crate::bsdf::pane;
 use crate::direct::DirectSampler;
-use crate::light::{Light, Redirection, VirtualSource};
-use crate::light_form::LightSample;
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;
 use crate::ray_tree::{BounceType, Image};
-use crate::shader::{Kind, Shader, Substitution, bands};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{PathIntegrator, emission, given, product, reflect};
+use crate::shader::{Kind, Shader, Substitution};
+use crate::trace::{PathIntegrator, emission, given};
 use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
+use radsight_bsdf::pane;
 use radsight_cal::Scratch;
 use radsight_ir::Shape;
+use radsight_light::{Light, LightSample, Redirection, VirtualSource};
+use radsight_texture::{SurfaceInteraction, bands, product, reflect};
 
 /// A shadow ray that crosses more surfaces than this is taken to be lost.
 const MAX_CROSSINGS: u32 = 1000;
@@ -491,7 +490,7 @@ fn straight<const BANDS: usize>(
     let interaction = SurfaceInteraction::at(ray, hit, travelled);
     if let Kind::Mixture(mixture) = &shader.kind {
         // After a fault of the function the surface is as if it had no material.
-        let Some(share) = mixture.share.at(shader.home.scene(&plan.scene), &interaction, scratch) else {
+        let Some(share) = mixture.share.at(shader.textures.home.scene(&plan.scene), &interaction, scratch) else {
             return Some([1.0; BANDS]);
         };
         let mut through = None;
@@ -512,7 +511,7 @@ fn straight<const BANDS: usize>(
             Some(product(transmitted, appearance.color))
         }
         Kind::Scatterer(scatterer) => {
-            scatterer.passage(shader.home.scene(&plan.scene), &interaction, appearance, scratch)
+            scatterer.passage(shader.textures.home.scene(&plan.scene), &interaction, appearance, scratch)
         }
         _ => None,
     }

@@ -4,12 +4,10 @@
 //! highlight: "in effect, the mirror direction is always back in the direction of the viewer" (section 3.2). Whatever the
 //! expressions are, they do this if, for every ray, the perturbed normal is the direction back along the ray.
 
-use crate::shader::{Appearance, Shader};
-use crate::step::Step;
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
+use radsight_texture::{Appearance, Step, SurfaceInteraction, TextureChain};
 use std::f64::consts::TAU;
 
 /// Rays that are tried; a texture that differs anywhere on a set of measurable size is found out.
@@ -18,12 +16,10 @@ const TRIALS: u32 = 64;
 /// How far the turned normal may be from the viewer's direction.
 const TOLERANCE: f64 = 1e-9;
 
-/// Whether the textures of a shader turn the normal to the viewer, for every ray.
-pub(crate) fn turns_the_normal_to_the_viewer(shader: &Shader) -> bool {
-    let textures = Shader {
-        steps: shader.steps.iter().filter(|s| matches!(s, Step::Texture(_))).cloned().collect(),
-        ..shader.clone()
-    };
+/// Whether textures turn the normal to the viewer, for every ray.
+pub(crate) fn turns_the_normal_to_the_viewer(chain: &TextureChain) -> bool {
+    let steps = chain.steps.iter().filter(|step| matches!(step, Step::Texture(_))).cloned().collect();
+    let textures = TextureChain { steps, home: chain.home.clone() };
     let nowhere = Scene::default();
     let mut scratch = Scratch::default();
     (0..TRIALS).all(|trial| {
@@ -34,7 +30,7 @@ pub(crate) fn turns_the_normal_to_the_viewer(shader: &Shader) -> bool {
     })
 }
 
-/// Encounters with directions, normals and places all over (an additive recurrence, so without repeats).
+/// Interactions with directions, normals and places all over (an additive recurrence, so without repeats).
 fn trial_interaction(trial: u32) -> SurfaceInteraction {
     let coordinate = |index: u32| {
         let alpha = [0.754_877_666, 0.569_840_291, 0.430_159_709, 0.819_172_513, 0.671_043_607, 0.549_700_478];

@@ -4,12 +4,11 @@
 //! no shadow ray is needed; if few do, only those are tested. A flat surface that has nothing but lights in front of it needs no ray to
 //! find light by way of other surfaces. All tests are conservative: what is left out cannot change the picture.
 
-use crate::light::Light;
-use crate::light_form::LightForm;
 use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;
 use radsight_accel::{Geometry, MemberId, PrimitiveId, flat_normal};
 use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
+use radsight_light::{Light, LightForm};
 use std::f64::consts::PI;
 
 /// More pairs times surfaces than this are not looked at.

@@ -1,15 +1,14 @@
 //! What a ray finds that ends at an emitter, or at nothing.
 
+use super::PathIntegrator;
 use super::path_state::PathState;
-use super::{PathIntegrator, product};
 use crate::cast::{DISTANT, FirstHit};
 use crate::options::Lights;
 use crate::plan::RenderPlan;
-use crate::shader::{Emitter, EmitterClass, Shader, bands};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::transmission_lobe::luminance;
+use crate::shader::{Emitter, EmitterClass, Shader};
 use radsight_cal::Scratch;
 use radsight_ir::SurfaceHandle;
+use radsight_texture::{SurfaceInteraction, bands, luminance, product};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray met no surface: the first distant source around its direction.
@@ -99,7 +98,7 @@ pub(crate) fn emission<const BANDS: usize>(
         return [0.0; BANDS];
     }
     let own = bands(emitter.radiance);
-    if shader.steps.is_empty() {
+    if shader.textures.steps.is_empty() {
         return own;
     }
     product(own, shader.appearance::<BANDS>(&plan.scene, interaction, scratch).color)

@@ -11,17 +11,15 @@ mod illumination;
 mod passage;
 mod path_state;
 mod roulette;
+mod scatterer;
 mod shade;
 mod split;
 
 pub(crate) use emission::{emission, given};
 pub(crate) use passage::Passage;
 pub(crate) use path_state::{MediumId, PathState};
-pub(crate) use shade::{reflect, shading_normal};
 
 use crate::antimatter::{AntimatterEvent, Subtraction, SubtractionId};
-use crate::bands::BandValues;
-use crate::bsdf::Bsdf;
 use crate::cast::FirstHit;
 use crate::contribution::Contributions;
 use crate::gather::{CacheQuery, Caches};
@@ -33,9 +31,11 @@ use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::shader::Kind;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
+use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
+use radsight_texture::BandValues;
 use std::f64::consts::PI;
 
 /// Memory of one thread.
@@ -384,9 +384,4 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             tree.add(path.node, brought);
         }
     }
-}
-
-#[inline]
-pub(crate) fn product<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
-    std::array::from_fn(|band| a[band] * b[band])
 }

@@ -22,9 +22,9 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
-use crate::bsdf::Bsdf;
-use crate::light_tree::LightSampleCount;
 use crate::options::{LightDivision, Quantity, RenderOptions};
+use radsight_bsdf::Bsdf;
+use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
