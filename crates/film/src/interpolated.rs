@@ -31,7 +31,7 @@ const LEAST_CELLS: usize = 8;
 
 /// Rays through a pixel, at first and at most: where it stands for a cell of the coarsest grids, for one of the finer ones where samples around
 /// are noisy, and where they are not.
-const COARSE_RAYS: (u32, u32) = (2, 8);
+const COARSE_RAYS: (u32, u32) = (4, 8);
 const NOISY_RAYS: (u32, u32) = (2, 3);
 const FINE_RAYS: (u32, u32) = (1, 1);
 
@@ -47,6 +47,9 @@ const MOST_SLOPE: f64 = 0.3;
 
 /// Samples are averaged with those up to so many steps of their grid away.
 const REACH: isize = 2;
+
+/// The least weight ([`Block::neighbors`]) of samples one step away.
+const BESIDE: f64 = 4.0;
 
 /// What is darker than this share of what is typical need not be more exact.
 const DARK: f64 = 0.03;
@@ -372,7 +375,13 @@ impl Block<'_> {
             for number in tally.rays..wanted {
                 let index = numbered([column, row], spacing, COARSE_RAYS.1, number);
                 let sampler = RaySampler::new(self.renderer.plan().seed(), index);
-                match self.camera.ray(column, row, &sampler) {
+                // A single ray stands for the pixel best from its middle: what lies on its border is found by probes.
+                let ray = if most == 1 {
+                    self.camera.middle_ray(column, row, &sampler)
+                } else {
+                    self.camera.ray(column, row, &sampler)
+                };
+                match ray {
                     Some(ray) => tally.add(traced(worker, index, &ray)),
                     None => tally.add(([0.0; 3], OUTSIDE)),
                 }
@@ -436,8 +445,8 @@ impl Block<'_> {
     fn interpolated(&self, smooth: &[Cell]) -> Vec<[f32; 3]> {
         let columns = self.camera.columns();
         let all = || (0..self.samples.len()).into_par_iter().with_min_len(256);
-        let variances: Vec<f64> = all().map(|at| self.pooled_variance(at)).collect();
-        let averaged: Vec<[f64; 3]> = all().map(|at| self.averaged(&variances, at)).collect();
+        let patches: Vec<Patch> = all().map(|at| self.patch(at)).collect();
+        let averaged: Vec<[f64; 3]> = all().map(|at| self.averaged(&patches, at)).collect();
         let mut pixels: Vec<[f64; 3]> =
             all().map(|at| self.antialiased(&averaged, (at % columns, at / columns))).collect();
         for cell in smooth {
@@ -528,47 +537,78 @@ impl Block<'_> {
                 let x = column.checked_add_signed(right * step).filter(|x| *x < self.camera.columns())?;
                 let y = row.checked_add_signed(down * step).filter(|y| *y < self.rows)?;
                 let other = self.at((x, y));
-                let joins = own?.surface.joins(&self.samples[other].as_ref()?.surface);
+                let (own, near) = (own?, self.samples[other].as_ref()?);
+                // Between samples that are not side by side light may do anything, unless they agree.
+                let joins = own.surface.joins(&near.surface) && (step == 1 || self.agree(own, near));
                 let weight = ((REACH + 1 - right.abs()) * (REACH + 1 - down.abs())) as f64;
                 (joins || other == at).then_some((other, weight))
             },
         )
     }
 
-    /// The variance of a ray around a pixel, by all samples that tell.
-    fn pooled_variance(&self, at: usize) -> f64 {
+    /// What the samples around a pixel tell together.
+    fn patch(&self, at: usize) -> Patch {
         let columns = self.camera.columns();
-        let (mut sum, mut weights) = (0.0, 0.0);
-        if self.samples[at].is_some_and(|sample| sample.surface.key != SEVERAL) {
-            for (other, weight) in self.neighbors((at % columns, at / columns)) {
-                let Some(other) = self.samples[other].filter(|other| other.rays > 1) else { continue };
-                let weight = weight * f64::from(other.rays - 1);
-                sum += weight * other.variance * f64::from(other.rays);
-                weights += weight;
+        let Some(sample) = self.samples[at].filter(|sample| sample.surface.key != SEVERAL) else {
+            return Patch::default();
+        };
+        let (mut variance, mut weights) = (0.0, 0.0);
+        let (mut sum, mut near) = (0.0, 0.0);
+        for (index, weight) in self.neighbors((at % columns, at / columns)) {
+            let Some(other) = &self.samples[index] else { continue };
+            let rays = f64::from(other.rays);
+            if other.rays > 1 {
+                variance += weight * (rays - 1.0) * other.variance * rays;
+                weights += weight * (rays - 1.0);
+            }
+            // Those next to it.
+            if weight >= BESIDE {
+                sum += rays * mean(&other.value);
+                near += rays;
             }
         }
-        if weights > 0.0 { sum / weights } else { 0.0 }
+        if weights <= 0.0 || near <= 0.0 {
+            return Patch::default();
+        }
+        let variance = variance / weights;
+        let own = variance / f64::from(sample.rays);
+        Patch { variance: own, mean: sum / near, variance_of_mean: variance / near }
     }
 
-    /// The mean of a sample and those of its grid around it that see the same surface and differ by no more than noise.
-    fn averaged(&self, variances: &[f64], at: usize) -> [f64; 3] {
+    /// The mean of a sample and those around it that see the same surface and differ by no more than noise, each by itself and with
+    /// what is next to it (non-local means: Buades, Coll and Morel 2005; Rousselle, Knaus and Zwicker 2012).
+    fn averaged(&self, patches: &[Patch], at: usize) -> [f64; 3] {
         let columns = self.camera.columns();
         let Some(sample) = &self.samples[at] else { return [0.0; 3] };
-        if variances[at] <= 0.0 {
+        let patch = &patches[at];
+        if patch.variance <= 0.0 {
             return sample.value;
         }
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for (index, weight) in self.neighbors((at % columns, at / columns)) {
-            let Some(other) = &self.samples[index] else { continue };
-            let noise = variances[at] / f64::from(sample.rays) + variances[index] / f64::from(other.rays);
-            let difference = mean(&sample.value) - mean(&other.value);
-            let agreement = 1.0 + (difference * difference / (2.0 * noise)).powi(2);
-            let weight = weight * f64::from(other.rays) / agreement;
+            let (Some(other), near) = (&self.samples[index], &patches[index]) else { continue };
+            let own = square(mean(&sample.value) - mean(&other.value)) / (patch.variance + near.variance);
+            let together = square(patch.mean - near.mean) / (patch.variance_of_mean + near.variance_of_mean);
+            let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
+            let weight = weight * f64::from(other.rays) / (1.0 + square(difference));
             sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
             weights += weight;
         }
         sum.map(|band| band / weights)
     }
+}
+
+/// What a sample and those next to it tell of light and noise.
+#[derive(Clone, Copy, Debug, Default)]
+struct Patch {
+    /// Squared standard error of the sample by itself, from the spread of rays around; 0 where nothing tells it.
+    variance: f64,
+    mean: f64,
+    variance_of_mean: f64,
+}
+
+fn square(value: f64) -> f64 {
+    value * value
 }
 
 fn mean(value: &[f64; 3]) -> f64 {

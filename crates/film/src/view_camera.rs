@@ -90,15 +90,16 @@ impl ViewCamera {
         squares.map(|square| ray(square).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
-    /// How far apart the rays of neighbouring pixels are, in the middle of the picture.
+    /// How far apart the rays of neighbouring squares of so many pixels' side are, in the middle of the picture.
     #[must_use]
-    pub fn spread(&self) -> RaySpacing {
+    pub fn spread(&self, side: usize) -> RaySpacing {
         let (column, row) = (self.columns / 2, self.rows / 2);
         let beside =
             [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5]].map(|at| self.view_ray(&self.view, self.pixel_place(column, row, at)));
         let [Some(ray), Some(right), Some(above)] = beside else { return RaySpacing::UNKNOWN };
         let apart = |of: fn(&CameraRay) -> DVec3| 0.5 * (of(&right).distance(of(&ray)) + of(&above).distance(of(&ray)));
-        RaySpacing { width: apart(|ray| ray.origin), angle: apart(|ray| ray.direction) }
+        let side = side.max(1) as f64;
+        RaySpacing { width: side * apart(|ray| ray.origin), angle: side * apart(|ray| ray.direction) }
     }
 
     /// A ray through a pixel at the sampler's place in pixel, aperture and time; `None` where the view shows nothing.
@@ -106,6 +107,13 @@ impl ViewCamera {
     pub fn ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
         let [x, y, across, along] = sampler.take(DimensionSet::CAMERA);
         self.ray_at(self.place(column, row, [x, y]), [across, along], sampler)
+    }
+
+    /// The same through the middle of the pixel.
+    #[must_use]
+    pub fn middle_ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
+        let [.., across, along] = sampler.take(DimensionSet::CAMERA);
+        self.ray_at(self.place(column, row, [0.5, 0.5]), [across, along], sampler)
     }
 
     /// A ray through any place in the view, (0, 0) the lower left corner and (1, 1) the upper right, spread as the pixels are.

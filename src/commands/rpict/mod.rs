@@ -36,7 +36,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        renderer.gather_irradiance(&picture.lens.prepass_rays(options.survey_spacing()), picture.lens.spread());
+        let side = options.survey_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -46,7 +47,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        renderer.gather_irradiance(&picture.lens.prepass_rays(options.survey_spacing()), picture.lens.spread());
+        let side = options.survey_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
