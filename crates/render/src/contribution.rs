@@ -2,14 +2,11 @@
 //!
 //! Where no modifier is tracked, all of this is one pointer that is null.
 
-use crate::options::{RenderOptions, TrackedValue};
-use crate::shader::Shader;
 use crate::trace::{PathIntegrator, PathState};
 use radsight_accel::Intersection;
 use radsight_cal::Host;
-use radsight_ir::Scene;
+use radsight_compile::{RenderOptions, Shader, TrackedValue};
 use radsight_texture::{BandValues, FunctionView, SurfaceInteraction, product};
-use std::collections::HashMap;
 
 /// What a ray owes to one surface: emitted light that has come along the ray, or, of a surface that emits none, the share of the radiance
 /// there that would come or the radiance that has come from there.
@@ -161,17 +158,5 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             interaction: deferred.interaction,
         };
         contributions.settled.drain(..).map(told).for_each(visit);
-    }
-}
-
-/// Marks the shaders of tracked modifiers.
-pub(crate) fn mark_tracked(shaders: &mut [Shader], scene: &Scene, names: &[String]) {
-    if names.is_empty() {
-        return;
-    }
-    let numbered: HashMap<&str, u32> = names.iter().map(String::as_str).zip(0..).collect();
-    for shader in shaders {
-        let name = shader.textures.home.scene(scene).modifier_name(shader.modifier);
-        shader.tracked = numbered.get(name).copied();
     }
 }

@@ -1,17 +1,18 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
-use crate::antimatter::Subtraction;
+use crate::caching::max_interpolation_error;
 use crate::direct::DirectSampler;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
-use crate::medium::Medium;
 use crate::mis::{Lobe, MisState};
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::NodeId;
+use crate::subtraction::Subtraction;
 use crate::trace::{PathIntegrator, PathState};
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_bsdf::Bsdf;
+use radsight_compile::Medium;
 use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
 use radsight_light::Reception;
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -155,7 +156,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 continue;
             }
             let shared = cache.and_then(|cache| match bounces_behind {
-                0 => cache.trusted_irradiance(at, normal, facet, self.plan.max_interpolation_error()),
+                0 => cache.trusted_irradiance(at, normal, facet, max_interpolation_error(self.plan)),
                 _ => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
             });
             let irradiance = match shared {

@@ -1,9 +1,8 @@
 //! Surfaces that are part one material, part another.
 
-use crate::options::BackFaces;
-use crate::shader::{Kind, MixtureKind, Shader};
 use crate::trace::{PathIntegrator, PathState};
 use radsight_accel::Intersection;
+use radsight_compile::{BackFaces, Kind, MixtureKind, Shader};
 use radsight_texture::SurfaceInteraction;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {

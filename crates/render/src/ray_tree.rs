@@ -3,13 +3,11 @@
 //! Where they are not wanted, all of this is one pointer that is null. Rays are noted as they are sent on, each below the one from which it comes;
 //! what each has brought is summed up when the first is answered.
 
-use crate::cast::FirstHit;
 use crate::direct::DirectSampler;
-use crate::options::{RayTreeOutput, RenderOptions};
-use crate::plan::RenderPlan;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
+use radsight_compile::{FirstHit, RayTreeOutput, RenderOptions};
 use radsight_ir::SurfaceHandle;
 use radsight_light::{Light, LightSample};
 use radsight_texture::{BandValues, luminance, product};
@@ -452,11 +450,4 @@ fn added<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
 /// Where nothing of a band counts, nothing is known of it.
 fn divided<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| if b[band] > 0.0 { a[band] / b[band] } else { 0.0 })
-}
-
-impl RenderPlan {
-    /// Whether it is told what becomes of each ray, so that none may be left out.
-    pub(crate) fn tells_rays(&self) -> bool {
-        self.options.ray_tree.is_some()
-    }
 }

@@ -1,8 +1,8 @@
 //! A ray of a path, with what the path has brought along.
 
-use crate::antimatter::SubtractionId;
 use crate::mis::MisState;
 use crate::ray_tree::NodeId;
+use crate::subtraction::SubtractionId;
 use radsight_accel::{PrimitiveId, Ray};
 
 /// Names a medium that the present ray has met.

@@ -2,9 +2,9 @@
 
 use super::{Passage, PathIntegrator, PathState};
 use crate::ray_tree::Image;
-use crate::shader::Shader;
 use radsight_accel::Intersection;
 use radsight_bsdf::{BsdfContext, MeasuredKind, MeasuredPart, Scatterer, SpecularBounce, SurfaceScattering};
+use radsight_compile::Shader;
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, luminance};
 

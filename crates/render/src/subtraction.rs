@@ -1,23 +1,9 @@
-//! Antimatter: volumes that are cut out of others.
-//!
-//! As in Radiance, a ray carries the set of modifiers whose surfaces are not there for it: entering antimatter (through its front) adds
-//! those that it cuts, leaving it takes them out again, and what passes through a surface goes on with the new set, what is reflected
-//! with the old one. If antimatter names a material to shade the cut with, its surface is there, turned inside out, where the
-//! ray is within one of the bodies that it cuts; the ray knows that by counting the fronts less the backs of their surfaces that it passed.
+//! What antimatter has cut away for a ray.
 
-use crate::shader::{Kind, Shader};
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, ShaderId};
-
-/// What the `antimatter` material does.
-#[derive(Clone, Debug)]
-pub(crate) struct Antimatter {
-    /// Shaders of the surfaces that it cuts, ascending.
-    pub(crate) cuts: Vec<ShaderId>,
-    /// Shades the surface of the cut.
-    pub(crate) shade: Option<ShaderId>,
-}
+use radsight_compile::Kind;
 
 /// What is cut for a ray, and what bodies it is within.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -41,14 +27,6 @@ pub(crate) enum AntimatterEvent {
     Surface(SubtractionId),
 }
 
-impl Antimatter {
-    pub(crate) fn new(mut cuts: Vec<ShaderId>, shade: Option<ShaderId>) -> Antimatter {
-        cuts.sort_unstable();
-        cuts.dedup();
-        Antimatter { cuts, shade }
-    }
-}
-
 impl Subtraction {
     fn pass(&mut self, shader: ShaderId, step: i32) {
         match self.passed.binary_search_by_key(&shader, |(shader, _)| *shader) {
@@ -70,18 +48,6 @@ impl Subtraction {
         let passed = self.passed.iter().filter(|(shader, _)| shaders.binary_search(shader).is_ok());
         passed.map(|(_, count)| count).sum::<i32>() > 0
     }
-}
-
-/// The shaders that any antimatter cuts, ascending.
-pub(crate) fn all_cut(shaders: &[Shader]) -> Vec<ShaderId> {
-    let of_shader = |shader: &Shader| match &shader.kind {
-        Kind::Antimatter(antimatter) => antimatter.cuts.clone(),
-        _ => Vec::new(),
-    };
-    let mut all: Vec<ShaderId> = shaders.iter().flat_map(of_shader).collect();
-    all.sort_unstable();
-    all.dedup();
-    all
 }
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
