@@ -60,12 +60,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "bsdf",
             "cal",
             "compile",
-            "diag",
             "ir",
             "irradiance-cache",
             "light",
-            "measured",
-            "retro",
             "sampling",
             "spectrum",
             "texture",
@@ -87,6 +84,7 @@ const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
     ("bsdf", &["accel"]),
     ("camera", &["sampling"]),
     ("irradiance-cache", &["sampling"]),
+    ("render", &["diag"]),
     ("texture", &["diag"]),
 ];
 

@@ -1,7 +1,7 @@
 //! Gathering irradiance before the picture is made, where its rays will want it.
 
+use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
-use crate::gather::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
 use crate::ray_spacing::RaySpacing;

@@ -1,12 +1,13 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
 use crate::subtraction::SubtractionId;
-use crate::trace::{MediumId, PathIntegrator};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::MediumId;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
 use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
-use radsight_light::{Light, LightForm, LightId, LightSample, LightTree, Reception, TreeCut};
+use radsight_light::{Light, LightForm, LightSample, LightTree, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -333,13 +334,3 @@ impl DirectSampler<'_> {
 
 /// The step between the numbers of a sample sequence.
 const SEQUENCE_STEP: f64 = 1.0 / (1 << 24) as f64;
-
-/// How many places on a light are sampled at a point, on average.
-pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
-    match &plan.light_tree {
-        Some(tree) if reception.draws > 0 => {
-            f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
-        }
-        _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
-    }
-}

@@ -1,6 +1,6 @@
 //! Sending rays that look for diffuse surroundings to where light is expected.
 
-use crate::gather::{CachePoint, GatherDirection, HemisphereGather};
+use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
 use crate::trace::PathIntegrator;
 use glam::DVec3;

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod cache_prepass;
+mod cache_query;
 mod caching;
 mod contribution;
 mod direct;
@@ -15,9 +16,11 @@ mod gather;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
+mod light_selection;
 mod medium_boundary;
 mod mis;
 mod mixture;
+mod model_batch;
 mod model_light;
 mod prism_manifold;
 mod ray_spacing;

@@ -1,7 +1,9 @@
 //! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
 
 use crate::direct::DirectSampler;
-use crate::trace::{Passage, PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::passage::Passage;
+use crate::trace::path_state::PathState;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
 use radsight_compile::{

@@ -1,6 +1,6 @@
 //! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
 
-use crate::direct::selection_pdf;
+use crate::light_selection::selection_pdf;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray, RayFrame};
 use radsight_compile::RenderPlan;

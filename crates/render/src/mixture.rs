@@ -1,6 +1,7 @@
 //! Surfaces that are part one material, part another.
 
-use crate::trace::{PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::PathState;
 use radsight_accel::Intersection;
 use radsight_compile::{BackFaces, Kind, MixtureKind, Shader};
 use radsight_texture::SurfaceInteraction;

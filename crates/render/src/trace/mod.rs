@@ -8,19 +8,18 @@
 
 mod emission;
 mod illumination;
-mod passage;
-mod path_state;
+pub(crate) mod passage;
+pub(crate) mod path_state;
 mod roulette;
 mod scatterer;
 mod shade;
 mod split;
 
-pub(crate) use passage::Passage;
-pub(crate) use path_state::{MediumId, PathState};
+use path_state::{MediumId, PathState};
 
+use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
-use crate::gather::{CacheQuery, Caches};
-use crate::model_light::ModelBatch;
+use crate::model_batch::ModelBatch;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use glam::DVec3;

@@ -7,7 +7,7 @@ use radsight_accel::{PrimitiveId, Ray};
 
 /// Names a medium that the present ray has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MediumId(pub(super) u32);
+pub(crate) struct MediumId(pub(crate) u32);
 
 /// A ray that waits to be traced.
 #[derive(Clone, Copy, Debug)]

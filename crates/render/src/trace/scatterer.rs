@@ -1,6 +1,8 @@
 //! Rays at scattering materials.
 
-use super::{Passage, PathIntegrator, PathState};
+use super::PathIntegrator;
+use super::passage::Passage;
+use super::path_state::PathState;
 use crate::ray_tree::Image;
 use radsight_accel::Intersection;
 use radsight_bsdf::{BsdfContext, MeasuredKind, MeasuredPart, Scatterer, SpecularBounce, SurfaceScattering};
