@@ -17,11 +17,16 @@ pub struct FirstHit {
     pub perturbed_normal: DVec3,
     /// The surface of the whole scene: a mesh or an instance where the ray ends within one.
     pub surface: SurfaceHandle,
+    /// The number of the compiled material.
+    pub material: u32,
     /// Local coordinates on a mesh; zero elsewhere.
     pub local: [f64; 2],
     /// What was hit; [`PrimitiveId::NONE`] for a distant source.
     pub primitive: PrimitiveId,
 }
+
+/// Stands for the material of all distant sources where surfaces are told apart.
+pub const DISTANT: u32 = u32::MAX;
 
 impl FirstHit {
     /// At a surface; `distance` as it is told, which may count pieces before.
@@ -32,6 +37,7 @@ impl FirstHit {
             normal: hit.front,
             perturbed_normal: hit.front,
             surface: hit.surface,
+            material: hit.shader.0,
             local: hit.placed.map_or([0.0; 2], |placed| placed.uv),
             primitive: hit.primitive,
         }
@@ -45,6 +51,7 @@ impl FirstHit {
             normal: -direction,
             perturbed_normal: -direction,
             surface,
+            material: DISTANT,
             local: [0.0; 2],
             primitive: PrimitiveId::NONE,
         }

@@ -37,13 +37,13 @@ mod visibility_class;
 
 pub use antimatter::Antimatter;
 pub use emission::{emission, given};
-pub use first_hit::FirstHit;
+pub use first_hit::{DISTANT, FirstHit};
 pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};
 pub use options::{
-    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, Lights, PathLimit, Quantity, RayTreeOutput,
-    RenderOptions, Skip, Skipping, TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, LightDivision, Lights, PathLimit, Quantity,
+    RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
 pub use plan::{PlanDecision, RenderPlan, Sky};
 pub use portals::{Portal, Portals, VisiblePortals};

@@ -1,6 +1,6 @@
 //! How many lights are sampled at a point.
 
-use crate::options::{Quantity, RenderOptions, Uncached};
+use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
 use radsight_light::Light;
 
 /// Up to so many lights each one is sampled at every point; of more, so many are drawn.
@@ -19,6 +19,9 @@ const THRIFT: [LightSelectionPolicy; 2] =
 /// there.
 const SPLIT_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
+/// Where a pixel has few rays.
+const DIVISION_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 32, draws: 32 };
+
 /// So many images of lights count as one light: from most places most of them are not seen.
 const IMAGES_FOR_ONE: usize = 3;
 
@@ -31,7 +34,11 @@ pub(crate) fn light_draws(lights: &[Light], has_tree: bool, options: &RenderOpti
     let real = lights.partition_point(|light| light.virtual_sources.is_empty());
     let like_lights = real + (lights.len() - real) / IMAGES_FOR_ONE;
     let samples_all = !has_tree || !options.tracked_modifiers.is_empty() || options.ray_tree.is_some();
-    let first = if splits_first(options) { SPLIT_THRIFT } else { THRIFT[0] };
+    let first = match options.light_division {
+        _ if splits_first(options) => SPLIT_THRIFT,
+        LightDivision::BySize => DIVISION_THRIFT,
+        LightDivision::Whole => THRIFT[0],
+    };
     [first, THRIFT[1]]
         .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }

@@ -21,6 +21,8 @@ pub struct RenderOptions {
     /// ([`Uncached::Split`]) samples more than one place on it (`-ds`); 0 always samples one.
     /// Default 0.2, as in Radiance.
     pub source_sampling: f64,
+    /// Whether lights are divided at the surfaces that pixels show. Default not.
+    pub light_division: LightDivision,
     /// How many rays look into the highlight at the first surface (`-ss`); fewer where it counts less, one at least, 16 at most. Default 1.
     pub highlight_samples: f64,
     /// On which surfaces diffuse interreflections are followed (`-ae`, `-ai`). Default all.
@@ -64,6 +66,7 @@ impl Default for RenderOptions {
             gathering: Gathering::default(),
             highlight_threshold: 0.0,
             source_sampling: 0.2,
+            light_division: LightDivision::Whole,
             highlight_samples: 1.0,
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
@@ -103,6 +106,12 @@ pub struct Gathering {
     /// The share by which records may disagree around a point of a scene with caustics before it does the same: single rays hardly find those, so this is
     /// only for pixels that get as many as they need. Default infinite.
     pub caustic_error: f64,
+    /// Relative fit residual above which cached irradiance is not used and single rays are traced
+    /// instead. Infinite for pictures whose pixels have few rays. Default 0.2.
+    pub most_residual: f64,
+    /// Rays that cache records trace in the mean, as a share of `divisions` and `super_samples`, at
+    /// most; the noise that is left then stays. Default infinite.
+    pub record_share: f64,
     /// Places look around the more often the more of the picture they serve; those that serve nothing do so as if it were this share of what places serve in
     /// the mean. More makes noise more even, less makes less of it in all. Default 0.5.
     pub evenness: f64,
@@ -118,6 +127,8 @@ impl Default for Gathering {
             super_samples: 0,
             uncached: Uncached::DrawOne,
             caustic_error: f64::INFINITY,
+            most_residual: Gathering::MAX_INTERPOLATION_ERROR,
+            record_share: f64::INFINITY,
             evenness: 0.5,
         }
     }
@@ -190,6 +201,15 @@ pub enum PathLimit {
     Roulette,
     /// The same, but after this many reflections at the latest (`-lr` below 0).
     RouletteUpTo(u32),
+}
+
+/// Into how many parts lights are divided where a ray of radiance that does not split meets its first surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightDivision {
+    /// One place is sampled on each, or on some where there are many: pixels are means over many rays.
+    Whole,
+    /// A place in each part of the size that is asked for (`-ds`), on all but very many lights: pixels have few rays.
+    BySize,
 }
 
 /// Whether lights are seen by rays that do not look for them.

@@ -71,18 +71,23 @@ impl ViewCamera {
         self.view_ray(&self.view, self.place(column, row, [0.5, 0.5]))
     }
 
-    /// A ray through some place of each pixel, top row first: those for which irradiance is gathered beforehand. Not through the middles, which
-    /// in a symmetric view lie on the very edges of a room.
+    /// A ray through some place of each square of so many pixels' side, top row first: those for which irradiance is gathered
+    /// beforehand. Not through the middles, which in a symmetric view lie on the very edges of a room.
     #[must_use]
-    pub fn prepass_rays(&self) -> Vec<Option<Ray>> {
-        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the pixels.
-        let ray = |pixel: usize| {
+    pub fn prepass_rays(&self, side: usize) -> Vec<Option<Ray>> {
+        let side = side.max(1);
+        let [across, down] = [self.columns.div_ceil(side), self.rows.div_ceil(side)];
+        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the squares.
+        let ray = |square: usize| {
             let [right, up] =
-                [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (pixel as f64 * step).fract());
-            self.view_ray(&self.view, self.pixel_place(pixel % self.columns, pixel / self.columns, [right, up]))
+                [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (square as f64 * step).fract());
+            let column = (((square % across) as f64 + right) * side as f64).min(self.columns as f64);
+            let below = self.rows as f64 - ((square / across + 1) * side) as f64;
+            let from_bottom = (below + side as f64 * up).max(0.0);
+            self.view_ray(&self.view, [column / self.columns as f64, from_bottom / self.rows as f64])
         };
-        let pixels = (0..self.columns * self.rows).into_par_iter();
-        pixels.map(|pixel| ray(pixel).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
+        let squares = (0..across * down).into_par_iter();
+        squares.map(|square| ray(square).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
     /// How far apart the rays of neighbouring pixels are, in the middle of the picture.

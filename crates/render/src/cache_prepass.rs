@@ -307,7 +307,10 @@ impl<const BANDS: usize> Level<BANDS> {
             .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
         // Where there is not enough for all, all get the same share.
-        let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
+        let gathering = &plan.options.gathering;
+        let most = gathering.record_share * (self.cache.len() * gathering.rays()) as f64;
+        let left = (self.budget as f64).min(most) - self.rays as f64;
+        let share = (left / wanted.max(1) as f64).clamp(0.0, 1.0);
         let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
         for (index, looks) in (first..).zip(missing) {
             due += looks as f64 * share;

@@ -1,6 +1,6 @@
 //! How far cached irradiance is trusted.
 
-use radsight_compile::{Gathering, RenderPlan};
+use radsight_compile::RenderPlan;
 use radsight_irradiance_cache::Limits;
 
 /// Where records are farther apart than this makes them, too few are near each other to tell that they disagree.
@@ -17,7 +17,8 @@ pub(crate) fn caches_irradiance(plan: &RenderPlan) -> bool {
 
 /// By what share records may disagree around a point and still be trusted there.
 pub(crate) fn max_interpolation_error(plan: &RenderPlan) -> f64 {
-    if plan.has_caustics { plan.options.gathering.caustic_error } else { Gathering::MAX_INTERPOLATION_ERROR }
+    let gathering = &plan.options.gathering;
+    if plan.has_caustics { gathering.caustic_error } else { gathering.most_residual }
 }
 
 /// How near and how far records are trusted: as Radiance does, from the scene's size.

@@ -33,8 +33,8 @@ mod trace;
 pub use contribution::Contribution;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
-    AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, Lights, ModelRequest, ModelSource,
-    NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping,
+    AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,
+    ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping,
     TrackedValue, Uncached,
 };
 pub use radsight_spectrum::Sampling;

@@ -2,7 +2,7 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
-use radsight_compile::{Emitter, EmitterClass, FirstHit, Lights, Shader, emission, given};
+use radsight_compile::{DISTANT, Emitter, EmitterClass, FirstHit, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -15,6 +15,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some((surface, shader)) = plan.sky_at(direction, path.mis.is_some()) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
         let interaction = SurfaceInteraction::distant(direction);
+        self.note_surface(path, DISTANT);
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }

@@ -95,6 +95,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let hit = FirstHit::at(hit, interaction.total_distance);
             self.first_hit = Some(FirstHit { perturbed_normal: interaction.normal, ..hit });
         }
+        self.note_surface(path, hit.shader.0);
         if let Some(tree) = &mut self.tree {
             let hit = FirstHit::at(hit, hit.distance);
             tree.end(path.node, FirstHit { perturbed_normal: interaction.normal, ..hit });
