@@ -1,13 +1,12 @@
 //! Sending rays that look for diffuse surroundings to where light is expected.
 
-use crate::gather::{CachePoint, GatherDirection, HemisphereGather};
+use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
-use crate::plan::RenderPlan;
-use crate::portals::VisiblePortals;
 use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_brdf::Density;
 use radsight_bsdf::{Bsdf, BsdfSample};
+use radsight_compile::{RenderPlan, VisiblePortals};
 use radsight_irradiance_cache::{GatherHit, GatheredRadiance, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use radsight_texture::luminance;
@@ -26,13 +25,6 @@ const GRAZING: f64 = 0.05;
 
 /// So many numbers are kept for each look's rays towards bright places.
 const MOST_BRIGHT: u64 = 1 << 12;
-
-impl VisiblePortals<'_> {
-    /// The density of a single ray that is drawn by the cosine, with `diffuse_pdf`, or towards an opening, 1/sr.
-    pub(crate) fn mixed_pdf(&self, direction: DVec3, diffuse_pdf: f64) -> f64 {
-        self.chance * self.pdf(direction) + (1.0 - self.chance) * diffuse_pdf
-    }
-}
 
 /// What the diffuse component sees of openings, where it can be sent there.
 pub(crate) fn visible_portals<'p, const BANDS: usize>(

@@ -7,51 +7,36 @@
 //! files, nor text, nor shared libraries, nor cameras.
 #![forbid(unsafe_code)]
 
-mod antimatter;
 mod cache_prepass;
-mod cast;
-mod compile;
-mod compile_scatter;
-mod compile_steps;
+mod cache_query;
+mod caching;
 mod contribution;
 mod direct;
 mod gather;
 mod guiding;
 mod hemisphere_sampling;
 mod indirect;
-mod light_power;
-mod lighting;
-mod medium;
+mod light_selection;
 mod medium_boundary;
 mod mis;
 mod mixture;
+mod model_batch;
 mod model_light;
-mod options;
-mod plan;
-mod portals;
-mod prism;
-mod prism_image;
 mod prism_manifold;
 mod ray_spacing;
 mod ray_tree;
-mod refraction;
 mod renderer;
-mod shader;
 mod shadow;
-mod specialise;
-mod substance;
+mod subtraction;
 mod trace;
-mod veils;
-mod visibility_class;
 
-pub use cast::FirstHit;
 pub use contribution::Contribution;
-pub use options::{
-    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, LightDivision, Lights, PathLimit, Quantity,
-    RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
-};
-pub use plan::{ModelRequest, ModelSource, NoModels, PlanDecision, RenderPlan};
 pub use radsight_accel::Ray;
+pub use radsight_compile::{
+    AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,
+    ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping,
+    TrackedValue, Uncached,
+};
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;

@@ -1,14 +1,14 @@
 //! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
 
 use crate::direct::DirectSampler;
-use crate::medium::{Medium, MistKind};
-use crate::options::BackFaces;
-use crate::prism::PrismKind;
-use crate::refraction::DielectricInterface;
-use crate::shader::{Emitter, Kind, Shader, Substitution};
-use crate::trace::{Passage, PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::passage::Passage;
+use crate::trace::path_state::PathState;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
+use radsight_compile::{
+    BackFaces, DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, Shader, Substitution,
+};
 use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, bands, product};

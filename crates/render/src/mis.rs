@@ -1,9 +1,9 @@
 //! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
 
-use crate::direct::selection_pdf;
-use crate::plan::RenderPlan;
+use crate::light_selection::selection_pdf;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray, RayFrame};
+use radsight_compile::RenderPlan;
 use radsight_ir::SurfaceHandle;
 use radsight_light::{Light, LightForm, LightId, Reception};
 

@@ -1,9 +1,9 @@
 //! Surfaces that are part one material, part another.
 
-use crate::options::BackFaces;
-use crate::shader::{Kind, MixtureKind, Shader};
-use crate::trace::{PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::PathState;
 use radsight_accel::Intersection;
+use radsight_compile::{BackFaces, Kind, MixtureKind, Shader};
 use radsight_texture::SurfaceInteraction;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {

@@ -6,12 +6,11 @@
 //! the direction.
 
 use crate::direct::DirectSampler;
-use crate::prism::PrismKind;
-use crate::shader::Kind;
 use crate::trace::PathIntegrator;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
+use radsight_compile::{Kind, PrismKind};
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 use radsight_texture::SurfaceInteraction;
 

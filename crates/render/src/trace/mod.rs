@@ -8,31 +8,25 @@
 
 mod emission;
 mod illumination;
-mod passage;
-mod path_state;
+pub(crate) mod passage;
+pub(crate) mod path_state;
 mod roulette;
 mod scatterer;
 mod shade;
 mod split;
 
-pub(crate) use emission::{emission, given};
-pub(crate) use passage::Passage;
-pub(crate) use path_state::{MediumId, PathState};
+use path_state::{MediumId, PathState};
 
-use crate::antimatter::{AntimatterEvent, Subtraction, SubtractionId};
-use crate::cast::FirstHit;
+use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
-use crate::gather::{CacheQuery, Caches};
-use crate::medium::Medium;
-use crate::model_light::ModelBatch;
-use crate::options::{BackFaces, Quantity, Uncached};
-use crate::plan::RenderPlan;
+use crate::model_batch::ModelBatch;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
-use crate::shader::Kind;
+use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
+use radsight_compile::{BackFaces, FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
 use radsight_texture::BandValues;

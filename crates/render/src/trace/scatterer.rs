@@ -1,10 +1,12 @@
 //! Rays at scattering materials.
 
-use super::{Passage, PathIntegrator, PathState};
+use super::PathIntegrator;
+use super::passage::Passage;
+use super::path_state::PathState;
 use crate::ray_tree::Image;
-use crate::shader::Shader;
 use radsight_accel::Intersection;
 use radsight_bsdf::{BsdfContext, MeasuredKind, MeasuredPart, Scatterer, SpecularBounce, SurfaceScattering};
+use radsight_compile::Shader;
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, luminance};
 

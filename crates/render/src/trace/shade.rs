@@ -4,13 +4,11 @@ use super::PathIntegrator;
 use super::emission::placed_share;
 use super::passage::Passage;
 use super::path_state::PathState;
-use crate::cast::FirstHit;
-use crate::options::Quantity;
 use crate::ray_tree::Image;
-use crate::shader::{Kind, Shader};
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
 use radsight_bsdf::{Bsdf, colored, pane};
+use radsight_compile::{FirstHit, Kind, Quantity, Shader};
 use radsight_texture::{Appearance, SurfaceInteraction, bands, product, reflect, shading_normal};
 use std::f64::consts::PI;
 

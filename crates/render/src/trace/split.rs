@@ -22,8 +22,8 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
-use crate::options::{LightDivision, Quantity, RenderOptions};
 use radsight_bsdf::Bsdf;
+use radsight_compile::{LightDivision, Quantity, RenderOptions};
 use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
@@ -207,7 +207,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::{Gathering, Uncached};
+    use radsight_compile::{Gathering, Uncached};
 
     fn options(divisions: u32, super_samples: u32, accuracy: f64, least_weight: f64) -> RenderOptions {
         let gathering =

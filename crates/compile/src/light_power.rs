@@ -1,8 +1,8 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
+use crate::emission::emission;
 use crate::plan::RenderPlan;
 use crate::shader::Shader;
-use crate::trace::emission;
 use glam::DVec3;
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
@@ -20,7 +20,7 @@ const MOST_PROFILES: usize = 16;
 
 impl RenderPlan {
     /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
-    pub(crate) fn typical_radiance(&self, light: &Light) -> f64 {
+    pub fn typical_radiance(&self, light: &Light) -> f64 {
         let shader = self.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
         if shader.textures.steps.is_empty() {
@@ -39,12 +39,7 @@ impl RenderPlan {
     }
 
     /// The strongest band of what an emitter shows; nothing of what is none.
-    pub(crate) fn strongest_emission(
-        &self,
-        shader: &Shader,
-        interaction: &SurfaceInteraction,
-        scratch: &mut Scratch,
-    ) -> f64 {
+    pub fn strongest_emission(&self, shader: &Shader, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
         match self.bands {
             1 => self.strongest_of::<1>(shader, interaction, scratch),
             3 => self.strongest_of::<3>(shader, interaction, scratch),
@@ -61,12 +56,12 @@ impl RenderPlan {
         scratch: &mut Scratch,
     ) -> f64 {
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
-        let radiance: [f64; BANDS] = emission(self, shader, emitter, interaction, scratch);
+        let radiance: [f64; BANDS] = emission(&self.scene, shader, emitter, interaction, scratch);
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }
 
     /// Finds the beams of lights whose pattern makes them narrow.
-    pub(crate) fn find_profiles(&mut self) {
+    pub fn find_profiles(&mut self) {
         let profiles: Vec<(usize, EmissionProfile)> = self
             .lights
             .iter()

@@ -15,37 +15,37 @@ const GRAZING: f64 = 1e-6;
 
 /// A surface between two media.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DielectricInterface {
+pub struct DielectricInterface {
     /// Transmissivity of a scene unit on the back of the surface.
-    pub(crate) inside: Rgb,
+    pub inside: Rgb,
     /// The same on its front; `None` is what fills the scene.
-    pub(crate) outside: Option<Rgb>,
+    pub outside: Option<Rgb>,
     /// Index inside over index outside.
     ratio: f64,
 }
 
 /// A ray that met a boundary.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Refracted {
+pub struct Refracted {
     /// Share of the radiance that is reflected.
-    pub(crate) reflectance: f64,
+    pub reflectance: f64,
     /// Unit direction of the refracted ray, and the factor of its radiance; none where all is reflected.
-    pub(crate) onward: Option<(DVec3, f64)>,
+    pub onward: Option<(DVec3, f64)>,
     /// Unit, on the side from which the ray comes.
-    pub(crate) normal: DVec3,
+    pub normal: DVec3,
     /// Cosine between that normal and the way back.
-    pub(crate) cosine: f64,
+    pub cosine: f64,
 }
 
 impl DielectricInterface {
     /// The surface of a body.
-    pub(crate) fn of_body(body: &Dielectric) -> DielectricInterface {
+    pub fn of_body(body: &Dielectric) -> DielectricInterface {
         let ratio = body.refractive_index + body.hartmann / MEAN_WAVELENGTH;
         DielectricInterface { inside: body.transmissivity, outside: None, ratio }
     }
 
     /// The surface between two bodies.
-    pub(crate) fn between(interface: &Interface) -> DielectricInterface {
+    pub fn between(interface: &Interface) -> DielectricInterface {
         let Interface { inside, outside } = interface;
         DielectricInterface {
             inside: inside.transmissivity,
@@ -54,17 +54,18 @@ impl DielectricInterface {
         }
     }
 
-    pub(crate) fn is_grey(&self) -> bool {
+    /// Whether every band is the same.
+    pub fn is_grey(&self) -> bool {
         self.inside.is_grey() && self.outside.is_none_or(Rgb::is_grey)
     }
 
     /// Transmissivity of the side from which a ray comes, `None` for what fills the scene, and of the other side.
-    pub(crate) fn sides(&self, behind: bool) -> [Option<Rgb>; 2] {
+    pub fn sides(&self, behind: bool) -> [Option<Rgb>; 2] {
         if behind { [Some(self.inside), self.outside] } else { [self.outside, Some(self.inside)] }
     }
 
     /// What becomes of a ray along `direction`; `front` is the unit geometric normal, `perturbation` what textures add to it.
-    pub(crate) fn refract(&self, direction: DVec3, front: DVec3, perturbation: DVec3) -> Refracted {
+    pub fn refract(&self, direction: DVec3, front: DVec3, perturbation: DVec3) -> Refracted {
         let behind = direction.dot(front) > 0.0;
         let side = if behind { -front } else { front };
         let normal = perturbed(direction, front, perturbation, behind);
@@ -90,14 +91,14 @@ impl DielectricInterface {
     }
 
     /// Index on the side of a ray over that on the other side.
-    pub(crate) fn index_ratio(&self, behind: bool) -> f64 {
+    pub fn index_ratio(&self, behind: bool) -> f64 {
         if behind { self.ratio } else { self.ratio.recip() }
     }
 }
 
 impl Refracted {
     /// The reflected direction; one that a texture would send through the surface takes the geometric normal.
-    pub(crate) fn reflected(&self, direction: DVec3, front: DVec3) -> DVec3 {
+    pub fn reflected(&self, direction: DVec3, front: DVec3) -> DVec3 {
         let reflected = direction + self.normal * (2.0 * self.cosine);
         let side = if direction.dot(front) > 0.0 { -front } else { front };
         if reflected.dot(side) > GRAZING { reflected } else { direction - side * (2.0 * side.dot(direction)) }

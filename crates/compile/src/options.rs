@@ -139,7 +139,7 @@ impl Gathering {
     pub const MAX_INTERPOLATION_ERROR: f64 = 0.2;
 
     /// All rays that look around from a point; with fewer than two a single one is drawn instead.
-    pub(crate) fn rays(&self) -> usize {
+    pub fn rays(&self) -> usize {
         self.divisions as usize + self.super_samples as usize
     }
 }

@@ -15,18 +15,20 @@ use std::sync::Arc;
 
 /// Patterns, textures and the material of a surface.
 #[derive(Clone, Debug)]
-pub(crate) struct Shader {
-    pub(crate) textures: TextureChain,
-    pub(crate) kind: Kind,
+pub struct Shader {
+    /// Patterns and textures.
+    pub textures: TextureChain,
+    /// The material.
+    pub kind: Kind,
     /// The first modifier of its chain; `None` for `void`.
-    pub(crate) modifier: Option<ModifierHandle>,
+    pub modifier: Option<ModifierHandle>,
     /// Which of the modifiers it is whose contributions are wanted.
-    pub(crate) tracked: Option<u32>,
+    pub tracked: Option<u32>,
 }
 
 /// The material.
 #[derive(Clone, Debug)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// No material: rays go on.
     Transparent,
     /// Emits and does not reflect.
@@ -76,18 +78,18 @@ pub(crate) enum Kind {
 
 /// A mixture of materials.
 #[derive(Clone, Debug)]
-pub(crate) struct MixtureKind {
+pub struct MixtureKind {
     /// How much of the first.
-    pub(crate) share: Share,
+    pub share: Share,
     /// Foreground and background; each has the steps that stand before the mixture.
-    pub(crate) arms: [ShaderId; 2],
+    pub arms: [ShaderId; 2],
     /// Whether one of them does.
-    pub(crate) lets_light_through: bool,
+    pub lets_light_through: bool,
 }
 
 /// The material that is seen in place of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Substitution {
+pub enum Substitution {
     /// Rays go on.
     Void,
     /// A shader.
@@ -96,7 +98,7 @@ pub(crate) enum Substitution {
 
 /// Which rays find an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum EmitterClass {
+pub enum EmitterClass {
     /// `light` and `spotlight`.
     Light,
     /// `glow`, with its radius in scene units: a sampled light up to there; below zero not even found by interreflection.
@@ -107,28 +109,30 @@ pub(crate) enum EmitterClass {
 
 /// A light, glow, spotlight or illum.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Emitter {
-    pub(crate) class: EmitterClass,
-    pub(crate) radiance: Rgb,
+pub struct Emitter {
+    /// Which rays find it.
+    pub class: EmitterClass,
+    /// W/(sr·m²), before patterns.
+    pub radiance: Rgb,
     /// Cosine of the half angle of a spotlight's cone, and its unit axis.
-    pub(crate) cone: Option<(f64, DVec3)>,
+    pub cone: Option<(f64, DVec3)>,
 }
 
 impl Emitter {
     /// A `light`.
-    pub(crate) fn light(radiance: Rgb) -> Emitter {
+    pub fn light(radiance: Rgb) -> Emitter {
         Emitter { class: EmitterClass::Light, radiance, cone: None }
     }
 
     /// Whether a shadow ray to it ends at an illum: both may stand for the same light.
-    pub(crate) fn is_weak(&self) -> bool {
+    pub fn is_weak(&self) -> bool {
         self.class != EmitterClass::Light
     }
 }
 
 impl Kind {
     /// What it emits.
-    pub(crate) fn emitter(&self) -> Option<&Emitter> {
+    pub fn emitter(&self) -> Option<&Emitter> {
         match self {
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => Some(emitter),
             _ => None,
@@ -136,7 +140,7 @@ impl Kind {
     }
 
     /// Whether Radiance calls it transparent: a measurement of irradiance (`-i`) looks through it.
-    pub(crate) fn is_transparent(&self) -> bool {
+    pub fn is_transparent(&self) -> bool {
         matches!(self, Kind::Transparent | Kind::Glass { .. } | Kind::Dielectric(_) | Kind::Mist(_))
     }
 }
@@ -144,7 +148,7 @@ impl Kind {
 impl Shader {
     /// Runs all patterns and textures.
     #[inline]
-    pub(crate) fn appearance<const BANDS: usize>(
+    pub fn appearance<const BANDS: usize>(
         &self,
         scene: &Scene,
         interaction: &SurfaceInteraction,
@@ -154,7 +158,7 @@ impl Shader {
     }
 
     /// The same at the surface of a body: the colour, and what is added to the front normal.
-    pub(crate) fn body_appearance<const BANDS: usize>(
+    pub fn body_appearance<const BANDS: usize>(
         &self,
         scene: &Scene,
         interaction: &SurfaceInteraction,
@@ -165,7 +169,7 @@ impl Shader {
     }
 
     /// Whether every band is the same, whatever the interaction.
-    pub(crate) fn is_grey(&self) -> bool {
+    pub fn is_grey(&self) -> bool {
         let color = match &self.kind {
             // The parts of a mixture are shaders of their own.
             Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Antimatter(_) | Kind::Unusable => Rgb::WHITE,
@@ -182,7 +186,7 @@ impl Shader {
     }
 
     /// Whether rays from behind pass where back faces are invisible.
-    pub(crate) fn can_hide_its_back(&self) -> bool {
+    pub fn can_hide_its_back(&self) -> bool {
         match &self.kind {
             Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
             // The parts of a mixture decide for themselves.
@@ -194,7 +198,7 @@ impl Shader {
     }
 
     /// Whether shadow rays can go on through it.
-    pub(crate) fn lets_light_through(&self) -> bool {
+    pub fn lets_light_through(&self) -> bool {
         match &self.kind {
             Kind::Glass { .. } => true,
             Kind::Scatterer(scatterer) => scatterer.lets_through(),
@@ -204,7 +208,7 @@ impl Shader {
     }
 
     /// Whether a shadow ray may end there or go on.
-    pub(crate) fn matters_to_shadow_rays(&self) -> bool {
+    pub fn matters_to_shadow_rays(&self) -> bool {
         let kind = &self.kind;
         self.lets_light_through()
             || kind.is_transparent()

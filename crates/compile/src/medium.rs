@@ -6,11 +6,8 @@
 //! in which the light travels and that towards the viewer. As in Radiance a shadow ray loses only what is absorbed, `exp(−(1 − a)σd)`,
 //! and light that is scattered twice is a constant, the ambient value.
 
-use crate::shader::{Kind, Shader};
 use glam::DVec3;
-use radsight_diag::Diagnostic;
-use radsight_ir::{Mist, Rgb, Scene};
-use radsight_light::{Light, LightId};
+use radsight_ir::{Mist, Rgb};
 use radsight_texture::bands;
 use std::f64::consts::PI;
 
@@ -22,62 +19,59 @@ const LEAST_TRANSMISSIVITY: f64 = 1e-40;
 
 /// What fills the space along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Medium<const BANDS: usize> {
+pub struct Medium<const BANDS: usize> {
     /// 1/scene unit.
-    pub(crate) extinction: [f64; BANDS],
+    pub extinction: [f64; BANDS],
     /// Share of the extinction that is scattering.
-    pub(crate) albedo: [f64; BANDS],
+    pub albedo: [f64; BANDS],
     /// Henyey and Greenstein's g.
-    pub(crate) eccentricity: f64,
+    pub eccentricity: f64,
     /// Which lights it scatters, as bits of the plan's list.
-    pub(crate) lights: u64,
+    pub lights: u64,
 }
 
 /// The `mist` material.
 #[derive(Clone, Debug)]
-pub(crate) struct MistKind {
+pub struct MistKind {
     extinction: Rgb,
     albedo: Option<Rgb>,
     eccentricity: Option<f64>,
     /// The lights that it names.
-    pub(crate) names: Vec<String>,
+    pub names: Vec<String>,
     /// The same as bits of the plan's list.
-    pub(crate) lights: u64,
+    pub lights: u64,
 }
-
-/// The most lights that all mist of a scene can name.
-pub(crate) const MAX_MIST_LIGHTS: usize = 64;
 
 impl<const BANDS: usize> Medium<BANDS> {
     /// A body that absorbs.
-    pub(crate) fn absorbing(transmissivity: Rgb, pattern: [f64; BANDS], lights: u64) -> Self {
+    pub fn absorbing(transmissivity: Rgb, pattern: [f64; BANDS], lights: u64) -> Self {
         let own: [f64; BANDS] = bands(transmissivity);
         let extinction = std::array::from_fn(|band| extinction(own[band] * pattern[band]));
         Medium { extinction, albedo: [0.0; BANDS], eccentricity: 0.0, lights }
     }
 
     /// What is left of light over a distance.
-    pub(crate) fn transmission(&self, distance: f64) -> [f64; BANDS] {
+    pub fn transmission(&self, distance: f64) -> [f64; BANDS] {
         self.extinction.map(|extinction| passage(extinction, distance))
     }
 
     /// What is left of light on its way from a source, which Radiance does not dim by what is scattered.
-    pub(crate) fn shadow_transmission(&self, distance: f64) -> [f64; BANDS] {
+    pub fn shadow_transmission(&self, distance: f64) -> [f64; BANDS] {
         std::array::from_fn(|band| passage(self.extinction[band] * (1.0 - self.albedo[band]), distance))
     }
 
     /// Whether light of some source is scattered into a ray.
-    pub(crate) fn scatters_lights(&self) -> bool {
+    pub fn scatters_lights(&self) -> bool {
         self.lights != 0 && self.scatters() && self.eccentricity < 1.0 - 1e-6
     }
 
     /// Whether it scatters at all.
-    pub(crate) fn scatters(&self) -> bool {
+    pub fn scatters(&self) -> bool {
         (0..BANDS).any(|band| self.extinction[band] * self.albedo[band] > 0.0)
     }
 
     /// The phase function for light that travels along `-to_light` and leaves along `-along_ray`, 1/sr.
-    pub(crate) fn phase(&self, along_ray: DVec3, to_light: DVec3) -> f64 {
+    pub fn phase(&self, along_ray: DVec3, to_light: DVec3) -> f64 {
         let g = self.eccentricity;
         let base = 1.0 + g * g - 2.0 * g * along_ray.dot(to_light);
         (1.0 - g * g) / (4.0 * PI * base * base.sqrt())
@@ -94,7 +88,8 @@ fn extinction(transmissivity: f64) -> f64 {
 }
 
 impl MistKind {
-    pub(crate) fn new(mist: &Mist) -> MistKind {
+    /// The material, without its lights.
+    pub fn new(mist: &Mist) -> MistKind {
         MistKind {
             extinction: mist.extinction,
             albedo: mist.albedo,
@@ -104,17 +99,18 @@ impl MistKind {
         }
     }
 
-    pub(crate) fn is_grey(&self) -> bool {
+    /// Whether every band is the same.
+    pub fn is_grey(&self) -> bool {
         self.extinction.is_grey() && self.albedo.is_none_or(Rgb::is_grey)
     }
 
     /// Whether it scatters any light itself.
-    pub(crate) fn scatters(&self) -> bool {
+    pub fn scatters(&self) -> bool {
         self.albedo.is_some_and(|albedo| !albedo.is_black())
     }
 
     /// The medium behind the surface for a ray that enters: mist adds to what is there.
-    pub(crate) fn entered<const BANDS: usize>(&self, outside: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
+    pub fn entered<const BANDS: usize>(&self, outside: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
         let own: [f64; BANDS] = bands(self.extinction);
         Medium {
             extinction: std::array::from_fn(|band| outside.extinction[band] + own[band] * pattern[band]),
@@ -125,12 +121,12 @@ impl MistKind {
     }
 
     /// The medium that a leaving ray has crossed: that in which it started, unless it started inside of the mist without knowing.
-    pub(crate) fn crossed<const BANDS: usize>(&self, ray: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
+    pub fn crossed<const BANDS: usize>(&self, ray: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
         if ray.lights & self.lights == self.lights { ray } else { self.entered(ray, pattern) }
     }
 
     /// The medium beyond the surface for a ray that leaves.
-    pub(crate) fn left<const BANDS: usize>(
+    pub fn left<const BANDS: usize>(
         &self,
         inside: Medium<BANDS>,
         pattern: [f64; BANDS],
@@ -145,44 +141,6 @@ impl MistKind {
             lights: inside.lights & !self.lights,
         }
     }
-}
-
-/// The lights that mist names: bit k of a medium's lights is entry k.
-#[derive(Debug, Default)]
-pub(crate) struct MistLights(pub(crate) Vec<LightId>);
-
-impl MistLights {
-    /// Finds the lights that the mist of a scene names, and sets the bits in its shaders. A name that no light has is passed over, as in
-    /// Radiance.
-    pub(crate) fn new(scene: &Scene, lights: &[Light], shaders: &mut [Shader]) -> Result<MistLights, Diagnostic> {
-        let mut found = MistLights::default();
-        for shader in shaders {
-            let Kind::Mist(mist) = &mut shader.kind else { continue };
-            for name in &mist.names {
-                let Some(id) = lights.iter().rposition(|light| is_named(scene, light, name)) else { continue };
-                let id = LightId(id as u32);
-                let bit = found.0.iter().position(|known| *known == id).unwrap_or_else(|| {
-                    found.0.push(id);
-                    found.0.len() - 1
-                });
-                if bit >= MAX_MIST_LIGHTS {
-                    let most = MAX_MIST_LIGHTS;
-                    return Err(Diagnostic::error(format!("mist names more than {most} different lights")));
-                }
-                mist.lights |= 1 << bit;
-            }
-        }
-        Ok(found)
-    }
-}
-
-/// Whether a name is that of a light: `mirror>lamp` is the image of `lamp` in `mirror`.
-fn is_named(scene: &Scene, light: &Light, name: &str) -> bool {
-    let mut words = name.split('>').rev();
-    let own = words.next() == Some(scene.surface_name(light.surface));
-    // The mirrors of a light stand in the order in which the receiver sees them.
-    let mirrors = light.virtual_sources.iter().rev().map(|mirror| scene.surface_name(mirror.surface));
-    own && words.eq(mirrors)
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ const IN_PLANE: f64 = 1e-9;
 
 /// What stands between a surface and a light.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum VisibilityClass {
+pub enum VisibilityClass {
     /// The light shows the surface its back, or is too far: it gives nothing.
     Dark,
     /// Nothing.
@@ -35,28 +35,29 @@ pub(crate) enum VisibilityClass {
 
 /// What is known of one primitive.
 #[derive(Clone, Debug)]
-pub(crate) struct Receiver {
+pub struct Receiver {
     /// By light.
-    pub(crate) between: Vec<VisibilityClass>,
+    pub between: Vec<VisibilityClass>,
     /// Everything in front of it is a sampled light.
-    pub(crate) sees_only_lights: bool,
+    pub sees_only_lights: bool,
     /// And every light is smaller than its highlight, so that sampling the lights alone is best.
-    pub(crate) lights_suffice: bool,
+    pub lights_suffice: bool,
 }
 
 /// What is known of all primitives; empty where the scene is too large to look at every pair.
 #[derive(Debug, Default)]
-pub(crate) struct Visibility {
+pub struct Visibility {
     receivers: Vec<Receiver>,
 }
 
 impl Visibility {
     /// Knows nothing, so that everything is computed.
-    pub(crate) fn everything() -> Visibility {
+    pub fn everything() -> Visibility {
         Visibility::default()
     }
 
-    pub(crate) fn new<'a>(
+    /// Finds out what stands between the surfaces and lights of a scene; `unsampled_light` says whether light comes from elsewhere too.
+    pub fn new<'a>(
         scene: &ValidScene,
         geometry: &Geometry,
         shader: impl Fn(SurfaceHandle) -> &'a Shader,
@@ -87,13 +88,14 @@ impl Visibility {
         Visibility { receivers }
     }
 
+    /// What is known of a primitive.
     #[inline]
-    pub(crate) fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
+    pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         self.receivers.get(primitive.0 as usize)
     }
 
     /// Counts of what is saved, in words.
-    pub(crate) fn summary(&self) -> [(usize, &'static str, &'static str); 4] {
+    pub fn summary(&self) -> [(usize, &'static str, &'static str); 4] {
         let pairs = |kind: fn(&VisibilityClass) -> bool| {
             self.receivers.iter().map(|receiver| receiver.between.iter().filter(|b| kind(b)).count()).sum()
         };

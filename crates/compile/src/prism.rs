@@ -17,9 +17,10 @@ const TINY: f64 = 1e-6;
 
 /// A light-redirecting material.
 #[derive(Clone, Debug)]
-pub(crate) struct PrismKind {
+pub struct PrismKind {
     function: Function,
-    pub(crate) faces: u32,
+    /// How many of its faces send light on.
+    pub faces: u32,
 }
 
 /// A ray at a prism, and where its light is.
@@ -40,12 +41,13 @@ impl Host for PrismView<'_> {
 }
 
 impl PrismKind {
-    pub(crate) fn new(prism: &Prism) -> PrismKind {
+    /// The material, compiled.
+    pub fn new(prism: &Prism) -> PrismKind {
         PrismKind { function: Function::new(&prism.call), faces: if prism.faces == PrismFace::One { 1 } else { 2 } }
     }
 
     /// Coefficient and unit direction in which a face sends a ray on; `aim` is the unit direction to the light that it looks for, or zero.
-    pub(crate) fn redirect(
+    pub fn redirect(
         &self,
         face: u32,
         interaction: &SurfaceInteraction,
@@ -66,7 +68,7 @@ impl PrismKind {
 
     /// How far a point appears beside its place, for each unit of its height above the prism's plane, when light along `arriving` that meets
     /// the middle of the prism leaves it as this face says.
-    pub(crate) fn shift(
+    pub fn shift(
         &self,
         face: u32,
         interaction: &SurfaceInteraction,

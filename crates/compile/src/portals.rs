@@ -7,39 +7,35 @@
 //! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings
 //! that are seen behind each other.
 
-use crate::plan::RenderPlan;
-use crate::shader::{EmitterClass, Kind, Shader};
 use glam::DVec3;
-use radsight_accel::{MemberId, PrimitiveId, Ray, is_flat};
-use radsight_cal::Scratch;
-use radsight_ir::{Surface, SurfaceHandle};
 use radsight_light::LightForm;
-use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
-use radsight_texture::SurfaceInteraction;
 
 /// The openings of a scene.
 #[derive(Debug, Default)]
-pub(crate) struct Portals(Vec<Portal>);
+pub struct Portals(pub Vec<Portal>);
 
 /// One side of a flat surface through which light comes.
 #[derive(Clone, Debug)]
-struct Portal {
+pub struct Portal {
     /// Turned to where the light goes.
-    form: LightForm,
+    pub form: LightForm,
     /// Unit normal on that side, and a point of the plane.
-    normal: DVec3,
-    place: DVec3,
-    area: f64,
+    pub normal: DVec3,
+    /// A point of its plane, scene units.
+    pub place: DVec3,
+    /// Square scene units.
+    pub area: f64,
     /// Sphere around it.
-    center: DVec3,
-    radius: f64,
+    pub center: DVec3,
+    /// Of that sphere.
+    pub radius: f64,
     /// Radiance that comes through, about.
-    radiance: f64,
+    pub radiance: f64,
 }
 
 /// The openings as they are seen from a point.
 #[derive(Debug)]
-pub(crate) struct VisiblePortals<'p> {
+pub struct VisiblePortals<'p> {
     portals: &'p [Portal],
     point: DVec3,
     /// Those that promise something, and what.
@@ -47,63 +43,26 @@ pub(crate) struct VisiblePortals<'p> {
     len: usize,
     total: f64,
     /// The share of rays that are sent towards openings.
-    pub(crate) chance: f64,
+    pub chance: f64,
 }
 
 /// No more openings are known: the brightest ones.
-const MOST_OPENINGS: usize = 48;
-
-/// Surfaces that are looked through to see whether they are openings: the largest ones.
-const MOST_CANDIDATES: usize = 128;
-
-/// Rays that look through each side of a surface.
-const LOOKS: u32 = 16;
-
-/// Openings that bring less than this share of what the brightest one does for its area are left out.
-const LEAST_SHARE: f64 = 0.05;
-
-/// Panes behind each other that a look goes through.
-const MOST_PANES: u32 = 8;
+pub(crate) const MOST_OPENINGS: usize = 48;
 
 impl Portals {
-    /// Looks for the openings of a scene.
-    pub(crate) fn new(plan: &RenderPlan) -> Portals {
-        let has_sky = plan.sky.iter().any(|sky| !is_sampled(plan, sky.surface));
-        let mut candidates: Vec<(MemberId, SurfaceHandle, LightForm)> = plan
-            .geometry
-            .members()
-            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_let_in(plan, *handle, has_sky))
-            .filter_map(|(member, handle)| {
-                let form = LightForm::new(&plan.scene, plan.scene.surfaces[handle].shape)?;
-                form.plane().is_some().then_some((member, handle, form))
-            })
-            .collect();
-        candidates.sort_by(|one, two| two.2.area().total_cmp(&one.2.area()));
-        candidates.truncate(MOST_CANDIDATES);
-        let mut scratch = Scratch::default();
-        let mut portals: Vec<Portal> = candidates
-            .into_iter()
-            .flat_map(|(member, handle, form)| {
-                let turned = turned(&form);
-                [form, turned].into_iter().filter_map(Portal::new).map(move |side| (member, handle, side))
-            })
-            .map(|(member, handle, side)| side.looked_through(plan, (member, handle), &mut scratch))
-            .filter(|portal| portal.radiance > 0.0)
-            .collect();
-        let brightest = portals.iter().map(|portal| portal.radiance).fold(0.0, f64::max);
-        portals.retain(|portal| portal.radiance >= LEAST_SHARE * brightest);
-        portals.sort_by(|one, two| two.power().total_cmp(&one.power()));
-        portals.truncate(MOST_OPENINGS);
-        Portals(portals)
-    }
-
     /// How many there are.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.0.len()
     }
 
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// What a point of a surface sees of them on the side of its unit normal; `None` where it is nothing.
-    pub(crate) fn seen_from(&self, point: DVec3, normal: DVec3) -> Option<VisiblePortals<'_>> {
+    pub fn seen_from(&self, point: DVec3, normal: DVec3) -> Option<VisiblePortals<'_>> {
         if self.0.is_empty() {
             return None;
         }
@@ -129,51 +88,15 @@ impl Portals {
 }
 
 impl Portal {
-    fn new(form: LightForm) -> Option<Portal> {
+    /// One side of a flat form, of which nothing is known yet.
+    pub fn new(form: LightForm) -> Option<Portal> {
         let (normal, place) = form.plane()?;
         let (center, radius) = form.bounding_sphere();
         Some(Portal { area: form.area(), form, normal, place, center, radius, radiance: 0.0 })
     }
 
-    /// With the radiance that comes through a surface.
-    fn looked_through(
-        self,
-        plan: &RenderPlan,
-        (member, handle): (MemberId, SurfaceHandle),
-        scratch: &mut Scratch,
-    ) -> Portal {
-        let shader = plan.shader(handle);
-        let look = |index: u32| {
-            let u = RaySampler::new(plan.options.seed, u64::from(index)).take(DimensionSet::CAMERA);
-            self.look(plan, (shader, member.primitive()), u, scratch)
-        };
-        let radiance = (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS);
-        Portal { radiance, ..self }
-    }
-
-    /// The radiance that comes along one way, its strongest band.
-    fn look(
-        &self,
-        plan: &RenderPlan,
-        (shader, own): (&Shader, PrimitiveId),
-        u: [f64; 4],
-        scratch: &mut Scratch,
-    ) -> f64 {
-        let Some((normal, point)) = self.form.point([u[0], u[1]]) else { return 0.0 };
-        let (x, y) = normal.any_orthonormal_pair();
-        let local = DVec3::from_array(cosine_hemisphere(u[2], u[3]));
-        let direction = -(x * local.x + y * local.y + normal * local.z).normalize();
-        let ray = Ray { origin: point, direction };
-        if matches!(shader.kind, Kind::Emitter(_)) {
-            let distance = plan.bounding_sphere().1;
-            let from = Ray { origin: ray.at(-distance), direction };
-            let interaction = SurfaceInteraction::new(&from, point, normal, distance, distance);
-            return plan.strongest_emission(shader, &interaction, scratch);
-        }
-        sky_along(plan, ray, own, scratch)
-    }
-
-    fn power(&self) -> f64 {
+    /// Radiance times area.
+    pub fn power(&self) -> f64 {
         self.radiance * self.area
     }
 
@@ -197,8 +120,13 @@ impl VisiblePortals<'_> {
     /// The share of rays that are drawn one by one.
     const OF_SINGLE_RAYS: f64 = 0.5;
 
+    /// The density of a single ray that is drawn by the cosine, with `diffuse_pdf`, or towards an opening, 1/sr.
+    pub fn mixed_pdf(&self, direction: DVec3, diffuse_pdf: f64) -> f64 {
+        self.chance * self.pdf(direction) + (1.0 - self.chance) * diffuse_pdf
+    }
+
     /// Draws a unit direction towards an opening.
-    pub(crate) fn draw(&self, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
+    pub fn draw(&self, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
         let mut left = choice * self.total;
         let mut chosen = None;
         for (index, importance) in &self.importances[..self.len] {
@@ -213,7 +141,7 @@ impl VisiblePortals<'_> {
     }
 
     /// The nearest opening in a unit direction: how far away it is, and its unit normal on the side of the point.
-    pub(crate) fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
+    pub fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
         let met = |(index, _): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
             portal.form.met(self.point, direction).map(|(distance, _)| (distance, portal.normal))
@@ -223,7 +151,7 @@ impl VisiblePortals<'_> {
     }
 
     /// The density with which [`VisiblePortals::draw`] finds a unit direction, 1/sr.
-    pub(crate) fn pdf(&self, direction: DVec3) -> f64 {
+    pub fn pdf(&self, direction: DVec3) -> f64 {
         let of_one = |(index, importance): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
             let met = portal.form.met(self.point, direction);
@@ -233,53 +161,8 @@ impl VisiblePortals<'_> {
     }
 }
 
-fn is_sampled(plan: &RenderPlan, surface: SurfaceHandle) -> bool {
-    plan.lights_of(surface).next().is_some()
-}
-
-/// Whether something bends light that comes in through openings: then irradiance has details as fine as can be seen.
-pub(crate) fn makes_caustics(plan: &RenderPlan) -> bool {
-    let bends = |(handle, surface): (SurfaceHandle, &Surface)| {
-        !is_flat(surface.shape) && matches!(plan.shader(handle).kind, Kind::Dielectric(_))
-    };
-    plan.portals.len() > 0 && plan.scene.surfaces.iter().any(bends)
-}
-
-/// Whether light that is no light's may come through a surface or from it.
-fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
-    let shader = plan.shader(handle);
-    is_flat(plan.scene.surfaces[handle].shape)
-        && match &shader.kind {
-            Kind::Emitter(emitter) => matches!(emitter.class, EmitterClass::Glow(radius) if radius == 0.0),
-            Kind::Dielectric(_) => has_sky,
-            _ => has_sky && shader.lets_light_through(),
-        }
-}
-
-/// The radiance of the sky along a ray, where nothing but panes is in the way; zero elsewhere, and where the sky is a sampled light.
-fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId, scratch: &mut Scratch) -> f64 {
-    let mut from = Some(own);
-    for _ in 0..MOST_PANES {
-        let Some(hit) = plan.first_hit(&ray, from) else {
-            let Some((surface, shader)) = plan.sky_at(ray.direction, true) else { return 0.0 };
-            return if is_sampled(plan, surface) {
-                0.0
-            } else {
-                plan.strongest_emission(shader, &SurfaceInteraction::distant(ray.direction), scratch)
-            };
-        };
-        let shader = plan.shader_at(hit.shader);
-        if !(shader.lets_light_through() || shader.kind.is_transparent()) {
-            return 0.0;
-        }
-        ray.origin = hit.point;
-        from = Some(hit.primitive);
-    }
-    0.0
-}
-
 /// The other side of a flat form.
-fn turned(form: &LightForm) -> LightForm {
+pub(crate) fn turned(form: &LightForm) -> LightForm {
     let mut form = form.clone();
     match &mut form {
         LightForm::Disk { normal, .. }
@@ -293,6 +176,7 @@ fn turned(form: &LightForm) -> LightForm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use radsight_sampling::{DimensionSet, RaySampler};
 
     fn portals() -> Portals {
         let corner = DVec3::new(-1.0, 0.5, 0.2);

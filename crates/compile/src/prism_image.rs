@@ -29,9 +29,9 @@ const ASTRAY: f64 = 0.25;
 /// A prism as it is met in its middle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PrismInteraction<'a> {
-    pub(crate) prism: &'a PrismKind,
-    pub(crate) middle: DVec3,
-    pub(crate) normal: DVec3,
+    pub prism: &'a PrismKind,
+    pub middle: DVec3,
+    pub normal: DVec3,
 }
 
 impl PrismInteraction<'_> {

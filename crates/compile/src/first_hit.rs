@@ -1,8 +1,7 @@
 //! Where rays end, without what they bring.
 
-use crate::plan::RenderPlan;
 use glam::DVec3;
-use radsight_accel::{Intersection, PrimitiveId, Ray};
+use radsight_accel::{Intersection, PrimitiveId};
 use radsight_ir::{ModifierHandle, ModifierKind, Scene, SurfaceHandle};
 
 /// Where the first ray ended.
@@ -22,14 +21,16 @@ pub struct FirstHit {
     pub material: u32,
     /// Local coordinates on a mesh; zero elsewhere.
     pub local: [f64; 2],
-    pub(crate) primitive: PrimitiveId,
+    /// What was hit; [`PrimitiveId::NONE`] for a distant source.
+    pub primitive: PrimitiveId,
 }
 
 /// Stands for the material of all distant sources where surfaces are told apart.
-pub(crate) const DISTANT: u32 = u32::MAX;
+pub const DISTANT: u32 = u32::MAX;
 
 impl FirstHit {
-    pub(crate) fn at(hit: &Intersection, distance: f64) -> FirstHit {
+    /// At a surface; `distance` as it is told, which may count pieces before.
+    pub fn at(hit: &Intersection, distance: f64) -> FirstHit {
         FirstHit {
             distance,
             point: hit.point,
@@ -42,7 +43,8 @@ impl FirstHit {
         }
     }
 
-    pub(crate) fn distant(surface: SurfaceHandle, direction: DVec3) -> FirstHit {
+    /// At a distant source.
+    pub fn distant(surface: SurfaceHandle, direction: DVec3) -> FirstHit {
         FirstHit {
             distance: f64::INFINITY,
             point: direction,
@@ -52,17 +54,6 @@ impl FirstHit {
             material: DISTANT,
             local: [0.0; 2],
             primitive: PrimitiveId::NONE,
-        }
-    }
-}
-
-impl RenderPlan {
-    /// Where a ray ends: at the first surface, or at a distant source. Nothing is shaded, so the perturbed normal is the geometric one.
-    #[must_use]
-    pub fn cast(&self, ray: &Ray) -> Option<FirstHit> {
-        match self.first_hit(ray, None) {
-            Some(hit) => Some(FirstHit::at(&hit, hit.distance)),
-            None => self.sky_at(ray.direction, false).map(|(surface, _)| FirstHit::distant(surface, ray.direction)),
         }
     }
 }

@@ -3,17 +3,13 @@
 //! Where the rule prefers such a veil, what it lies on is not there for a ray, not even for a shadow ray. A search for anything in the
 //! way has to ask only in scenes that have veils; they are found once, before the first ray.
 
-use crate::plan::RenderPlan;
 use crate::shader::Shader;
 use glam::DVec3;
-use radsight_accel::{Crossing, Geometry, MemberId, PrimitiveId, Ray, RayFrame, flat_normal};
+use radsight_accel::{Geometry, MemberId, flat_normal};
 use radsight_ir::{Scene, SurfaceHandle};
 
 /// More pairs of surfaces than this are not looked at.
 const MAX_TESTS: usize = 4_000_000;
-
-/// With more veils than this a search for what is near is quicker than each of them.
-const MANY: usize = 32;
 
 /// Unit normals with a cosine above this are those of parallel surfaces.
 const PARALLEL: f64 = 1.0 - 1e-6;
@@ -55,24 +51,4 @@ fn flat(scene: &Scene, geometry: &Geometry, (member, surface): (MemberId, Surfac
     let normal = flat_normal(scene, shape)?;
     let bounds = geometry.bounds(scene, shape)?;
     Some(Flat { member, normal, low: bounds.min, high: bounds.max })
-}
-
-impl RenderPlan {
-    /// Whether a veil that lies on what a ray crosses is there for it instead.
-    #[inline]
-    pub(crate) fn is_veiled(&self, ray: &Ray, from: Option<PrimitiveId>, crossing: &Crossing) -> bool {
-        !self.veils.is_empty() && self.is_under_veil(ray, from, crossing)
-    }
-
-    #[cold]
-    fn is_under_veil(&self, ray: &Ray, from: Option<PrimitiveId>, crossing: &Crossing) -> bool {
-        let (geometry, scene, frame) = (&self.geometry, &self.scene, RayFrame::new(ray));
-        let (distance, tolerance) = (crossing.distance, geometry.tolerance());
-        let is_there = |veil: &MemberId| {
-            let met = geometry.intersect(scene, *veil, ray, &frame, from, distance + tolerance);
-            met.is_some_and(|met| met.distance >= distance - tolerance)
-        };
-        (self.veils.len() > MANY || self.veils.iter().any(is_there))
-            && geometry.chosen_near(scene, ray, from, distance) != Some(crossing.primitive)
-    }
 }
