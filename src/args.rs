@@ -31,7 +31,7 @@ pub(crate) enum Command {
     /// The pinhole alone: rays for any rtrace, and the average of what comes back
     #[command(subcommand)]
     Pinhole(Pinhole),
-    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output
+    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output; or measures the sensor
     Sensor(Sensor),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
@@ -111,6 +111,9 @@ pub(crate) struct Capture {
     /// Grey picture
     #[arg(short, long, value_name = "OUT.png", required_unless_present = "exposure")]
     pub(crate) output: Option<String>,
+    /// Also writes the colours behind a mosaic of colour filters, demosaiced
+    #[arg(long, value_name = "OUT.png", requires = "output")]
+    pub(crate) color: Option<String>,
     /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
     #[arg(long, value_name = "FILE")]
     pub(crate) exposure: Option<String>,
@@ -214,6 +217,21 @@ pub(crate) struct Sensor {
     /// Chooses the sensor's noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Measure the sensor instead, by the photon transfer method of EMVA 1288: a table with intervals on standard output
+    #[arg(long)]
+    pub(crate) characterise: bool,
+    /// Also write the measurement as a page with plots
+    #[arg(long, value_name = "OUT.html", requires = "characterise")]
+    pub(crate) report: Option<String>,
+    /// Steps of light from dark to saturation
+    #[arg(long, value_name = "N", default_value_t = 50, requires = "characterise")]
+    pub(crate) steps: u32,
+    /// Pictures that are averaged for the differences between pixels
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "characterise")]
+    pub(crate) stack: u32,
+    /// Also write the colours behind a mosaic of colour filters, demosaiced
+    #[arg(long, value_name = "OUT.png", conflicts_with = "characterise")]
+    pub(crate) color: Option<String>,
 }
 
 #[derive(Args, Debug)]
@@ -231,6 +249,9 @@ pub(crate) struct Calibrate {
     /// Unit of the exposures
     #[arg(long, default_value = "uJ/cm2")]
     pub(crate) unit: String,
+    /// Also draw data and fit
+    #[arg(long, value_name = "OUT.svg")]
+    pub(crate) plot: Option<String>,
 }
 
 #[derive(Debug, Subcommand)]

@@ -45,7 +45,7 @@ pub use rig::{LedEmission, Rig};
 use radsight_diag::{Diagnostic, SourceId, SourceMap, hint_nearest};
 use radsight_loader::Loader;
 use radsight_pinhole::{BandWeights, BandWeightsError, PinholeCamera};
-use radsight_sensor::Sensor;
+use radsight_sensor::{Bayer, Sensor};
 use section::{Section, shorten};
 use std::collections::BTreeSet;
 use toml::de::{DeTable, DeValue};
@@ -70,6 +70,8 @@ pub struct CameraFile {
     pub sensor: Option<Sensor>,
     /// How the bands of a coloured scene add up, where the file says so; see [`CameraFile::band_weights_for`].
     pub band_weights: Option<BandWeights>,
+    /// The mosaic of colour filters before the pixels, where there is one; its filters are in the band weights.
+    pub mosaic: Option<Bayer>,
     /// What is allowed but looks like a slip.
     pub warnings: Vec<Diagnostic>,
 }
@@ -181,7 +183,8 @@ fn read_document(
     let rig = Section::open(document, "rig", source, sources, found)
         .and_then(|section| rig_section::read(section, camera.as_ref(), name, sources, loader, found));
     let sensor = Section::open(document, "sensor", source, sources, found)
-        .and_then(|section| sensor_section::read(section, camera.as_ref(), sources, found));
-    let (sensor, band_weights) = sensor.map_or((None, None), |(sensor, weights)| (Some(sensor), weights));
-    Some(CameraFile { camera: camera?, rig, sensor, band_weights, warnings: Vec::new() })
+        .and_then(|section| sensor_section::read(section, camera.as_ref(), name, sources, loader, found));
+    let (sensor, band_weights, mosaic) =
+        sensor.map_or((None, None, None), |read| (Some(read.sensor), read.band_weights, read.mosaic));
+    Some(CameraFile { camera: camera?, rig, sensor, band_weights, mosaic, warnings: Vec::new() })
 }

@@ -221,3 +221,68 @@ fn deep_nesting_and_large_files_are_refused() {
     assert!(!errors(&format!("x = {}", "[".repeat(100_000))).is_empty());
     assert!(errors(&" ".repeat(2 << 20)).contains("expected at most"));
 }
+
+const LINEAR: &str = "\n[sensor]\nresponse = \"emva1288\"\nquantum_efficiency = 0.6\ngain_dn_per_e = 0.25\n\
+                      full_well_e = 12000\nread_noise_e = 8\nbits = 12\n";
+
+fn linear(text: &str, loader: &MemoryLoader) -> radsight_sensor::Emva1288 {
+    let (file, _) = read_with(text, loader).unwrap();
+    let Some(Sensor::Emva1288(sensor)) = file.sensor else { panic!("a linear sensor was asked for") };
+    sensor
+}
+
+#[test]
+fn differences_between_pixels_and_warm_dark_current_are_read() {
+    let keys = "dsnu_e = 2.0\ndsnu_column_e = 1.0\nprnu_percent = 0.8\nspecimen = 3\n\
+                dark_current_e_per_s = 5.0\ntemperature_c = 41.0\ndark_reference_c = 25.0\ndark_doubling_k = 8.0\n";
+    let sensor = linear(&format!("{CAMERA}{LINEAR}{keys}"), &MemoryLoader::default());
+    let uneven = sensor.non_uniformity().unwrap();
+    assert_eq!((uneven.dsnu_e.pixel, uneven.dsnu_e.column, uneven.prnu.pixel), (2.0, 1.0, 0.008));
+    assert_eq!((uneven.columns, uneven.specimen), (192, 3));
+    assert!((sensor.description().dark_current_e_per_s - 20.0).abs() < 1e-9);
+    let errors = read(&format!("{CAMERA}{LINEAR}temperature_c = 41.0\n")).unwrap_err();
+    assert!(errors.contains("go together"), "{errors}");
+    let errors = read(&format!("{CAMERA}{LINEAR}prnu_percent = 50\n")).unwrap_err();
+    assert!(errors.contains("\nprnu_percent") || errors.contains("prnu_percent must be from 0 to 30"), "{errors}");
+}
+
+#[test]
+fn a_table_of_quantum_efficiency_is_read_at_the_wavelength() {
+    let loader = MemoryLoader::default().with("rigs/qe.csv", "wavelength_nm,quantum_efficiency\n600,0.7\n700,0.5\n");
+    let text = format!("{CAMERA}{LINEAR}").replace("quantum_efficiency = 0.6", "quantum_efficiency_table = \"qe.csv\"");
+    let found = linear(&text, &loader).description().quantum_efficiency;
+    assert!((found - 0.6).abs() < 1e-12, "{found}");
+    let far = text.replace("wavelength_nm = 650.0", "wavelength_nm = 850.0");
+    let errors = read_with(&far, &loader).unwrap_err();
+    assert!(errors.contains("is known from 600 to 700 nm, not at 850 nm"), "{errors}");
+}
+
+#[test]
+fn a_preset_fills_in_what_its_source_states_and_nothing_else() {
+    let sensor = "\n[sensor]\nresponse = \"emva1288\"\npreset = \"imx174\"\nbits = 12\n";
+    let green = CAMERA.replace("650.0", "525.0");
+    let found = linear(&format!("{green}{sensor}"), &MemoryLoader::default());
+    let description = found.description();
+    assert_eq!((description.quantum_efficiency, description.full_well_e), (0.77, 32_691.0));
+    assert!((description.gain_dn_per_e - 1.0 / 8.16).abs() < 1e-12);
+    let own = linear(&format!("{green}{sensor}full_well_e = 20000\n"), &MemoryLoader::default());
+    assert_eq!(own.description().full_well_e, 20_000.0);
+    // The source says nothing of red light.
+    let errors = read(&format!("{CAMERA}{sensor}")).unwrap_err();
+    assert!(errors.contains("[sensor] has no \"quantum_efficiency\""), "{errors}");
+    let errors = read(&format!("{CAMERA}{}", sensor.replace("imx174", "imx175"))).unwrap_err();
+    assert!(errors.contains("hint: did you mean \"imx174\"?"), "{errors}");
+}
+
+#[test]
+fn a_mosaic_has_its_filters_in_the_band_weights() {
+    let (file, _) = read(&format!("{CAMERA}{LINEAR}mosaic = \"GRBG\"\nfilter_green = [0.1, 0.9, 0.2]\n")).unwrap();
+    assert_eq!(file.mosaic.unwrap().name(), "GRBG");
+    let weights = file.band_weights_for(3).unwrap();
+    assert!((weights.combine_at(0, &[3.0, 6.0, 9.0]) - (0.1 + 1.8 + 0.6)).abs() < 1e-12);
+    assert!((weights.combine_at(1, &[3.0, 6.0, 9.0]) - 1.0).abs() < 1e-12);
+    let errors = read(&format!("{CAMERA}{LINEAR}mosaic = \"RGBG\"\n")).unwrap_err();
+    assert!(errors.contains("unknown mosaic \"RGBG\""), "{errors}");
+    let errors = read(&format!("{CAMERA}{LINEAR}filter_red = [1, 0, 0]\n")).unwrap_err();
+    assert!(errors.contains("unknown key \"filter_red\""), "{errors}");
+}

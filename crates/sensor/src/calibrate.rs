@@ -204,10 +204,8 @@ fn inverse_diagonal(matrix: [[f64; 3]; 3]) -> [f64; 3] {
         let (a, b) = ((i + 1) % 3, (i + 2) % 3);
         scaled(a, a) * scaled(b, b) - scaled(a, b) * scaled(b, a)
     };
-    let determinant = cofactor(0)
-        + 2.0 * scaled(0, 1) * scaled(1, 2) * scaled(2, 0)
-        - scaled(0, 1).powi(2)
-        - scaled(0, 2).powi(2);
+    let determinant =
+        cofactor(0) + 2.0 * scaled(0, 1) * scaled(1, 2) * scaled(2, 0) - scaled(0, 1).powi(2) - scaled(0, 2).powi(2);
     std::array::from_fn(|i| {
         let element = cofactor(i) / (determinant * scale[i] * scale[i]);
         if element.is_finite() && element >= 0.0 { element } else { f64::INFINITY }

@@ -106,6 +106,13 @@ impl Emva1288 {
         Ok(Emva1288 { asked: Emva1288Description { exposure_s, ..self.asked }, ..self })
     }
 
+    /// The same sensor with so many pixels in a row, which its rows and columns are numbered by.
+    #[must_use]
+    pub fn with_columns(self, columns: u32) -> Self {
+        let non_uniformity = self.non_uniformity.map(|uneven| NonUniformity { columns, ..uneven });
+        Emva1288 { non_uniformity, ..self }
+    }
+
     /// Differences between pixels, where there are any.
     #[must_use]
     pub fn non_uniformity(&self) -> Option<&NonUniformity> {

@@ -31,9 +31,11 @@ mod error;
 mod even_light;
 mod exposure_unit;
 mod interval;
+mod mosaic;
 mod non_uniformity;
 pub mod plot;
 mod power_law;
+mod preset;
 mod quantum_efficiency;
 
 pub use bit_depth::BitDepth;
@@ -42,8 +44,10 @@ pub use error::SensorError;
 pub use even_light::EvenLight;
 pub use exposure_unit::ExposureUnit;
 pub use interval::{CONFIDENCE, Estimate};
+pub use mosaic::{Bayer, Demosaic};
 pub use non_uniformity::{NonUniformity, SpatialDeviation};
 pub use power_law::{PowerLaw, PowerLawDescription};
+pub use preset::Preset;
 pub use quantum_efficiency::{QuantumEfficiencyTable, dark_current_at};
 
 /// Any sensor that a camera file can ask for.

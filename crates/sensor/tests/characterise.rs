@@ -1,9 +1,7 @@
 //! The photon transfer method finds the sensor that made the pictures, as often as its intervals promise.
 
 use radsight_sensor::characterise::{Characterisation, Series, evaluate, measure};
-use radsight_sensor::{
-    BitDepth, Emva1288, Emva1288Description, Estimate, EvenLight, NonUniformity, SpatialDeviation,
-};
+use radsight_sensor::{BitDepth, Emva1288, Emva1288Description, Estimate, EvenLight, NonUniformity, SpatialDeviation};
 
 const PIXELS: [u32; 2] = [48, 40];
 const DSNU: SpatialDeviation = SpatialDeviation { pixel: 5.0, row: 2.5, column: 3.5 };

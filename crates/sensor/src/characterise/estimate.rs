@@ -194,7 +194,8 @@ impl<'a> Transfer<'a> {
     /// I_d in grey values a second.
     fn dark_current(&self) -> Result<Estimate, CharacterisationError> {
         let own = self.dark_mean_error().powi(2);
-        let mut points = vec![Point { x: self.series.exposure_s, y: self.dark_mean, variance: own.max(f64::MIN_POSITIVE) }];
+        let mut points =
+            vec![Point { x: self.series.exposure_s, y: self.dark_mean, variance: own.max(f64::MIN_POSITIVE) }];
         points.extend(self.series.dark_times.iter().map(|step| Point {
             x: step.exposure_s,
             y: step.mean,
@@ -272,4 +273,3 @@ fn response(series: &PhotonTransfer, points: &[LightStep], transfer: &Line) -> O
     weighted.push(Point { x: 0.0, y: series.dark.mean(), variance });
     fit(&weighted)
 }
-

@@ -125,7 +125,8 @@ fn plots(series: &PhotonTransfer, found: &Characterisation) -> [Plot; 5] {
         curve("line fitted up to 70 %", Mark::Line, line(response, 0.0, top / response)),
     ];
     let off = light().filter(|step| step.mean - dark < 0.98 * top);
-    let deviation = off.map(|step| [step.photons, 100.0 * (step.mean - dark - response * step.photons) / top]).collect();
+    let deviation =
+        off.map(|step| [step.photons, 100.0 * (step.mean - dark - response * step.photons) / top]).collect();
     let snr = light().map(|step| [step.photons, (step.mean - dark) / step.variance.sqrt()]).collect();
     let ideal = light().map(|step| [step.photons, step.photons.sqrt()]).collect();
     let model = light().map(|step| {
