@@ -78,7 +78,7 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             Ok(2)
         }
         "-dr" => {
-            options.mirror_relays = number(words, word, "a number of relays, 0 or more")?;
+            options.mirror_sources = number(words, word, "a number of relays, 0 or more")?;
             Ok(2)
         }
         "-cs" => {

@@ -1,6 +1,6 @@
 //! The materials `BSDF` and `aBSDF` against real Radiance's, and against what must be.
 
-#[path = "../crates/bsdf/tests/support/mod.rs"]
+#[path = "../crates/measured/tests/support/mod.rs"]
 mod bsdf_files;
 mod program;
 mod real_radiance;

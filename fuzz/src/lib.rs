@@ -6,9 +6,9 @@
 #![forbid(unsafe_code)]
 
 use glam::DVec3;
-use radsight_bsdf::{Bsdf, Side};
+use radsight_measured::{MeasuredBsdf, Side};
 use radsight_formats::{Font, Mesh, Octree};
-use radsight_generate::WavefrontMesh;
+use radsight_scene_generators::WavefrontMesh;
 use radsight_loader::MemoryLoader;
 use radsight_matrix::{Matrix, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
@@ -53,7 +53,7 @@ pub fn function(bytes: &[u8]) {
     read_with(&text, bytes);
     let loader = MemoryLoader::default().with(NAME, bytes);
     let argv = ["rcalc", "-f", NAME, "-o", "${f(x,1)} ${red}\n"].map(str::to_owned);
-    let _ = radsight_generate::run(&argv, b"1 2\n3 4\n", &loader);
+    let _ = radsight_scene_generators::run(&argv, b"1 2\n3 4\n", &loader);
 }
 
 /// A data file.
@@ -124,7 +124,7 @@ pub fn font(bytes: &[u8]) {
 /// A BSDF file: values, draws and their densities, and a material of it.
 pub fn bsdf(bytes: &[u8]) {
     read_with(&format!("void BSDF b 6 0 {NAME} 0 1 0 . 0 0\nb sphere s 0 0 4 0 0 0 1\n"), bytes);
-    let Ok(reading) = Bsdf::read(bytes) else { return };
+    let Ok(reading) = MeasuredBsdf::read(bytes) else { return };
     let bsdf = reading.bsdf;
     for given in [DVec3::Z, DVec3::NEG_Z, DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, -0.6, -0.8)] {
         let side = Side::of(given);
@@ -144,7 +144,7 @@ pub fn bsdf(bytes: &[u8]) {
 pub fn luminaire(bytes: &[u8]) {
     let loader = MemoryLoader::default().with(NAME, bytes);
     let argv = ["ies2rad", "-o", "lamp", "-t", "default", NAME].map(str::to_owned);
-    if let Ok(output) = radsight_generate::run(&argv, b"", &loader) {
+    if let Ok(output) = radsight_scene_generators::run(&argv, b"", &loader) {
         let loader = output.files.iter().fold(loader, |loader, (name, content)| loader.with(name, content));
         read(&output.standard_output, &loader);
         for (name, content) in &output.files {

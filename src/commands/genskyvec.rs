@@ -6,8 +6,8 @@ use crate::args::Reading;
 use crate::failure::Outcome;
 use crate::input::plan_text;
 use crate::trust::Trust;
-use radsight_generate::{Error, Surrounding, genskyvec};
 use radsight_render::RenderOptions;
+use radsight_scene_generators::{Error, Surrounding, genskyvec};
 
 /// Runs the program; `argv[0]` is its name.
 pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {

@@ -7,9 +7,9 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{Planned, plan};
 use crate::trust::Trust;
 use glam::DVec3;
-use radsight_generate::{Error, Output, Surrounding, mksource};
 use radsight_loader::LoadError;
 use radsight_render::{Ray, RenderOptions, Renderer};
+use radsight_scene_generators::{Error, Output, Surrounding, mksource};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Scenes whose sources are made from scenes whose sources are made from scenes… go no deeper than this.

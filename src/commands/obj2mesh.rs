@@ -11,12 +11,12 @@ use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
 use radsight_formats::{Corner, Facet, MESH_FORMAT, MeshParts, Object};
-use radsight_generate::WavefrontMesh;
 use radsight_ir::{Cube, Scene, Shape, Surface};
 use radsight_loader::{FileKind, Loader};
 use radsight_octree::{BuildOptions, Built};
 use radsight_parse::{Input, KeepPrimitives, Purpose, ReadOptions};
 use radsight_picture::Header;
+use radsight_scene_generators::WavefrontMesh;
 use std::collections::HashMap;
 
 /// How far the cube stays from the mesh, scene units; as in Radiance.
@@ -137,7 +137,7 @@ fn materials(mesh: &WavefrontMesh, objects: &[Object<'_>]) -> Result<Vec<Option<
 }
 
 fn facets(mesh: &WavefrontMesh, materials: &[Option<u32>]) -> Vec<Facet> {
-    let facet = |triangle: &radsight_generate::WavefrontTriangle| Facet {
+    let facet = |triangle: &radsight_scene_generators::WavefrontTriangle| Facet {
         corners: std::array::from_fn(|corner| Corner {
             position: triangle.points[corner],
             normal: triangle.normals.map(|normals| normals[corner]),

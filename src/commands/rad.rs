@@ -7,12 +7,12 @@ use crate::render_args::number;
 use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
 use crate::view_args;
 use radsight_diag::{SourceMap, Span};
-use radsight_generate::shell_words::{Stage, split};
 use radsight_output::interrupt::{ActionGuard, at_signal};
 use radsight_output::leftovers;
 use radsight_parse::{Input, ReadOptions, cube};
 use radsight_picture::{Unfinished, ViewOptions};
-use radsight_rif::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Rif, Site, Step};
+use radsight_rad_project::{Cube, Date, How, NamedBy, OutputFile, OutputKind, Rif, Site, Step};
+use radsight_scene_generators::shell_words::{Stage, split};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
@@ -44,7 +44,7 @@ struct Arguments {
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let mut arguments = Arguments::read(words, trust)?;
     let text = read_file(&arguments.file, "file")?;
-    let wrong = |error: radsight_rif::RifError| Failure::input(format!("rad: {error}"));
+    let wrong = |error: radsight_rad_project::RifError| Failure::input(format!("rad: {error}"));
     let mut rif = Rif::read(&arguments.file, &String::from_utf8_lossy(&text)).map_err(wrong)?;
     for assignment in &arguments.assignments {
         if !rif.assign(assignment).map_err(wrong)? {

@@ -6,9 +6,9 @@ use crate::input::{read, scene_inputs};
 use crate::output::{standard_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use glam::DVec3;
-use radsight_generate::{Error, Output, StandardInput, padded};
 use radsight_loader::LoadError;
 use radsight_parse::{Purpose, ReadOptions, bounds, xform};
+use radsight_scene_generators::{Error, Output, StandardInput, padded};
 use std::cell::{OnceCell, RefCell};
 use std::io::{self, IsTerminal, Read, Write, stdin};
 use std::rc::Rc;
@@ -18,7 +18,7 @@ const OF_THE_SHELL: [&str; 3] = ["cat", "echo", "zcat"];
 
 /// The names of the programs.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    let generators = radsight_generate::names().iter().copied().filter(|name| !OF_THE_SHELL.contains(name));
+    let generators = radsight_scene_generators::names().iter().copied().filter(|name| !OF_THE_SHELL.contains(name));
     generators.chain(["xform", "getbbox"])
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn run(argv: &[String], trust: &Trust) -> Outcome {
         return finish(name, xform(&argv, &input, &loader), &trust);
     }
     let sink = Rc::new(RefCell::new(StreamingOutput::default()));
-    let made = radsight_generate::run_to(sink.clone(), &argv, &input, &loader);
+    let made = radsight_scene_generators::run_to(sink.clone(), &argv, &input, &loader);
     match sink.take().failed {
         Some(error) => Err(Failure::write("standard output", &error)),
         None => finish(name, made, &trust),

@@ -6,7 +6,7 @@ use crate::output::{StandardOutput, standard_output, write_standard_output};
 use crate::render_args::number;
 use crate::view_args;
 use glam::DVec3;
-use radsight_frame::{Lens, LensRay};
+use radsight_film::{CameraRay, ViewCamera};
 use radsight_picture::{Header, Resolution, View, ViewOptions, scientific};
 use radsight_pinhole::stream::NumberFormat;
 use radsight_sampling::RaySampler;
@@ -138,7 +138,7 @@ impl Options {
 /// Writes the rays of pixels.
 struct Rays {
     options: Options,
-    lens: Lens,
+    lens: ViewCamera,
     resolution: Resolution,
     /// Distances in the order of the picture's scanlines.
     depths: Option<Vec<f32>>,
@@ -150,7 +150,7 @@ struct Rays {
 
 impl Rays {
     fn new(view: View, resolution: Resolution, options: Options) -> Result<Rays, Failure> {
-        let mut lens = Lens::new(view, resolution.width, resolution.height);
+        let mut lens = ViewCamera::new(view, resolution.width, resolution.height);
         (lens.jitter, lens.aperture) = (options.jitter, options.aperture);
         let depths = match &options.depths {
             Some(path) => Some(read_depths(path, &resolution)?),
@@ -246,8 +246,8 @@ impl Rays {
 
 /// What is written for a ray: with a depth the way back from what is seen, with an aft clipping plane a direction as long as the way
 /// to it, zeros where the view shows nothing.
-fn record(ray: Option<LensRay>, depth: Option<f64>) -> [DVec3; 2] {
-    let Some(LensRay { origin, direction, length }) = ray else { return [DVec3::ZERO; 2] };
+fn record(ray: Option<CameraRay>, depth: Option<f64>) -> [DVec3; 2] {
+    let Some(CameraRay { origin, direction, length }) = ray else { return [DVec3::ZERO; 2] };
     match (depth, length) {
         (Some(depth), _) => [origin + direction * depth, -direction * depth],
         (None, Some(length)) => [origin, direction * length],

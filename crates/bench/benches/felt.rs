@@ -6,7 +6,7 @@ use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_camera::CameraFile;
 use radsight_capture::{Silent, expose_with_samples};
 use radsight_diag::SourceMap;
-use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
+use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, Read, ReadOptions, read_scene};
 use radsight_pinhole::Rays;
@@ -132,7 +132,7 @@ fn ray_to_a_floor_under_10_000_lights(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn shared_irradiance_among_1000_records(bencher: Bencher<'_, '_>) {
     let hemisphere = Hemisphere::with_divisions(64);
-    let seen = vec![Gathered { radiance: [2.0, 1.0, 0.5], distance: 0.5 }; hemisphere.len()];
+    let seen = vec![GatheredRadiance { radiance: [2.0, 1.0, 0.5], distance: 0.5 }; hemisphere.len()];
     let limits = Limits { accuracy: 0.1, least: 0.01, most: 1.0, explained: 1.0 };
     let mut cache = Cache::new(limits);
     for index in 0..1000 {

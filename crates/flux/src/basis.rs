@@ -1,7 +1,7 @@
 //! How a hemisphere of directions is divided.
 
 use crate::FluxError;
-use radsight_bsdf::AngleBasis;
+use radsight_measured::AngleBasis;
 use radsight_sampling::unit_disk;
 use radsight_sky::SkyDivision;
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -2,7 +2,7 @@
 
 use crate::{Cube, ModifierHandle};
 use glam::DVec3;
-use radsight_bsdf::Bsdf;
+use radsight_measured::MeasuredBsdf;
 use std::sync::Arc;
 
 /// One axis of a [`DataGrid`].
@@ -111,7 +111,7 @@ pub struct BsdfData {
     /// For messages and for writing back.
     pub file: String,
     /// The data.
-    pub bsdf: Arc<Bsdf>,
+    pub bsdf: Arc<MeasuredBsdf>,
 }
 
 impl Axis {

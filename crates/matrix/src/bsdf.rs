@@ -1,7 +1,7 @@
 //! BSDF files as matrices.
 
 use crate::{Matrix, MatrixError, Stored};
-use radsight_bsdf::{Bsdf, Side};
+use radsight_measured::{MeasuredBsdf, Side};
 
 /// Which way of the light is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Wanted {
 /// # Errors
 /// When the file is malformed, or holds no matrix.
 pub fn bsdf_matrix(bytes: &[u8], wanted: Wanted) -> Result<Matrix, MatrixError> {
-    let bsdf = Bsdf::read(bytes).map_err(|mistake| MatrixError::Bsdf(mistake.to_string()))?.bsdf;
+    let bsdf = MeasuredBsdf::read(bytes).map_err(|mistake| MatrixError::Bsdf(mistake.to_string()))?.bsdf;
     let (scattering, diffuse) = match wanted {
         Wanted::Transmission => (bsdf.transmission(Side::Back), bsdf.diffuse_transmittance(Side::Back)),
         Wanted::Reflection(side) => (bsdf.reflection(side), bsdf.diffuse_reflectance(side)),
@@ -29,7 +29,7 @@ pub fn bsdf_matrix(bytes: &[u8], wanted: Wanted) -> Result<Matrix, MatrixError> 
     };
     let patches = match scattering {
         Some(scattering) => scattering.patches(arriving),
-        None => Some(radsight_bsdf::Patches::lambertian(diffuse)),
+        None => Some(radsight_measured::Patches::lambertian(diffuse)),
     };
     let Some(patches) = patches else {
         return Err(MatrixError::Bsdf("a tensor tree is no matrix, expected data between angle bases".to_owned()));

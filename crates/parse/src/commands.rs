@@ -37,7 +37,7 @@ impl Loader for DirectoryLoader<'_> {
         if self.directory.is_empty() {
             return self.loader.run_command(command, standard_input);
         }
-        let directory = radsight_generate::shell_words::join(std::slice::from_ref(&self.directory));
+        let directory = radsight_scene_generators::shell_words::join(std::slice::from_ref(&self.directory));
         self.loader.run_command(&format!("cd {directory} && {command}"), standard_input)
     }
 }

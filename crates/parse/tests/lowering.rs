@@ -237,7 +237,7 @@ fn bsdf_materials_have_their_data_and_functions() {
     let Material::Bsdf { data, call, form, added_diffuse } = material(&scene, 0) else { panic!("a BSDF") };
     assert_eq!((*form, call.program.roots(), call.to_scene.scale), (BsdfForm::Proxy, 4, 2.0));
     assert_eq!(added_diffuse[1..], [Rgb([0.4, 0.5, 0.6]), Rgb::BLACK]);
-    let reflectance = scene.bsdfs[*data].bsdf.diffuse_reflectance(radsight_bsdf::Side::Front);
+    let reflectance = scene.bsdfs[*data].bsdf.diffuse_reflectance(radsight_measured::Side::Front);
     assert!((reflectance[0] - 0.5).abs() < 1e-5);
     let Material::Bsdf { call, form, .. } = material(&scene, 1) else { panic!("an aBSDF") };
     assert_eq!((*form, call.program.roots()), (BsdfForm::Aperture, 3));

@@ -5,10 +5,10 @@
 //! with the old one. If antimatter names a material to shade the cut with, its surface is there, turned inside out, where the
 //! ray is within one of the bodies that it cuts; the ray knows that by counting the fronts less the backs of their surfaces that it passed.
 
-use crate::ray::{Hit, ShaderId};
 use crate::shader::{Kind, Shader};
-use crate::trace::Tracer;
+use crate::trace::PathIntegrator;
 use glam::DVec3;
+use radsight_accel::{Intersection, ShaderId};
 
 /// What the `antimatter` material does.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub(crate) struct Antimatter {
 
 /// What is cut for a ray, and what bodies it is within.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Cut {
+pub(crate) struct Subtraction {
     /// Shaders of the surfaces that are not there, ascending.
     gone: Vec<ShaderId>,
     /// For shaders that any antimatter cuts: how many more fronts than backs the ray has passed. Ascending, none of them zero.
@@ -30,15 +30,15 @@ pub(crate) struct Cut {
 
 /// Names a cut that the present ray has met; the first is that of nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CutId(u32);
+pub(crate) struct SubtractionId(u32);
 
 /// What becomes of a ray at a surface, by antimatter alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Meeting {
+pub(crate) enum AntimatterEvent {
     /// The surface is not there. The ray goes on with this cut.
-    Nothing(CutId),
+    Nothing(SubtractionId),
     /// The surface is there. What passes through it goes on with this cut.
-    Surface(CutId),
+    Surface(SubtractionId),
 }
 
 impl Antimatter {
@@ -49,7 +49,7 @@ impl Antimatter {
     }
 }
 
-impl Cut {
+impl Subtraction {
     fn pass(&mut self, shader: ShaderId, step: i32) {
         match self.passed.binary_search_by_key(&shader, |(shader, _)| *shader) {
             Ok(place) if self.passed[place].1 + step == 0 => {
@@ -84,10 +84,10 @@ pub(crate) fn all_cut(shaders: &[Shader]) -> Vec<ShaderId> {
     all
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Whether a surface is there for a ray with this cut. Where antimatter shows its own surface, the hit becomes that of the
     /// material there.
-    pub(crate) fn meet(&mut self, cut: CutId, direction: DVec3, hit: &mut Hit) -> Meeting {
+    pub(crate) fn resolve(&mut self, cut: SubtractionId, direction: DVec3, hit: &mut Intersection) -> AntimatterEvent {
         let plan = self.plan;
         let behind = direction.dot(hit.front) > 0.0;
         let before = &self.cuts[cut.0 as usize];
@@ -98,8 +98,8 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         }
         let antimatter = match &plan.shader_at(hit.shader).kind {
             Kind::Antimatter(antimatter) if !is_gone => antimatter,
-            _ if is_gone => return Meeting::Nothing(self.add_cut(beyond)),
-            _ => return Meeting::Surface(self.add_cut(beyond)),
+            _ if is_gone => return AntimatterEvent::Nothing(self.add_subtraction(beyond)),
+            _ => return AntimatterEvent::Surface(self.add_subtraction(beyond)),
         };
         if behind {
             beyond.gone.retain(|shader| antimatter.cuts.binary_search(shader).is_err());
@@ -113,22 +113,22 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 if let Some(placed) = &mut hit.placed {
                     placed.perturbation = -placed.perturbation;
                 }
-                Meeting::Surface(self.add_cut(beyond))
+                AntimatterEvent::Surface(self.add_subtraction(beyond))
             }
-            _ => Meeting::Nothing(self.add_cut(beyond)),
+            _ => AntimatterEvent::Nothing(self.add_subtraction(beyond)),
         }
     }
 
-    pub(crate) fn cut(&self, id: CutId) -> &Cut {
+    pub(crate) fn cut(&self, id: SubtractionId) -> &Subtraction {
         &self.cuts[id.0 as usize]
     }
 
-    pub(crate) fn add_cut(&mut self, cut: Cut) -> CutId {
+    pub(crate) fn add_subtraction(&mut self, cut: Subtraction) -> SubtractionId {
         let known = self.cuts.iter().position(|known| *known == cut);
         let index = known.unwrap_or_else(|| {
             self.cuts.push(cut);
             self.cuts.len() - 1
         });
-        CutId(index as u32)
+        SubtractionId(index as u32)
     }
 }

@@ -1,8 +1,8 @@
 //! Where rays end, without what they bring.
 
 use crate::plan::RenderPlan;
-use crate::ray::{Hit, PrimitiveId, Ray};
 use glam::DVec3;
+use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_ir::{ModifierHandle, ModifierKind, Scene, SurfaceHandle};
 
 /// Where the first ray ended.
@@ -24,7 +24,7 @@ pub struct FirstHit {
 }
 
 impl FirstHit {
-    pub(crate) fn at(hit: &Hit, distance: f64) -> FirstHit {
+    pub(crate) fn at(hit: &Intersection, distance: f64) -> FirstHit {
         FirstHit {
             distance,
             point: hit.point,

@@ -8,12 +8,12 @@ use crate::medium::MistKind;
 use crate::options::{Skip, Skipping};
 use crate::plan::{ModelRequest, ModelSource};
 use crate::prism::PrismKind;
-use crate::ray::ShaderId;
-use crate::recognise::turns_the_normal_to_the_viewer;
-use crate::refraction::Boundary;
-use crate::scatter::{BsdfKind, Look, Scatterer};
+use crate::refraction::DielectricInterface;
+use crate::scatter::{Appearances, MeasuredKind, Scatterer};
 use crate::shader::{Emitter, EmitterClass, Function, GlossyKind, Home, Kind, MixtureKind, Shader, Substitution};
+use crate::specialise::turns_the_normal_to_the_viewer;
 use crate::step::{MixedSteps, Step};
+use radsight_accel::{ShaderId, ShaderTable};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{
     Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
@@ -21,23 +21,6 @@ use radsight_ir::{
 };
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// The shader of each modifier that surfaces of a scene name, and those of the scenes that it places.
-#[derive(Debug)]
-pub(crate) struct ShaderTable {
-    /// By modifier, `void` first.
-    of_modifier: Vec<ShaderId>,
-    /// By octree handle.
-    pub(crate) octrees: Vec<Arc<ShaderTable>>,
-}
-
-impl ShaderTable {
-    /// The shader of a modifier that a surface or a triangle of the scene has.
-    #[inline]
-    pub(crate) fn of(&self, modifier: Option<ModifierHandle>) -> ShaderId {
-        self.of_modifier[modifier.map_or(0, |handle| handle.index() + 1)]
-    }
-}
 
 /// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
 ///
@@ -126,7 +109,8 @@ impl Compiler<'_> {
         }
         let octrees =
             scene.octrees.items().iter().zip(uses).map(|(octree, used)| self.compile_octree(&octree.scene, used));
-        ShaderTable { octrees: octrees.collect(), of_modifier }
+        let octrees = octrees.collect();
+        ShaderTable::new(of_modifier, octrees)
     }
 
     /// A scene that several others place is compiled once.
@@ -315,10 +299,20 @@ impl Compiler<'_> {
     }
 
     /// The patterns and textures of a modifier that a material names beside its own.
-    fn compile_look(&mut self, chains: &mut Chains<'_>, first: ModifierHandle) -> Result<Look, Diagnostic> {
+    fn compile_appearances(
+        &mut self,
+        chains: &mut Chains<'_>,
+        first: ModifierHandle,
+    ) -> Result<Appearances, Diagnostic> {
         let steps = self.steps_alone(chains, Some(first))?;
         let home = chains.home.clone();
-        Ok(Look::Own(Box::new(Shader { steps, kind: Kind::Transparent, home, modifier: Some(first), tracked: None })))
+        Ok(Appearances::Own(Box::new(Shader {
+            steps,
+            kind: Kind::Transparent,
+            home,
+            modifier: Some(first),
+            tracked: None,
+        })))
     }
 
     fn mixed_materials(
@@ -397,8 +391,8 @@ impl Compiler<'_> {
                 let substitute = self.substitute(chains, handle, *substitute)?;
                 Ok(Kind::Mirror { reflectance: *reflectance, substitute })
             }
-            Material::Dielectric(body) => Ok(Kind::Dielectric(Boundary::of_body(body))),
-            Material::Interface(interface) => Ok(Kind::Dielectric(Boundary::between(interface))),
+            Material::Dielectric(body) => Ok(Kind::Dielectric(DielectricInterface::of_body(body))),
+            Material::Interface(interface) => Ok(Kind::Dielectric(DielectricInterface::between(interface))),
             Material::Mist(mist) => Ok(Kind::Mist(MistKind::new(mist))),
             Material::Prism(prism) => Ok(Kind::Prism(PrismKind::new(prism))),
             Material::Glass { transmissivity, refractive_index } => {
@@ -414,11 +408,12 @@ impl Compiler<'_> {
             Material::Unusable { .. } => Ok(Kind::Unusable),
             Material::Bsdf { data, call, form, added_diffuse } => {
                 let bsdf = scene.bsdfs[*data].bsdf.clone();
-                let kind = BsdfKind { bsdf, function: Function::new(call), form: *form, added_diffuse: *added_diffuse };
-                Ok(Kind::Scatterer(Box::new(Scatterer::Bsdf(kind))))
+                let kind =
+                    MeasuredKind { bsdf, function: Function::new(call), form: *form, added_diffuse: *added_diffuse };
+                Ok(Kind::Scatterer(Box::new(Scatterer::Measured(kind))))
             }
             other => {
-                let look = |modifier| self.compile_look(chains, modifier);
+                let look = |modifier| self.compile_appearances(chains, modifier);
                 match compile_scatterer(other, modifier.modifier, look) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
                     None => Err(not_yet("this type of material", modifier.span)),

@@ -1,6 +1,8 @@
 //! From the scattering materials of a scene to what renders them.
 
-use crate::scatter::{AshikhminKind, BrtdKind, Component, Look, Scatterer, ScatteringKind, Sheet, WardFunctionKind};
+use crate::scatter::{
+    Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
+};
 use crate::shader::Function;
 use radsight_diag::Diagnostic;
 use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandle, ScatteringFunction, Translucent};
@@ -10,7 +12,7 @@ use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandl
 pub(crate) fn compile_scatterer(
     material: &Material,
     own: Option<ModifierHandle>,
-    look: impl FnMut(ModifierHandle) -> Result<Look, Diagnostic>,
+    look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
 ) -> Option<Result<Scatterer, Diagnostic>> {
     let opaque = |surface: &Anisotropic<Glossy>, metallic| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
@@ -78,11 +80,11 @@ fn brtd(material: &FunctionMaterial) -> BrtdKind {
 fn ward_function(
     material: &FunctionMaterial,
     own: Option<ModifierHandle>,
-    mut look: impl FnMut(ModifierHandle) -> Result<Look, Diagnostic>,
+    mut look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
 ) -> Result<Scatterer, Diagnostic> {
     let mut look_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
-        None => Ok(Look::Plain),
-        Some(modifier) if Some(modifier) == own => Ok(Look::Main),
+        None => Ok(Appearances::Plain),
+        Some(modifier) if Some(modifier) == own => Ok(Appearances::Main),
         Some(modifier) => look(modifier),
     };
     Ok(Scatterer::WardFunction(WardFunctionKind {

@@ -4,10 +4,10 @@
 
 use crate::bands::BandValues;
 use crate::options::{RenderOptions, TrackedValue};
-use crate::ray::Hit;
 use crate::shader::Shader;
-use crate::trace::{Segment, Tracer, product};
-use crate::view::{Encounter, View};
+use crate::surface_interaction::{SurfaceInteraction, View};
+use crate::trace::{PathIntegrator, PathState, product};
+use radsight_accel::Intersection;
 use radsight_cal::Host;
 use radsight_ir::Scene;
 use std::collections::HashMap;
@@ -23,30 +23,30 @@ pub struct Contribution {
     /// Red, green, blue, or the bands that are traced. Of an emitter W/(sr·m²), or W/m² where irradiance is asked for; else as
     /// [`TrackedValue`] says.
     pub value: BandValues,
-    encounter: Encounter,
+    interaction: SurfaceInteraction,
 }
 
 impl Host for Contribution {
     fn channel(&self, channel: u32) -> f64 {
-        View::new(&self.encounter, None).channel(channel)
+        View::new(&self.interaction, None).channel(channel)
     }
 }
 
 /// What the present ray owes.
 #[derive(Debug, Default)]
 pub(crate) struct Contributions<const BANDS: usize> {
-    settled: Vec<Debt<BANDS>>,
+    settled: Vec<DeferredContribution<BANDS>>,
     /// What light sampling has found at a point whose share of the ray is not yet known.
-    owed: Vec<Debt<BANDS>>,
+    owed: Vec<DeferredContribution<BANDS>>,
     /// Surfaces whose radiance is wanted and that the ray has met, until all is followed that begins there.
     open: Vec<Open<BANDS>>,
 }
 
 /// What is owed to one modifier.
 #[derive(Clone, Copy, Debug)]
-struct Debt<const BANDS: usize> {
+struct DeferredContribution<const BANDS: usize> {
     modifier: u32,
-    encounter: Encounter,
+    interaction: SurfaceInteraction,
     value: [f64; BANDS],
 }
 
@@ -54,7 +54,7 @@ struct Debt<const BANDS: usize> {
 #[derive(Clone, Copy, Debug)]
 struct Open<const BANDS: usize> {
     modifier: u32,
-    encounter: Encounter,
+    interaction: SurfaceInteraction,
     /// What the ray had brought before.
     before: [f64; BANDS],
     /// How many other rays waited; those beyond begin there.
@@ -68,24 +68,24 @@ impl<const BANDS: usize> Contributions<BANDS> {
     }
 
     /// Adds what has come from a surface along the whole ray.
-    pub(crate) fn add(&mut self, shader: &Shader, encounter: &Encounter, value: [f64; BANDS]) {
+    pub(crate) fn add(&mut self, shader: &Shader, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
-            self.push(modifier, encounter, value);
+            self.push(modifier, interaction, value);
         }
     }
 
     /// Adds what a light gives to a point on the way, until [`Contributions::settle`].
-    pub(crate) fn owe(&mut self, shader: &Shader, encounter: &Encounter, value: [f64; BANDS]) {
+    pub(crate) fn defer(&mut self, shader: &Shader, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if let Some(modifier) = shader.tracked {
-            self.owed.push(Debt { modifier, encounter: *encounter, value });
+            self.owed.push(DeferredContribution { modifier, interaction: *interaction, value });
         }
     }
 
     /// Tells the share that the point has in the ray.
     pub(crate) fn settle(&mut self, throughput: [f64; BANDS]) {
         let mut owed = std::mem::take(&mut self.owed);
-        for debt in owed.drain(..) {
-            self.push(debt.modifier, &debt.encounter, product(throughput, debt.value));
+        for deferred in owed.drain(..) {
+            self.push(deferred.modifier, &deferred.interaction, product(throughput, deferred.value));
         }
         self.owed = owed;
     }
@@ -114,27 +114,31 @@ impl<const BANDS: usize> Contributions<BANDS> {
 
     fn close_one(&mut self, open: &Open<BANDS>, radiance: [f64; BANDS]) {
         let value = std::array::from_fn(|band| radiance[band] - open.before[band]);
-        self.push(open.modifier, &open.encounter, value);
+        self.push(open.modifier, &open.interaction, value);
     }
 
-    fn push(&mut self, modifier: u32, encounter: &Encounter, value: [f64; BANDS]) {
+    fn push(&mut self, modifier: u32, interaction: &SurfaceInteraction, value: [f64; BANDS]) {
         if value.iter().any(|band| *band > 0.0) {
             // Functions of the ray see it in the coordinates of the scene.
-            self.settled.push(Debt { modifier, encounter: Encounter { placed: None, ..*encounter }, value });
+            self.settled.push(DeferredContribution {
+                modifier,
+                interaction: SurfaceInteraction { placed: None, ..*interaction },
+                value,
+            });
         }
     }
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Notes that a ray has met a surface that emits nothing.
-    pub(crate) fn note_met(&mut self, segment: &Segment<BANDS>, hit: &Hit, shader: &Shader) {
+    pub(crate) fn note_met(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
         let (Some(modifier), None) = (shader.tracked, shader.kind.emitter()) else { return };
-        let encounter = Encounter::at(&segment.ray, hit, segment.travelled + hit.distance);
+        let interaction = SurfaceInteraction::at(&path.ray, hit, path.travelled + hit.distance);
         let (before, waiting) = (self.radiance, self.waiting());
         let Some(contributions) = &mut self.contributions else { return };
         match self.plan.options.tracked_value {
-            TrackedValue::Share => contributions.add(shader, &encounter, segment.throughput),
-            TrackedValue::Radiance => contributions.open.push(Open { modifier, encounter, before, waiting }),
+            TrackedValue::Share => contributions.add(shader, &interaction, path.throughput),
+            TrackedValue::Radiance => contributions.open.push(Open { modifier, interaction, before, waiting }),
         }
     }
 
@@ -152,10 +156,10 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
                 BandValues::new((0..3).map(|band| value[band.min(BANDS - 1)]))
             }
         };
-        let told = |debt: Debt<BANDS>| Contribution {
-            modifier: debt.modifier as usize,
-            value: values(debt.value),
-            encounter: debt.encounter,
+        let told = |deferred: DeferredContribution<BANDS>| Contribution {
+            modifier: deferred.modifier as usize,
+            value: values(deferred.value),
+            interaction: deferred.interaction,
         };
         contributions.settled.drain(..).map(told).for_each(visit);
     }

@@ -1,34 +1,35 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
-use crate::antimatter::CutId;
+use crate::antimatter::SubtractionId;
+use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
 use crate::light::{Light, LightId};
 use crate::light_form::{LightForm, LightSample};
-use crate::light_tree::{Cut, LightTree, Reception};
-use crate::openings::Outlook;
-use crate::options::{Quantity, RenderOptions, Unshared};
+use crate::light_tree::{LightTree, Reception, TreeCut};
+use crate::options::{Quantity, RenderOptions, Uncached};
 use crate::plan::RenderPlan;
-use crate::ray::PrimitiveId;
-use crate::reach::Between;
-use crate::surface_light::{Densities, Highlight, LitPoint, Response};
-use crate::trace::{MediumId, Tracer, emission, given, product};
-use crate::view::Encounter;
+use crate::portals::VisiblePortals;
+use crate::surface_interaction::SurfaceInteraction;
+use crate::trace::{MediumId, PathIntegrator, emission, given, product};
+use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
+use radsight_accel::PrimitiveId;
 use radsight_sampling::DimensionSet;
 
 /// Up to so many lights each one is sampled at every point; of more, so many are drawn.
 #[derive(Clone, Copy, Debug)]
-struct Thrift {
+struct LightSelectionPolicy {
     all: usize,
     draws: u32,
 }
 
 /// Where a path is seen from the eye, and where it was scattered before: many such places share a pixel. From 16 to 100,000 lights so many draws gave
 /// about the least error for the time.
-const THRIFT: [Thrift; 2] = [Thrift { all: 24, draws: 8 }, Thrift { all: 12, draws: 4 }];
+const THRIFT: [LightSelectionPolicy; 2] =
+    [LightSelectionPolicy { all: 24, draws: 8 }, LightSelectionPolicy { all: 12, draws: 4 }];
 
 /// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn
 /// there.
-const SPLIT_THRIFT: Thrift = Thrift { all: 128, draws: 64 };
+const SPLIT_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
 /// So many images of lights count as one light: from most places most of them are not seen.
 const IMAGES_FOR_ONE: usize = 3;
@@ -39,11 +40,12 @@ pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
 /// How many lights are drawn at a point that is seen from the eye, and at one on a path that was scattered before; 0 where each is sampled: where few
 /// are, and where it is asked what each of them gives.
 pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
-    let real = plan.lights.partition_point(|light| light.relays.is_empty());
+    let real = plan.lights.partition_point(|light| light.virtual_sources.is_empty());
     let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
     let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
     let first = if splits_first(&plan.options) { SPLIT_THRIFT } else { THRIFT[0] };
-    [first, THRIFT[1]].map(|Thrift { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
+    [first, THRIFT[1]]
+        .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }
 
 /// Whether no others are drawn in the place of what is drawn where a ray meets its first surface:
@@ -51,7 +53,7 @@ pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
 fn splits_first(options: &RenderOptions) -> bool {
     let is_sensor = options.quantity != Quantity::Radiance;
     let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;
-    options.gathering.unshared == Unshared::Split && (is_sensor || splits)
+    options.gathering.uncached == Uncached::Split && (is_sensor || splits)
 }
 
 /// The direct light at one point.
@@ -64,14 +66,14 @@ pub(crate) struct DirectSampler<'o> {
     /// Whether one is drawn from the diffuse component that can find lights too.
     pub(crate) shares_diffuse: bool,
     /// Openings towards which that one may be sent.
-    pub(crate) outlook: Option<&'o Outlook<'o>>,
+    pub(crate) visible_portals: Option<&'o VisiblePortals<'o>>,
     /// Which lights are bright here, and where on a light the highlight is.
     pub(crate) reception: Reception,
     pub(crate) travelled: f64,
     /// What fills the space around it.
     pub(crate) medium: MediumId,
     /// What is cut for rays to the side of the normal, and to the other.
-    pub(crate) cuts: [CutId; 2],
+    pub(crate) cuts: [SubtractionId; 2],
     /// Unit.
     pub(crate) normal: DVec3,
     /// Whether the path to it has a drawn ray.
@@ -91,15 +93,15 @@ pub(crate) struct NumberedLight<'p> {
 
 impl DirectSampler<'_> {
     /// What is cut for a ray that leaves in this direction.
-    pub(crate) fn cut_towards(&self, direction: DVec3) -> CutId {
+    pub(crate) fn subtraction_towards(&self, direction: DVec3) -> SubtractionId {
         self.cuts[usize::from(self.normal.dot(direction) < 0.0)]
     }
 
     /// Radiance that the point sends on from all lights.
     pub(crate) fn sample<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        point: &LitPoint<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let first_set = tracer.next_set;
@@ -116,8 +118,8 @@ impl DirectSampler<'_> {
 
     fn sample_all<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        point: &LitPoint<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
         first_set: u32,
     ) -> [f64; BANDS] {
         let mut sum = [0.0; BANDS];
@@ -134,16 +136,16 @@ impl DirectSampler<'_> {
     #[inline]
     pub(crate) fn for_each_light<'p, const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'p, BANDS>,
+        tracer: &mut PathIntegrator<'p, BANDS>,
         first_set: u32,
-        mut visit: impl FnMut(&mut Tracer<'p, BANDS>, NumberedLight<'p>, &'p Between, [f64; 2]),
+        mut visit: impl FnMut(&mut PathIntegrator<'p, BANDS>, NumberedLight<'p>, &'p VisibilityClass, [f64; 2]),
     ) {
         let plan = tracer.plan;
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
         let mut drawn: (u32, [f64; 4]) = (u32::MAX, [0.0; 4]);
         for (index, light) in plan.lights.iter().enumerate() {
-            let between = receiver.map_or(&Between::Anything, |receiver| &receiver.between[index]);
-            if *between == Between::Dark || light.misses(self.point) || self.faces_away(light) {
+            let between = receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[index]);
+            if *between == VisibilityClass::Dark || light.misses(self.point) || self.faces_away(light) {
                 continue;
             }
             // Two lights share a set of four dimensions.
@@ -179,21 +181,21 @@ impl DirectSampler<'_> {
     }
 
     /// What stands between the point and a light.
-    pub(crate) fn between<'p>(&self, plan: &'p RenderPlan, light: usize) -> &'p Between {
+    pub(crate) fn between<'p>(&self, plan: &'p RenderPlan, light: usize) -> &'p VisibilityClass {
         let receiver = self.primitive.and_then(|primitive| plan.receiver(primitive));
-        receiver.map_or(&Between::Anything, |receiver| &receiver.between[light])
+        receiver.map_or(&VisibilityClass::Anything, |receiver| &receiver.between[light])
     }
 
     /// Draws some lights by what they promise here (unbiased: each is divided by how often it is drawn).
     fn sample_some<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        point: &LitPoint<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
         tree: &LightTree,
         first_set: u32,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
-        let cut = Cut::new(tree, &plan.lights, self.point, &self.reception);
+        let cut = TreeCut::new(tree, &plan.lights, self.point, &self.reception);
         let draws = self.reception.draws;
         // A number of the sequence has 24 bits, which so many lights would use up.
         let [coarse, fine, ..] = tracer.sampler.take(DimensionSet::render(first_set));
@@ -208,7 +210,7 @@ impl DirectSampler<'_> {
             let Some(choice) = cut.draw((f64::from(draw) + offset) / f64::from(draws)) else { continue };
             let index = choice.light.0 as usize;
             let between = self.between(plan, index);
-            if *between == Between::Dark {
+            if *between == VisibilityClass::Dark {
                 continue;
             }
             let (u, expected) = ([places[half], places[half + 1]], f64::from(draws) * choice.chance);
@@ -223,65 +225,66 @@ impl DirectSampler<'_> {
     /// What one place on one light gives; `expected` is how often the light is drawn on average.
     fn sample_light<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        point: &LitPoint<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
         light: &Light,
-        between: &Between,
+        between: &VisibilityClass,
         u: [f64; 2],
         expected: f64,
     ) -> [f64; BANDS] {
         let Some(sample) = self.place(tracer, light, u) else { return [0.0; BANDS] };
-        let densities =
-            if self.highlight_draws > 0 || self.shares_diffuse { Densities::Wanted } else { Densities::Unused };
+        let pdfs =
+            if self.highlight_draws > 0 || self.shares_diffuse { PdfRequest::Wanted } else { PdfRequest::Unused };
         let scratch = &mut tracer.workspace.scratch;
-        let response = point.respond(sample.direction, sample.density, densities, scratch);
-        self.gather(tracer, light, &sample, between, expected, &response)
+        let bsdf_value = point.eval(sample.direction, sample.pdf, pdfs, scratch);
+        self.gather(tracer, light, &sample, between, expected, &bsdf_value)
     }
 
     /// A place on a light that can give something.
     #[inline]
     pub(crate) fn place<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let bent = if light.is_redirected() { self.place_through_prism(tracer, light, u) } else { None };
+        let bent = if light.is_redirected() { self.connect_through_prism(tracer, light, u) } else { None };
         let sample = match bent {
             Some(sample) => sample,
             None => light.sample(self.point, u, &self.reception.peak)?,
         };
-        (light.share_in_range(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
+        (light.share_in_radius(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
 
     /// What one place gives to a point that responds to it like this.
     #[inline]
     pub(crate) fn gather<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
-        between: &Between,
+        between: &VisibilityClass,
         expected: f64,
-        response: &Response<BANDS>,
+        bsdf_value: &BsdfValue<BANDS>,
     ) -> [f64; BANDS] {
         let dark = [0.0; BANDS];
-        let density = sample.density * expected;
+        let pdf = sample.pdf * expected;
         // No drawn ray is followed to a light by way of a prism.
         let shares_diffuse = self.shares_diffuse && !light.is_redirected();
         let diffuse_share = if shares_diffuse {
-            let by_cosine = response.diffuse_density;
-            let outlook = self.outlook.filter(|_| by_cosine > 0.0);
-            let mixed = outlook.map_or(by_cosine, |outlook| outlook.mixed_density(sample.direction, by_cosine));
-            density / (density + mixed)
+            let by_cosine = bsdf_value.diffuse_pdf;
+            let visible_portals = self.visible_portals.filter(|_| by_cosine > 0.0);
+            let mixed = visible_portals
+                .map_or(by_cosine, |visible_portals| visible_portals.mixed_pdf(sample.direction, by_cosine));
+            pdf / (pdf + mixed)
         } else {
             1.0
         };
         let drawn = if light.is_redirected() { 0 } else { self.highlight_draws };
-        let drawn_density = f64::from(drawn) * response.highlight_density;
-        let highlight_share = density / (density + drawn_density);
+        let drawn_pdf = f64::from(drawn) * bsdf_value.highlight_pdf;
+        let highlight_share = pdf / (pdf + drawn_pdf);
         let mut weight: [f64; BANDS] = std::array::from_fn(|band| {
-            (response.diffuse[band] * diffuse_share + response.highlight[band] * highlight_share) / density
+            (bsdf_value.diffuse[band] * diffuse_share + bsdf_value.highlight[band] * highlight_share) / pdf
         });
         if weight.iter().all(|band| *band == 0.0) {
             return dark;
@@ -303,20 +306,20 @@ impl DirectSampler<'_> {
     /// Notes what a light gives, where that is wanted.
     fn note_light<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
         given: [f64; BANDS],
     ) {
         let Some(contributions) = &mut tracer.contributions else { return };
-        contributions.owe(tracer.plan.shader(light.surface), &self.encounter(light, sample), given);
+        contributions.defer(tracer.plan.shader(light.surface), &self.interaction(light, sample), given);
     }
 
     /// Radiance that comes from a light to a point in space, from one place on the light, scaled by `weight` of the direction to it and divided
     /// by the density of the place.
     pub(crate) fn light_at<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         u: [f64; 2],
         weight: impl Fn(DVec3) -> f64,
@@ -331,8 +334,9 @@ impl DirectSampler<'_> {
         if radiance.iter().all(|band| *band == 0.0) {
             return dark;
         }
-        let scale = focal * weight(sample.direction) / sample.density;
-        let given = self.arriving(tracer, light, &sample, &Between::Anything, radiance).map(|band| band * scale);
+        let scale = focal * weight(sample.direction) / sample.pdf;
+        let given =
+            self.arriving(tracer, light, &sample, &VisibilityClass::Anything, radiance).map(|band| band * scale);
         self.note_light(tracer, light, &sample, given);
         given
     }
@@ -340,32 +344,36 @@ impl DirectSampler<'_> {
     /// Radiance of the place in the direction of the point; of a glow, as much of it as has the point within its radius.
     pub(crate) fn radiance<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
-        let in_range = light.share_in_range(self.point, sample.direction, sample.distance);
+        let in_range = light.share_in_radius(self.point, sample.direction, sample.distance);
         if light.is_redirected() {
             // What arrives is known when it has arrived.
             return [in_range; BANDS];
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let encounter = self.encounter(light, sample);
-        let radiance: [f64; BANDS] = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
+        let interaction = self.interaction(light, sample);
+        let radiance: [f64; BANDS] =
+            given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
         radiance.map(|band| in_range * band)
     }
 
     /// How the place is met by a ray from the point.
-    fn encounter(&self, light: &Light, sample: &LightSample) -> Encounter {
+    fn interaction(&self, light: &Light, sample: &LightSample) -> SurfaceInteraction {
         let ray = light.real_ray(self.point, sample.direction);
         if matches!(light.form, LightForm::Distant { .. }) {
-            return Encounter::distant(ray.direction);
+            return SurfaceInteraction::distant(ray.direction);
         }
-        let normal = light.relays.iter().fold(sample.normal, |normal, relay| relay.image_of_direction(normal));
+        let normal = light
+            .virtual_sources
+            .iter()
+            .fold(sample.normal, |normal, virtual_source| virtual_source.image_of_direction(normal));
         let total = self.travelled + sample.distance;
-        Encounter::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
+        SurfaceInteraction::new(&ray, ray.at(sample.distance), normal, sample.distance, total)
     }
 }
 
@@ -373,10 +381,10 @@ impl DirectSampler<'_> {
 const SEQUENCE_STEP: f64 = 1.0 / (1 << 24) as f64;
 
 /// How many places on a light are sampled at a point, on average.
-pub(crate) fn selection_density(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
+pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
     match &plan.light_tree {
         Some(tree) if reception.draws > 0 => {
-            f64::from(reception.draws) * Cut::new(tree, &plan.lights, point, reception).chance(id)
+            f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
         }
         _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
     }

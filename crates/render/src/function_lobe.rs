@@ -4,7 +4,7 @@
 
 use crate::bands::spread;
 use crate::shader::Function;
-use crate::view::{Encounter, View};
+use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
 use radsight_ir::DataGrid;
@@ -40,7 +40,7 @@ pub(crate) enum LobeFunction<'a> {
 /// What a function of a material sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surroundings<'a> {
-    pub(crate) encounter: &'a Encounter,
+    pub(crate) interaction: &'a SurfaceInteraction,
     /// Unit, with textures, on the viewer's side: `NxP`.
     pub(crate) normal: DVec3,
     /// Of the outgoing direction to it: `RdotP`.
@@ -57,7 +57,7 @@ pub(crate) struct MaterialView<'a> {
 
 impl<'a> Surroundings<'a> {
     pub(crate) fn view(&'a self, function: &'a Function) -> MaterialView<'a> {
-        MaterialView { view: function.view(self.encounter), surroundings: self }
+        MaterialView { view: function.view(self.interaction), surroundings: self }
     }
 
     /// A root without arguments; a fault counts as zero.
@@ -87,7 +87,7 @@ impl<const BANDS: usize> FunctionLobe<'_, BANDS> {
     }
 
     /// `f·|cos θ_i|` for light from a source of the given solid angle, sr.
-    pub(crate) fn respond(&self, incident: DVec3, solid_angle: f64, scratch: &mut Scratch) -> [f64; BANDS] {
+    pub(crate) fn eval(&self, incident: DVec3, solid_angle: f64, scratch: &mut Scratch) -> [f64; BANDS] {
         let cosine = self.surroundings.normal.dot(incident);
         let factor = self.factors[usize::from(cosine < 0.0)];
         if cosine.abs() <= TINY || factor.iter().all(|band| *band <= TINY) {

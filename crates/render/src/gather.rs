@@ -1,18 +1,19 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
-use crate::antimatter::Cut;
-use crate::bright_places::BrightPlaces;
+use crate::antimatter::Subtraction;
+use crate::bsdf::Bsdf;
 use crate::direct::DirectSampler;
+use crate::guiding::GuidingRecords;
+use crate::hemisphere_sampling::HemisphereSamples;
 use crate::light_tree::Reception;
-use crate::link::{Link, Lobe};
-use crate::look_out::Surroundings;
 use crate::medium::Medium;
-use crate::ray::{PrimitiveId, Ray, Spread};
-use crate::surface_light::LitPoint;
-use crate::trace::{Segment, Tracer};
-use crate::tree::NodeId;
+use crate::mis::{Lobe, MisState};
+use crate::ray_spacing::RaySpacing;
+use crate::ray_tree::NodeId;
+use crate::trace::{PathIntegrator, PathState};
 use glam::DVec3;
-use radsight_irradiance::{Cache, Gathered, Hemisphere, Limits, Record};
+use radsight_accel::{PrimitiveId, Ray};
+use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -21,77 +22,77 @@ pub(crate) type Caches<'c, const BANDS: usize> = [Option<&'c Cache<BANDS>>; 2];
 
 /// A point whose irradiance is wanted.
 #[derive(Clone, Debug)]
-pub(crate) struct Place<const BANDS: usize> {
+pub(crate) struct CachePoint<const BANDS: usize> {
     pub(crate) point: DVec3,
     /// Unit geometric normal on the side in question.
     pub(crate) normal: DVec3,
     primitive: Option<PrimitiveId>,
     medium: Medium<BANDS>,
     /// What is cut away for the rays from here.
-    cut: Cut,
+    cut: Subtraction,
     /// Interreflections that the rays from here may follow.
     bounces: u32,
     /// How wide the ray is that found it, scene units: details below that are not seen.
     width: f64,
 }
 
-impl<const BANDS: usize> Place<BANDS> {
+impl<const BANDS: usize> CachePoint<BANDS> {
     /// Whether the irradiance here can be interpolated by now.
     pub(crate) fn is_covered(&self, cache: &Cache<BANDS>) -> bool {
         cache.reaches(self.point, self.normal)
     }
 
     /// Which look is the next one from here.
-    pub(crate) fn next_look(&self, cache: &Cache<BANDS>) -> usize {
-        cache.next_look(self.point, self.normal)
+    pub(crate) fn next_gather(&self, cache: &Cache<BANDS>) -> usize {
+        cache.next_gather(self.point, self.normal)
     }
 }
 
 /// What a ray wants of shared irradiance.
 #[derive(Clone, Debug)]
-pub(crate) enum Survey<const BANDS: usize> {
+pub(crate) enum CacheQuery<const BANDS: usize> {
     /// Places whose irradiance is missing, and how wide the ray is that finds them.
-    Missing(Vec<Place<BANDS>>, Spread),
+    Missing(Vec<CachePoint<BANDS>>, RaySpacing),
     /// The records that give it where it is not, with their shares in it.
     Served(Vec<(u32, f64)>),
 }
 
-impl<const BANDS: usize> Survey<BANDS> {
-    pub(crate) fn missing(self) -> Vec<Place<BANDS>> {
-        if let Survey::Missing(places, _) = self { places } else { Vec::new() }
+impl<const BANDS: usize> CacheQuery<BANDS> {
+    pub(crate) fn missing(self) -> Vec<CachePoint<BANDS>> {
+        if let CacheQuery::Missing(places, _) = self { places } else { Vec::new() }
     }
 
     pub(crate) fn served(self) -> Vec<(u32, f64)> {
-        if let Survey::Served(served) = self { served } else { Vec::new() }
+        if let CacheQuery::Served(served) = self { served } else { Vec::new() }
     }
 
-    fn note(&mut self, place: Place<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
+    fn note(&mut self, place: CachePoint<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
         match self {
-            Survey::Missing(places, spread) => {
+            CacheQuery::Missing(places, spread) => {
                 if !place.is_covered(cache) {
-                    places.push(Place { width: spread.at(travelled), ..place });
+                    places.push(CachePoint { width: spread.at(travelled), ..place });
                 }
             }
-            Survey::Served(served) => cache.shares(place.point, place.normal, served),
+            CacheQuery::Served(served) => cache.shares(place.point, place.normal, served),
         }
     }
 }
 
 /// How to look around.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look<'h> {
+pub(crate) struct HemisphereGather<'h> {
     pub(crate) hemisphere: &'h Hemisphere,
-    /// The sample of each cell to look through, by the number of the look ([`Cache::next_look`]); any place of it without one.
+    /// The sample of each cell to look through, by the number of the look ([`Cache::next_gather`]); any place of it without one.
     pub(crate) sample: Option<usize>,
     /// Tells the rays from those of other looks.
     pub(crate) number: u64,
     /// Where light is expected, if that is known.
-    pub(crate) bright: Option<&'h BrightPlaces>,
+    pub(crate) bright: Option<&'h GuidingRecords>,
 }
 
 /// A ray that looks through a cell.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Way {
+pub(crate) struct GatherDirection {
     /// Unit, in the frame of the place, and in the scene.
     pub(crate) local: DVec3,
     pub(crate) direction: DVec3,
@@ -116,19 +117,19 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// What the point sends on of the irradiance that is shared or looked for here; `None` where a ray is to be drawn instead, and in a survey, which notes what
     /// it wants.
     pub(crate) fn gathered(
         &mut self,
-        segment: &Segment<BANDS>,
+        path: &PathState<BANDS>,
         at: DVec3,
         primitive: Option<PrimitiveId>,
-        point: &LitPoint<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
         travelled: f64,
     ) -> Option<[f64; BANDS]> {
         let options = &self.plan.options;
-        let bounces_behind = options.ambient_bounces - segment.ambient_bounces;
+        let bounces_behind = options.ambient_bounces - path.ambient_bounces;
         let cache = self.caches.get(bounces_behind as usize).copied().flatten();
         if cache.is_none() || point.is_retroreflector() {
             return None;
@@ -139,22 +140,22 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             if reflectance.iter().all(|band| *band <= 0.0) {
                 continue;
             }
-            let place = Place {
+            let place = CachePoint {
                 point: at,
                 normal,
                 primitive,
-                medium: self.medium(segment.medium),
-                cut: self.cut(if normal.dot(point.normal) < 0.0 { segment.cut_beyond } else { segment.cut }).clone(),
-                bounces: segment.ambient_bounces - 1,
+                medium: self.medium(path.medium),
+                cut: self.cut(if normal.dot(point.normal) < 0.0 { path.subtraction_beyond } else { path.cut }).clone(),
+                bounces: path.ambient_bounces - 1,
                 width: 0.0,
             };
-            if let (Some(survey), Some(cache)) = (&mut self.survey, cache) {
-                survey.note(place, cache, travelled);
+            if let (Some(cache_query), Some(cache)) = (&mut self.cache_query, cache) {
+                cache_query.note(place, cache, travelled);
                 complete = false;
                 continue;
             }
             let shared = cache.and_then(|cache| match bounces_behind {
-                0 => cache.trusted_irradiance(at, normal, facet, self.plan.most_bend()),
+                0 => cache.trusted_irradiance(at, normal, facet, self.plan.max_interpolation_error()),
                 _ => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
             });
             let irradiance = match shared {
@@ -172,34 +173,34 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     }
 
     /// The irradiance of a place, and what is around it.
-    pub(crate) fn look_around(
+    pub(crate) fn gather_at(
         &mut self,
-        place: &Place<BANDS>,
-        look: &Look<'_>,
+        place: &CachePoint<BANDS>,
+        look: &HemisphereGather<'_>,
         limits: &Limits,
-    ) -> (Record<BANDS>, Surroundings<BANDS>) {
+    ) -> (Record<BANDS>, HemisphereSamples<BANDS>) {
         let fineness = (self.plan.options.gathering.noise / FINE_NOISE).clamp(0.5, 1.0);
         let widths = if self.plan.has_caustics { LEAST_WIDTHS_IN_CAUSTICS } else { LEAST_WIDTHS * fineness };
         let limits = Limits { least: limits.least.max(widths * place.width), ..*limits };
-        let around = self.glance_around(place, look);
+        let around = self.sample_hemisphere(place, look);
         let record = Record::new(place.point, place.normal, look.hemisphere, &around.cells, &limits);
         let offset = (look.number as f64 * GOLDEN).fract();
         (record.resting_on(around.rays).with_hits(&around.hits, offset), around)
     }
 
     /// The irradiance of a place from the lights that light sampling finds, averaged over the bands, by one sample.
-    pub(crate) fn direct_irradiance(&mut self, place: &Place<BANDS>, number: u64) -> f64 {
+    pub(crate) fn direct_irradiance(&mut self, place: &CachePoint<BANDS>, number: u64) -> f64 {
         let sampler = RaySampler::new(self.plan.options.seed ^ DIRECT_SEED, number);
         let medium = self.begin(sampler, place.medium);
-        let cut = self.add_cut(place.cut.clone());
-        let white = LitPoint::white(place.normal, place.normal);
+        let cut = self.add_subtraction(place.cut.clone());
+        let white = Bsdf::white(place.normal, place.normal);
         let reception = white.reception(self.plan.light_draws[1]);
         let direct = DirectSampler {
             point: place.point,
             primitive: place.primitive,
             highlight_draws: 0,
             shares_diffuse: false,
-            outlook: None,
+            visible_portals: None,
             reception,
             travelled: 0.0,
             medium,
@@ -212,7 +213,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     }
 
     /// By which way to look through a cell of the hemisphere.
-    pub(crate) fn way(&self, place: &Place<BANDS>, look: &Look<'_>, cell: usize) -> Way {
+    pub(crate) fn way(&self, place: &CachePoint<BANDS>, look: &HemisphereGather<'_>, cell: usize) -> GatherDirection {
         let first = look.number.wrapping_mul(look.hemisphere.len() as u64);
         let seed = self.plan.options.seed ^ GATHERING_SEED;
         let sampler = RaySampler::new(seed, first.wrapping_add(cell as u64));
@@ -226,32 +227,37 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
         };
         let [x, y, z] = Record::<BANDS>::frame(place.normal);
         let local = look.hemisphere.direction(cell, [within[0], within[1]]);
-        Way { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
+        GatherDirection { local, direction: (x * local.x + y * local.y + z * local.z).normalize(), sampler }
     }
 
     /// What comes from one direction. Light from sampled sources is no part of it: a link of no density gives it all to light sampling.
-    pub(crate) fn look(&mut self, place: &Place<BANDS>, direction: DVec3, sampler: RaySampler) -> Gathered<BANDS> {
+    pub(crate) fn look(
+        &mut self,
+        place: &CachePoint<BANDS>,
+        direction: DVec3,
+        sampler: RaySampler,
+    ) -> GatheredRadiance<BANDS> {
         let medium = self.begin(sampler, place.medium);
-        let cut = self.add_cut(place.cut.clone());
-        let link = Link::new(0.0, (place.point, direction), Reception::NONE, place.primitive, Lobe::Diffuse);
-        self.finish(Segment {
+        let cut = self.add_subtraction(place.cut.clone());
+        let mis = MisState::new(0.0, (place.point, direction), Reception::NONE, place.primitive, Lobe::Diffuse);
+        self.finish(PathState {
             ray: Ray { origin: place.point, direction },
             from: place.primitive,
             throughput: [1.0; BANDS],
             split: 1.0,
             travelled: 0.0,
-            link: Some(link),
+            mis: Some(mis),
             depth: 0,
             reflections: 1,
             ambient_bounces: place.bounces,
             medium,
             cut,
-            cut_beyond: cut,
+            subtraction_beyond: cut,
             follows_no_diffuse: false,
             direct_view: true,
             node: NodeId::NONE,
         });
         let distance = self.first_distance();
-        Gathered { radiance: self.radiance, distance }
+        GatheredRadiance { radiance: self.radiance, distance }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::options::AmbientSurfaces;
 use crate::shader::{Shader, bands};
-use crate::trace::Tracer;
+use crate::trace::PathIntegrator;
 use radsight_ir::Scene;
 
 /// How diffuse surroundings are found at a point.
@@ -21,7 +21,7 @@ impl Indirect {
     }
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Adds what a diffuse reflectance makes of the ambient value.
     pub(crate) fn add_constant(&self, radiance: &mut [f64; BANDS], diffuse: &[f64; BANDS]) {
         let ambient: [f64; BANDS] = bands(self.plan.options.ambient_value);

@@ -1,11 +1,11 @@
 //! Light sources with their true extent, and the places on them from which light comes.
 
-use crate::beam::Beam;
-use crate::lens::Overlap;
+use crate::disk_overlap::Overlap;
+use crate::emission_profile::EmissionProfile;
 use crate::light_form::{LightForm, LightSample, seen};
-use crate::ray::{MemberId, PrimitiveId, Ray};
-use crate::tilt::Peak;
+use crate::lobe_weighting::LobePeak;
 use glam::DVec3;
+use radsight_accel::{MemberId, PrimitiveId, Ray};
 use radsight_ir::SurfaceHandle;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -26,13 +26,13 @@ pub(crate) struct Light {
     /// A cone outside of which it is dark.
     pub(crate) cone: Option<LightCone>,
     /// Where it shines brightest, if that is narrow; images have none.
-    pub(crate) beam: Option<Arc<Beam>>,
+    pub(crate) profile: Option<Arc<EmissionProfile>>,
     /// Farther points get nothing from it (a glow's radius).
     pub(crate) max_distance: f64,
     /// F of a spotlight: the brightness is scaled by (r/(r+F))².
     pub(crate) focal_distance: f64,
     /// The mirrors and prisms through which it is seen, the one next to the receiver first; empty for a real light.
-    pub(crate) relays: Vec<Relay>,
+    pub(crate) virtual_sources: Vec<VirtualSource>,
 }
 
 /// A sharp cone of emission.
@@ -48,7 +48,7 @@ const PARALLEL: f64 = 1.0 - 1e-12;
 
 /// A plane mirror or prism that relays a light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Relay {
+pub(crate) struct VirtualSource {
     pub(crate) surface: SurfaceHandle,
     pub(crate) member: MemberId,
     pub(crate) point: DVec3,
@@ -68,7 +68,7 @@ pub(crate) struct Redirection {
     pub(crate) is_distant: bool,
 }
 
-impl Relay {
+impl VirtualSource {
     pub(crate) fn image_of_point(&self, point: DVec3) -> DVec3 {
         point + self.shift * self.normal.dot(point - self.point)
     }
@@ -88,10 +88,10 @@ impl Relay {
 impl Light {
     /// A place of the light that is lit towards `receiver`, from a point of the unit square, where the highlight is bright.
     #[inline]
-    pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &Peak) -> Option<LightSample> {
+    pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
         let gradient = self.gradient(receiver, peak);
-        if let Some(mixture) = self.beam_near(receiver) {
-            return self.sample_beam(mixture, receiver, [u, v], gradient);
+        if let Some(mixture) = self.profile_near(receiver) {
+            return self.sample_profile(mixture, receiver, [u, v], gradient);
         }
         let Some((center, normal, radius)) = self.clipped_disk() else {
             return self.form.sample(receiver, [u, v], gradient);
@@ -102,17 +102,17 @@ impl Light {
             Overlap::Whole => self.form.sample(receiver, [u, v], gradient),
             Overlap::Part(lens) => {
                 let across = normal.cross(away);
-                let (x, y, density) = lens.point([u, v], [gradient.dot(away), gradient.dot(across)]);
-                seen(receiver, center + away * x + across * y, normal, density)
+                let (x, y, pdf) = lens.point([u, v], [gradient.dot(away), gradient.dot(across)]);
+                seen(receiver, center + away * x + across * y, normal, pdf)
             }
         }
     }
 
     /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
-    pub(crate) fn density(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &Peak) -> f64 {
+    pub(crate) fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
         let gradient = self.gradient(receiver, peak);
-        if let Some(mixture) = self.beam_near(receiver) {
-            return mixture.density(direction, self.form.density(receiver, direction, distance, cosine, gradient));
+        if let Some(mixture) = self.profile_near(receiver) {
+            return mixture.pdf(direction, self.form.pdf(receiver, direction, distance, cosine, gradient));
         }
         if let Some((center, normal, radius)) = self.clipped_disk()
             && let (Overlap::Part(lens), away) = self.lit_part(center, normal, radius, receiver)
@@ -120,39 +120,39 @@ impl Light {
             let across = normal.cross(away);
             let from_center = receiver + direction * distance - center;
             let at = [from_center.dot(away), from_center.dot(across)];
-            let by_area = lens.density(at, [gradient.dot(away), gradient.dot(across)]);
+            let by_area = lens.pdf(at, [gradient.dot(away), gradient.dot(across)]);
             return distance * distance * by_area / cosine;
         }
-        self.form.density(receiver, direction, distance, cosine, gradient)
+        self.form.pdf(receiver, direction, distance, cosine, gradient)
     }
 
     /// Its beam, and how often a place is drawn by that for a receiver.
     #[inline]
-    fn beam_near(&self, receiver: DVec3) -> Option<Mixture<'_>> {
-        let beam = self.beam.as_deref()?;
-        let chance = Beam::chance(receiver.distance(self.center), self.radius);
-        (chance > 0.0).then_some(Mixture { beam, chance })
+    fn profile_near(&self, receiver: DVec3) -> Option<Mixture<'_>> {
+        let profile = self.profile.as_deref()?;
+        let chance = EmissionProfile::chance(receiver.distance(self.center), self.radius);
+        (chance > 0.0).then_some(Mixture { profile, chance })
     }
 
     /// A place where the beam comes towards the receiver, or one anywhere.
-    fn sample_beam(
+    fn sample_profile(
         &self,
         mixture: Mixture<'_>,
         receiver: DVec3,
         [u, v]: [f64; 2],
         gradient: DVec3,
     ) -> Option<LightSample> {
-        let Mixture { beam, chance } = mixture;
+        let Mixture { profile, chance } = mixture;
         let sample = if u < chance {
-            let direction = -beam.draw([u / chance, v])?;
+            let direction = -profile.draw([u / chance, v])?;
             let (normal, _) = self.form.plane()?;
             let (distance, cosine) = self.form.met(receiver, direction)?;
-            let density = self.form.density(receiver, direction, distance, cosine, gradient);
-            LightSample { direction, distance, density, normal }
+            let pdf = self.form.pdf(receiver, direction, distance, cosine, gradient);
+            LightSample { direction, distance, pdf, normal }
         } else {
             self.form.sample(receiver, [(u - chance) / (1.0 - chance), v], gradient)?
         };
-        Some(LightSample { density: mixture.density(sample.direction, sample.density), ..sample })
+        Some(LightSample { pdf: mixture.pdf(sample.direction, sample.pdf), ..sample })
     }
 
     /// The factor of a spotlight's radiance at a distance.
@@ -163,7 +163,7 @@ impl Light {
 
     /// Gradient of the logarithm of the highlight at the light's centre, by place (for a distant one, by direction).
     #[inline]
-    fn gradient(&self, receiver: DVec3, peak: &Peak) -> DVec3 {
+    fn gradient(&self, receiver: DVec3, peak: &LobePeak) -> DVec3 {
         match self.form {
             LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
                 peak.gradient(direction)
@@ -205,8 +205,10 @@ impl Light {
     /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.
     #[inline]
     pub(crate) fn misses(&self, receiver: DVec3) -> bool {
-        let is_behind = |relay: &Relay| relay.redirection.is_none() && relay.normal.dot(receiver - relay.point) <= 0.0;
-        if self.relays.first().is_some_and(is_behind) {
+        let is_behind = |virtual_source: &VirtualSource| {
+            virtual_source.redirection.is_none() && virtual_source.normal.dot(receiver - virtual_source.point) <= 0.0
+        };
+        if self.virtual_sources.first().is_some_and(is_behind) {
             return true;
         }
         let Some(cone) = &self.cone else { return self.shows_its_back(receiver) };
@@ -229,15 +231,15 @@ impl Light {
 
     /// Whether a prism relays it, so that only following a ray tells what it brings.
     pub(crate) fn is_redirected(&self) -> bool {
-        self.relays.iter().any(|relay| relay.redirection.is_some())
+        self.virtual_sources.iter().any(|virtual_source| virtual_source.redirection.is_some())
     }
 
     /// The ray from a receiver towards the light as the light itself sees it: reflected in all mirrors.
     pub(crate) fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
         let (mut origin, mut direction) = (receiver, direction);
-        for relay in &self.relays {
-            origin = relay.image_of_point(origin);
-            direction = relay.image_of_direction(direction);
+        for virtual_source in &self.virtual_sources {
+            origin = virtual_source.image_of_point(origin);
+            direction = virtual_source.image_of_direction(direction);
         }
         Ray { origin, direction }
     }
@@ -246,13 +248,13 @@ impl Light {
 /// A place is drawn by the beam with this chance, else anywhere.
 #[derive(Clone, Copy, Debug)]
 struct Mixture<'l> {
-    beam: &'l Beam,
+    profile: &'l EmissionProfile,
     chance: f64,
 }
 
 impl Mixture<'_> {
     /// The density in a direction to the light, where that of places anywhere is `by_area`, 1/sr.
-    fn density(self, direction: DVec3, by_area: f64) -> f64 {
-        self.chance * self.beam.density(-direction) + (1.0 - self.chance) * by_area
+    fn pdf(self, direction: DVec3, by_area: f64) -> f64 {
+        self.chance * self.profile.pdf(-direction) + (1.0 - self.chance) * by_area
     }
 }

@@ -1,11 +1,11 @@
 //! The forms of lights: places on them, drawn by area or by solid angle.
 
-use crate::geometry;
-use crate::light::Relay;
-use crate::tilt::{DiskTilt, exponential, exponential_density};
+use crate::light::VirtualSource;
+use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
 use crate::visible_side::VisibleSide;
 use earcut::Earcut;
 use glam::DVec3;
+use radsight_accel::polygon_normal;
 use radsight_ir::{Facing, Scene, Shape};
 use radsight_sampling::unit_disk;
 use std::f64::consts::{PI, TAU};
@@ -37,7 +37,7 @@ pub(crate) struct LightSample {
     /// Infinite for a distant one.
     pub(crate) distance: f64,
     /// Per solid angle at the receiver, 1/sr.
-    pub(crate) density: f64,
+    pub(crate) pdf: f64,
     /// Unit normal there on the emitting side.
     pub(crate) normal: DVec3,
 }
@@ -162,22 +162,22 @@ impl LightForm {
     /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
     #[inline]
     pub(crate) fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
-        let (point, normal, density) = match self {
+        let (point, normal, pdf) = match self {
             LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => {
                 let area = PI * (outer_squared - inner_squared);
                 if *inner_squared == 0.0 {
                     let radius = outer_squared.sqrt();
-                    let tilt = disk_tilt(gradient, *x * radius, *y * radius);
-                    let (a, b) = tilt.apply(unit_disk(u, v));
-                    (*center + (*x * a + *y * b) * radius, *normal, tilt.density((a, b)) / area)
+                    let warp = disk_warp(gradient, *x * radius, *y * radius);
+                    let (a, b) = warp.apply(unit_disk(u, v));
+                    (*center + (*x * a + *y * b) * radius, *normal, warp.pdf((a, b)) / area)
                 } else {
                     (point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?, *normal, area.recip())
                 }
             }
             LightForm::Parallelogram { corner, x, y, normal, area } => {
-                let (a, density_a) = exponential(gradient.dot(*x), u);
-                let (b, density_b) = exponential(gradient.dot(*y), v);
-                (*corner + *x * a + *y * b, *normal, density_a * density_b / area)
+                let (a, pdf_a) = exponential(gradient.dot(*x), u);
+                let (b, pdf_b) = exponential(gradient.dot(*y), v);
+                (*corner + *x * a + *y * b, *normal, pdf_a * pdf_b / area)
             }
             LightForm::Triangles { triangles, cumulative, normal, area } => {
                 (point_on_triangles(triangles, cumulative, u, v), *normal, area.recip())
@@ -189,65 +189,58 @@ impl LightForm {
                 let side = self.visible_side(receiver)?;
                 let share = height_share(*radii, u);
                 let radius = radii[0] + (radii[1] - radii[0]) * share;
-                let (radial, density) = side.draw(v);
+                let (radial, pdf) = side.draw(v);
                 let slope = (radii[1] - radii[0]) / length;
                 let outward = (radial - *axis * slope).normalize();
                 let normal = if *facing == Facing::Outward { outward } else { -outward };
-                (*base + *axis * (share * length) + radial * radius, normal, density / self.area())
+                (*base + *axis * (share * length) + radial * radius, normal, pdf / self.area())
             }
             LightForm::Distant { direction, x, y, half_angle_sin_squared_half: cap } => {
-                let (towards, density) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
-                return Some(LightSample { direction: towards, distance: f64::INFINITY, density, normal: -towards });
+                let (towards, pdf) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, pdf, normal: -towards });
             }
             LightForm::DistantImage { direction, x, y } => {
                 let (a, b) = unit_disk(u, v);
                 let towards = (*direction + *x * a + *y * b).normalize();
-                let density = ellipse_density(*direction, *x, *y, towards);
-                return Some(LightSample { direction: towards, distance: f64::INFINITY, density, normal: -towards });
+                let pdf = ellipse_pdf(*direction, *x, *y, towards);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, pdf, normal: -towards });
             }
         };
-        seen(receiver, point, normal, density)
+        seen(receiver, point, normal, pdf)
     }
 
     /// The density with which [`LightForm::sample`] would find the place at `distance` along `direction`, 1/sr.
-    pub(crate) fn density(
-        &self,
-        receiver: DVec3,
-        direction: DVec3,
-        distance: f64,
-        cosine: f64,
-        gradient: DVec3,
-    ) -> f64 {
+    pub(crate) fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
         let by_area = distance * distance / (self.area() * cosine);
         match self {
             LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } if *inner_squared == 0.0 => {
                 let radius = outer_squared.sqrt();
                 let from_center = receiver + direction * distance - *center;
                 let at = (from_center.dot(*x) / radius, from_center.dot(*y) / radius);
-                by_area * disk_tilt(gradient, *x * radius, *y * radius).density(at)
+                by_area * disk_warp(gradient, *x * radius, *y * radius).pdf(at)
             }
             LightForm::Parallelogram { corner, x, y, normal, area } => {
                 let from_corner = receiver + direction * distance - *corner;
                 let a = from_corner.cross(*y).dot(*normal) / area;
                 let b = x.cross(from_corner).dot(*normal) / area;
-                by_area * exponential_density(gradient.dot(*x), a) * exponential_density(gradient.dot(*y), b)
+                by_area * exponential_pdf(gradient.dot(*x), a) * exponential_pdf(gradient.dot(*y), b)
             }
             LightForm::Sphere { center, radius, facing: Facing::Outward }
                 if center.distance_squared(receiver) > radius * radius =>
             {
                 let axis = (*center - receiver).normalize();
                 let (x, y) = axis.any_orthonormal_pair();
-                cap_density(axis, x, y, sphere_cap(*center, *radius, receiver), direction, gradient)
+                cap_pdf(axis, x, y, sphere_cap(*center, *radius, receiver), direction, gradient)
             }
             LightForm::Distant { direction: axis, x, y, half_angle_sin_squared_half } => {
-                cap_density(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
+                cap_pdf(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
             }
             LightForm::Cone { base, axis, .. } => {
                 let from_base = receiver + direction * distance - *base;
                 let from_axis = (from_base - *axis * from_base.dot(*axis)).normalize_or_zero();
-                self.visible_side(receiver).map_or(0.0, |side| by_area * side.density(from_axis))
+                self.visible_side(receiver).map_or(0.0, |side| by_area * side.pdf(from_axis))
             }
-            LightForm::DistantImage { direction: axis, x, y } => ellipse_density(*axis, *x, *y, direction),
+            LightForm::DistantImage { direction: axis, x, y } => ellipse_pdf(*axis, *x, *y, direction),
             _ => by_area,
         }
     }
@@ -270,13 +263,13 @@ impl LightForm {
 
 /// A place on a surface as a receiver sees it, with its density by area turned into one by solid angle.
 #[inline]
-pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_density: f64) -> Option<LightSample> {
+pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_pdf: f64) -> Option<LightSample> {
     let offset = point - receiver;
     let squared = offset.length_squared();
     let distance = squared.sqrt();
     let direction = offset / distance;
     let cosine = -direction.dot(normal);
-    (cosine > 0.0).then(|| LightSample { direction, distance, density: squared * area_density / cosine, normal })
+    (cosine > 0.0).then(|| LightSample { direction, distance, pdf: squared * area_pdf / cosine, normal })
 }
 
 /// The two numbers whose multiples of `x` and `y` add up to a vector in their plane.
@@ -293,8 +286,8 @@ fn is_in(&[a, b, c]: &[DVec3; 3], point: DVec3) -> bool {
 
 /// The tilt of a disk with these radii as its axes.
 #[inline]
-fn disk_tilt(gradient: DVec3, x: DVec3, y: DVec3) -> DiskTilt {
-    DiskTilt::new(gradient.dot(x), gradient.dot(y))
+fn disk_warp(gradient: DVec3, x: DVec3, y: DVec3) -> DiskWarp {
+    DiskWarp::new(gradient.dot(x), gradient.dot(y))
 }
 
 fn point_on_ring(center: DVec3, x: DVec3, y: DVec3, inner: f64, outer: f64, u: f64, v: f64) -> Option<DVec3> {
@@ -320,25 +313,25 @@ fn cap_solid_angle(sin_squared_half: f64) -> f64 {
 /// A unit direction within the cap about `axis`, and its density: cosine and azimuth through the (tilted) concentric map.
 fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, cap: f64, [u, v]: [f64; 2], gradient: DVec3) -> (DVec3, f64) {
     let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
-    let tilt = disk_tilt(gradient, x * rim, y * rim);
-    let (a, b) = tilt.apply(unit_disk(u, v));
+    let warp = disk_warp(gradient, x * rim, y * rim);
+    let (a, b) = warp.apply(unit_disk(u, v));
     // 1 − cos θ' = (a² + b²)·(1 − cos θ), and sin θ' follows without cancellation.
     let versed = 2.0 * cap * (a * a + b * b);
     let scale = (2.0 * cap * (2.0 - versed)).sqrt();
-    (axis * (1.0 - versed) + x * (a * scale) + y * (b * scale), tilt.density((a, b)) / cap_solid_angle(cap))
+    (axis * (1.0 - versed) + x * (a * scale) + y * (b * scale), warp.pdf((a, b)) / cap_solid_angle(cap))
 }
 
 /// The density of [`direction_in_cap`].
-fn cap_density(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient: DVec3) -> f64 {
+fn cap_pdf(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient: DVec3) -> f64 {
     let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
     let versed = 0.5 * direction.distance_squared(axis);
     let scale = (2.0 * cap * (2.0 - versed)).sqrt();
     let at = (direction.dot(x) / scale, direction.dot(y) / scale);
-    disk_tilt(gradient, x * rim, y * rim).density(at) / cap_solid_angle(cap)
+    disk_warp(gradient, x * rim, y * rim).pdf(at) / cap_solid_angle(cap)
 }
 
 /// Directions that are even on the plane that touches their sphere in `axis`, over an ellipse of that plane, per solid angle.
-fn ellipse_density(axis: DVec3, x: DVec3, y: DVec3, towards: DVec3) -> f64 {
+fn ellipse_pdf(axis: DVec3, x: DVec3, y: DVec3, towards: DVec3) -> f64 {
     // A piece of the plane at 1/cos is seen under that cosine.
     (PI * x.cross(y).length() * axis.dot(towards).powi(3)).recip()
 }
@@ -359,12 +352,12 @@ fn sample_sphere(
     let axis = axis / squared.sqrt();
     let (x, y) = axis.any_orthonormal_pair();
     let cap = sphere_cap(center, radius, receiver);
-    let (direction, density) = direction_in_cap(axis, x, y, cap, [u, v], gradient);
+    let (direction, pdf) = direction_in_cap(axis, x, y, cap, [u, v], gradient);
     let along = (center - receiver).dot(direction);
     let miss_squared = (squared - along * along).min(radius * radius);
     let distance = along - (radius * radius - miss_squared).sqrt();
     let normal = (receiver + direction * distance - center) / radius;
-    Some(LightSample { direction, distance, density, normal })
+    Some(LightSample { direction, distance, pdf, normal })
 }
 
 fn sample_sphere_by_area(
@@ -402,7 +395,7 @@ fn point_on_triangles(triangles: &[[DVec3; 3]], cumulative: &[f64], u: f64, v: f
 }
 
 fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
-    let normal = geometry::polygon_normal(vertices)?;
+    let normal = polygon_normal(vertices)?;
     if let [a, b, c, d] = vertices {
         let (x, y) = (*b - *a, *d - *a);
         if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {
@@ -436,10 +429,10 @@ fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
 
 /// The form seen by way of a mirror or prism. A distant light in a prism is
 /// [`crate::prism_image`]'s matter, if that finds an image.
-pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
-    let point = |p: &DVec3| relay.image_of_point(*p);
-    let vector = |v: &DVec3| relay.image_of_direction(*v);
-    let unit = |v: &DVec3| relay.image_of_unit(*v);
+pub(crate) fn virtual_form(form: &LightForm, virtual_source: &VirtualSource) -> LightForm {
+    let point = |p: &DVec3| virtual_source.image_of_point(*p);
+    let vector = |v: &DVec3| virtual_source.image_of_direction(*v);
+    let unit = |v: &DVec3| virtual_source.image_of_unit(*v);
     match form {
         LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => LightForm::Disk {
             center: point(center),
@@ -457,7 +450,10 @@ pub(crate) fn relayed(form: &LightForm, relay: &Relay) -> LightForm {
             area: *area,
         },
         LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
-            triangles: triangles.iter().map(|triangle| triangle.map(|corner| relay.image_of_point(corner))).collect(),
+            triangles: triangles
+                .iter()
+                .map(|triangle| triangle.map(|corner| virtual_source.image_of_point(corner)))
+                .collect(),
             cumulative: cumulative.clone(),
             normal: unit(normal),
             area: *area,

@@ -1,14 +1,14 @@
 //! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
 
-use crate::beam::Beam;
+use crate::emission_profile::EmissionProfile;
 use crate::light::Light;
 use crate::light_form::LightForm;
 use crate::plan::RenderPlan;
-use crate::ray::Ray;
 use crate::shader::Shader;
+use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::emission;
-use crate::view::Encounter;
 use glam::DVec3;
+use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 const LOOKS: u32 = 16;
 
 /// Of no more lights beams are looked for: it takes milliseconds each, and large lights are few.
-const MOST_BEAMS: usize = 16;
+const MOST_PROFILES: usize = 16;
 
 impl RenderPlan {
     /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
@@ -33,54 +33,66 @@ impl RenderPlan {
         let light = self.lights_of(light.surface).next().map_or(light, |id| &self.lights[id.0 as usize]);
         let mut scratch = Scratch::default();
         let look = |index: u32| {
-            let encounter =
+            let interaction =
                 self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
-            self.strongest_emission(shader, &encounter, &mut scratch)
+            self.strongest_emission(shader, &interaction, &mut scratch)
         };
         (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
     }
 
     /// The strongest band of what an emitter shows; nothing of what is none.
-    pub(crate) fn strongest_emission(&self, shader: &Shader, encounter: &Encounter, scratch: &mut Scratch) -> f64 {
+    pub(crate) fn strongest_emission(
+        &self,
+        shader: &Shader,
+        interaction: &SurfaceInteraction,
+        scratch: &mut Scratch,
+    ) -> f64 {
         match self.bands {
-            1 => self.strongest_of::<1>(shader, encounter, scratch),
-            3 => self.strongest_of::<3>(shader, encounter, scratch),
-            27 => self.strongest_of::<27>(shader, encounter, scratch),
-            36 => self.strongest_of::<36>(shader, encounter, scratch),
-            _ => self.strongest_of::<72>(shader, encounter, scratch),
+            1 => self.strongest_of::<1>(shader, interaction, scratch),
+            3 => self.strongest_of::<3>(shader, interaction, scratch),
+            27 => self.strongest_of::<27>(shader, interaction, scratch),
+            36 => self.strongest_of::<36>(shader, interaction, scratch),
+            _ => self.strongest_of::<72>(shader, interaction, scratch),
         }
     }
 
-    fn strongest_of<const BANDS: usize>(&self, shader: &Shader, encounter: &Encounter, scratch: &mut Scratch) -> f64 {
+    fn strongest_of<const BANDS: usize>(
+        &self,
+        shader: &Shader,
+        interaction: &SurfaceInteraction,
+        scratch: &mut Scratch,
+    ) -> f64 {
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
-        let radiance: [f64; BANDS] = emission(self, shader, emitter, encounter, scratch);
+        let radiance: [f64; BANDS] = emission(self, shader, emitter, interaction, scratch);
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }
 
     /// Finds the beams of lights whose pattern makes them narrow.
-    pub(crate) fn find_beams(&mut self) {
-        let beams: Vec<(usize, Beam)> = self
+    pub(crate) fn find_profiles(&mut self) {
+        let profiles: Vec<(usize, EmissionProfile)> = self
             .lights
             .iter()
             .enumerate()
-            .filter(|(_, light)| light.relays.is_empty() && light.cone.is_none())
+            .filter(|(_, light)| light.virtual_sources.is_empty() && light.cone.is_none())
             .filter(|(_, light)| !self.shader(light.surface).steps.is_empty())
-            .take(MOST_BEAMS)
-            .filter_map(|(index, light)| Some((index, self.beam(light)?)))
+            .take(MOST_PROFILES)
+            .filter_map(|(index, light)| Some((index, self.profile(light)?)))
             .collect();
-        for (index, beam) in beams {
-            self.lights[index].beam = Some(Arc::new(beam));
+        for (index, profile) in profiles {
+            self.lights[index].profile = Some(Arc::new(profile));
         }
     }
 
-    fn beam(&self, light: &Light) -> Option<Beam> {
+    fn profile(&self, light: &Light) -> Option<EmissionProfile> {
         let shader = self.shader(light.surface);
         let mut scratch = Scratch::default();
-        Beam::new(&light.form, |out| self.strongest_emission(shader, &self.seen_against(light, out), &mut scratch))
+        EmissionProfile::new(&light.form, |out| {
+            self.strongest_emission(shader, &self.seen_against(light, out), &mut scratch)
+        })
     }
 
     /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.
-    fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> Encounter {
+    fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> SurfaceInteraction {
         let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
             (LightForm::Distant { direction, half_angle_sin_squared_half, .. }, ..) => {
                 (*direction, 2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin())
@@ -94,15 +106,15 @@ impl RenderPlan {
         let (x, y) = axis.any_orthonormal_pair();
         let (sin_turn, cos_turn) = (TAU * turn).sin_cos();
         let out = (axis * cos + (x * cos_turn + y * sin_turn) * sin).normalize();
-        if light.radius.is_infinite() { Encounter::distant(out) } else { self.seen_against(light, out) }
+        if light.radius.is_infinite() { SurfaceInteraction::distant(out) } else { self.seen_against(light, out) }
     }
 
     /// A view of the middle of a light that is not distant, against the unit direction `out` of its rays.
-    fn seen_against(&self, light: &Light, out: DVec3) -> Encounter {
+    fn seen_against(&self, light: &Light, out: DVec3) -> SurfaceInteraction {
         let normal = light.form.plane().map_or(out, |(normal, _)| normal);
         let distance = self.bounding_sphere().1;
         let ray = Ray { origin: light.center + out * distance, direction: -out };
-        Encounter::new(&ray, light.center, normal, distance, distance)
+        SurfaceInteraction::new(&ray, light.center, normal, distance, distance)
     }
 }
 

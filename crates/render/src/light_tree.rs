@@ -1,7 +1,7 @@
 //! A hierarchy of lights, from which a few of many are drawn by what they promise to give at a point.
 //!
 //! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018: each node knows a sphere around its
-//! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`Cut`]: nodes that are seen
+//! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`TreeCut`]: nodes that are seen
 //! under a wide angle are opened first, so that the promises from which is drawn are good ones; the rest of the way down is a choice between two.
 //! Distant lights have a tree of their own, over their directions.
 //!
@@ -10,7 +10,7 @@
 use crate::light::{Light, LightId};
 use crate::light_form::LightForm;
 use crate::light_tree_build::{self, Item};
-use crate::tilt::Peak;
+use crate::lobe_weighting::LobePeak;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -80,24 +80,24 @@ pub(crate) struct Reception {
     pub(crate) normal: DVec3,
     /// The diffuse component without the cosine, 1/sr.
     pub(crate) diffuse: f64,
-    pub(crate) peak: Peak,
+    pub(crate) peak: LobePeak,
     /// What may come back from any direction beside these two, 1/sr.
     pub(crate) floor: f64,
     /// How many lights are drawn here; 0 where each is sampled.
     pub(crate) draws: u32,
-    pub(crate) places: Places,
+    pub(crate) places: LightSampleCount,
 }
 
 /// How many places on a light are sampled where each light is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Places {
+pub(crate) struct LightSampleCount {
     /// For each steradian that it fills.
     pub(crate) per_sr: f64,
     pub(crate) least: f64,
 }
 
-impl Places {
-    pub(crate) const ONE: Places = Places { per_sr: 0.0, least: 1.0 };
+impl LightSampleCount {
+    pub(crate) const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0 };
 }
 
 /// A light that was drawn.
@@ -109,7 +109,7 @@ pub(crate) struct Choice {
 
 /// Nodes that together hold all lights, none twice, with what they promise at a point.
 #[derive(Debug)]
-pub(crate) struct Cut<'t> {
+pub(crate) struct TreeCut<'t> {
     tree: &'t LightTree,
     lights: &'t [Light],
     point: DVec3,
@@ -190,12 +190,18 @@ const MOST_PLACES: f64 = 64.0;
 
 impl Reception {
     /// Of a point that samples every light, and wherever it is.
-    pub(crate) const NONE: Reception =
-        Reception { normal: DVec3::Z, diffuse: 0.0, peak: Peak::NONE, floor: 1.0, draws: 0, places: Places::ONE };
+    pub(crate) const NONE: Reception = Reception {
+        normal: DVec3::Z,
+        diffuse: 0.0,
+        peak: LobePeak::NONE,
+        floor: 1.0,
+        draws: 0,
+        places: LightSampleCount::ONE,
+    };
 
     /// How many places on a light are sampled at a point where each light is.
     pub(crate) fn places_on(&self, light: &Light, point: DVec3) -> u32 {
-        if self.places == Places::ONE {
+        if self.places == LightSampleCount::ONE {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
@@ -205,11 +211,11 @@ impl Reception {
     }
 
     /// A bound on what is made of light from within `half_width` of a unit direction, with the cosine.
-    fn response(&self, towards: DVec3, half_width: Angle) -> f64 {
-        let mut response = self.floor;
+    fn bsdf_value(&self, towards: DVec3, half_width: Angle) -> f64 {
+        let mut bsdf_value = self.floor;
         if self.diffuse > 0.0 {
             let nearest = Angle::of_cosine(self.normal.dot(towards)).without(half_width);
-            response += self.diffuse * nearest.cos.max(0.0);
+            bsdf_value += self.diffuse * nearest.cos.max(0.0);
         }
         if self.peak.width > 0.0 {
             // The chord of the angle.
@@ -218,10 +224,10 @@ impl Reception {
             let exponent = self.peak.width * off * off;
             // Away from the peak there is the floor.
             if exponent < NEGLIGIBLE {
-                response += self.peak.height * (-exponent).exp();
+                bsdf_value += self.peak.height * (-exponent).exp();
             }
         }
-        response
+        bsdf_value
     }
 
     /// The same from all around.
@@ -260,7 +266,7 @@ impl LightTree {
 
     /// What a node promises at a point, up to a factor that all have in common.
     #[inline]
-    fn promise(&self, lights: &[Light], number: u32, point: DVec3, reception: &Reception) -> f64 {
+    fn importance(&self, lights: &[Light], number: u32, point: DVec3, reception: &Reception) -> f64 {
         let node = &self.nodes[number as usize];
         if let Content::One(light) = node.content
             && lights[light.0 as usize].misses(point)
@@ -270,7 +276,7 @@ impl LightTree {
         let offset = if node.is_distant { node.center } else { node.center - point };
         let squared = offset.length_squared();
         let radius_squared = node.radius * node.radius;
-        let response = if squared <= radius_squared {
+        let bsdf_value = if squared <= radius_squared {
             reception.most()
         } else {
             let distance = squared.sqrt();
@@ -280,10 +286,10 @@ impl LightTree {
             let towards = offset / distance;
             let half_width = Angle::of_sine_squared(radius_squared / squared);
             let shown = if node.is_distant { 1.0 } else { node.emission.cosine(towards, half_width) };
-            if shown > 0.0 { shown * reception.response(towards, half_width) } else { 0.0 }
+            if shown > 0.0 { shown * reception.bsdf_value(towards, half_width) } else { 0.0 }
         };
         let fall_off = if node.is_distant { 1.0 } else { squared.max(radius_squared).max(f64::MIN_POSITIVE) };
-        node.strength * response / fall_off
+        node.strength * bsdf_value / fall_off
     }
 
     /// Whether a node is seen under too wide an angle for its promise to be good.
@@ -297,34 +303,34 @@ impl LightTree {
 /// Of the mean radiance of all lights: what each is taken to have at least.
 const LEAST_SHARE: f64 = 0.01;
 
-impl<'t> Cut<'t> {
+impl<'t> TreeCut<'t> {
     /// The tree as a point sees it.
-    pub(crate) fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> Cut<'t> {
-        let mut cut = Cut { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
+    pub(crate) fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> TreeCut<'t> {
+        let mut cut = TreeCut { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
         for root in &tree.roots {
-            cut.nodes[cut.len] = (*root, cut.promise(*root));
+            cut.nodes[cut.len] = (*root, cut.importance(*root));
             cut.len += 1;
         }
         while cut.len < MOST_NODES && cut.open_all() {}
-        cut.total = cut.nodes[..cut.len].iter().map(|(_, promise)| promise).sum();
+        cut.total = cut.nodes[..cut.len].iter().map(|(_, importance)| importance).sum();
         cut
     }
 
-    fn promise(&self, number: u32) -> f64 {
-        self.tree.promise(self.lights, number, self.point, self.reception)
+    fn importance(&self, number: u32) -> f64 {
+        self.tree.importance(self.lights, number, self.point, self.reception)
     }
 
     /// Opens all nodes that are seen under a wide angle, while there is room; says whether there were any.
     fn open_all(&mut self) -> bool {
         let before = self.len;
         for entry in 0..before {
-            let (number, promise) = self.nodes[entry];
+            let (number, importance) = self.nodes[entry];
             let Content::Two(second) = self.tree.nodes[number as usize].content else { continue };
-            if self.len == MOST_NODES || promise <= 0.0 || !self.tree.is_wide(number, self.point) {
+            if self.len == MOST_NODES || importance <= 0.0 || !self.tree.is_wide(number, self.point) {
                 continue;
             }
-            self.nodes[entry] = (number + 1, self.promise(number + 1));
-            self.nodes[self.len] = (second, self.promise(second));
+            self.nodes[entry] = (number + 1, self.importance(number + 1));
+            self.nodes[self.len] = (second, self.importance(second));
             self.len += 1;
         }
         self.len > before
@@ -334,17 +340,17 @@ impl<'t> Cut<'t> {
     pub(crate) fn draw(&self, u: f64) -> Option<Choice> {
         let mut left = u * self.total;
         let mut drawn = None;
-        for (number, promise) in &self.nodes[..self.len] {
-            if *promise > 0.0 {
-                drawn = Some((*number, *promise, left));
-                if left < *promise {
+        for (number, importance) in &self.nodes[..self.len] {
+            if *importance > 0.0 {
+                drawn = Some((*number, *importance, left));
+                if left < *importance {
                     break;
                 }
-                left -= promise;
+                left -= importance;
             }
         }
-        let (number, promise, left) = drawn?;
-        self.descend(number, promise / self.total, (left / promise).clamp(0.0, BELOW_ONE))
+        let (number, importance, left) = drawn?;
+        self.descend(number, importance / self.total, (left / importance).clamp(0.0, BELOW_ONE))
     }
 
     fn descend(&self, mut number: u32, mut chance: f64, mut u: f64) -> Option<Choice> {
@@ -365,19 +371,21 @@ impl<'t> Cut<'t> {
 
     /// The chance of the first of two nodes; `None` where neither promises anything.
     fn share_of_first(&self, first: u32, second: u32) -> Option<f64> {
-        let promises = [self.promise(first), self.promise(second)];
-        let total = promises[0] + promises[1];
-        (total > 0.0).then(|| promises[0] / total)
+        let importances = [self.importance(first), self.importance(second)];
+        let total = importances[0] + importances[1];
+        (total > 0.0).then(|| importances[0] / total)
     }
 
-    /// The chance with which [`Cut::draw`] finds a light.
+    /// The chance with which [`TreeCut::draw`] finds a light.
     pub(crate) fn chance(&self, light: LightId) -> f64 {
         let leaf = self.tree.leaf_of[light.0 as usize];
         // Nodes below a node have the next numbers, so the last one that begins before the leaf holds it.
         let held =
             self.nodes[..self.len].iter().filter(|(number, _)| *number <= leaf).max_by_key(|(number, _)| *number);
-        let Some((mut number, promise)) = held.copied().filter(|(_, promise)| *promise > 0.0) else { return 0.0 };
-        let mut chance = promise / self.total;
+        let Some((mut number, importance)) = held.copied().filter(|(_, importance)| *importance > 0.0) else {
+            return 0.0;
+        };
+        let mut chance = importance / self.total;
         while let Content::Two(second) = self.tree.nodes[number as usize].content {
             let Some(share) = self.share_of_first(number + 1, second) else { return 0.0 };
             if leaf < second {
@@ -427,10 +435,10 @@ mod tests {
             center,
             radius,
             cone: None,
-            beam: None,
+            profile: None,
             max_distance: f64::INFINITY,
             focal_distance: 0.0,
-            relays: Vec::new(),
+            virtual_sources: Vec::new(),
         }
     }
 
@@ -468,9 +476,15 @@ mod tests {
     }
 
     fn receptions() -> [Reception; 2] {
-        let matte =
-            Reception { normal: DVec3::Z, diffuse: 0.3, peak: Peak::NONE, floor: 0.0, draws: 1, places: Places::ONE };
-        let peak = Peak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
+        let matte = Reception {
+            normal: DVec3::Z,
+            diffuse: 0.3,
+            peak: LobePeak::NONE,
+            floor: 0.0,
+            draws: 1,
+            places: LightSampleCount::ONE,
+        };
+        let peak = LobePeak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
         [matte, Reception { peak, floor: 0.01, ..matte }]
     }
 
@@ -484,7 +498,7 @@ mod tests {
             let lights = lights(count);
             let tree = LightTree::new(&lights, |_| 1.0);
             for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
-                let cut = Cut::new(&tree, &lights, point, &reception);
+                let cut = TreeCut::new(&tree, &lights, point, &reception);
                 let draws = 2000;
                 let mut found = vec![0u32; lights.len()];
                 let mut lost = 0u32;
@@ -515,7 +529,7 @@ mod tests {
         let lights = lights(500);
         let tree = LightTree::new(&lights, |_| 1.0);
         for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
-            let cut = Cut::new(&tree, &lights, point, &reception);
+            let cut = TreeCut::new(&tree, &lights, point, &reception);
             for (index, light) in lights.iter().enumerate() {
                 let gives = (0..64).any(|place| {
                     let u = [scattered(place, 0), scattered(place, 1)];
@@ -543,7 +557,7 @@ mod tests {
             .collect();
         let tree = LightTree::new(&lights, |_| 1.0);
         let reception = receptions()[0];
-        let cut = Cut::new(&tree, &lights, DVec3::ZERO, &reception);
+        let cut = TreeCut::new(&tree, &lights, DVec3::ZERO, &reception);
         let gives = |light: &Light| light.center.z / light.center.length().powi(3);
         let total: f64 = lights.iter().map(gives).sum();
         for (index, light) in lights.iter().enumerate() {

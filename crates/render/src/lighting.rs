@@ -1,14 +1,13 @@
 //! Finding the lights of a scene, and their images in plane mirrors and prisms.
 
-use crate::geometry::{Geometry, flat_normal};
-use crate::light::{Light, LightCone, Redirection, Relay};
-use crate::light_form::{LightForm, relayed};
+use crate::light::{Light, LightCone, Redirection, VirtualSource};
+use crate::light_form::{LightForm, virtual_form};
 use crate::prism::PrismKind;
-use crate::prism_image::Met;
-use crate::ray::{MemberId, PrimitiveId, Ray};
+use crate::prism_image::PrismInteraction;
 use crate::shader::{Kind, Shader};
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::{Geometry, MemberId, PrimitiveId, Ray, flat_normal};
 use radsight_cal::Scratch;
 use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, ValidScene};
 
@@ -17,8 +16,8 @@ pub(crate) fn collect_lights<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
-    relay: impl Fn(SurfaceHandle) -> &'a Shader,
-    relays: u32,
+    virtual_source: impl Fn(SurfaceHandle) -> &'a Shader,
+    virtual_sources: u32,
 ) -> Vec<Light> {
     let mut primitive_of = vec![None; scene.surfaces.len()];
     for (member, handle) in geometry.members() {
@@ -30,17 +29,17 @@ pub(crate) fn collect_lights<'a>(
         .filter(|(handle, _)| shader(*handle).kind.emitter().is_some())
         .filter_map(|(handle, _)| real_light(scene, handle, primitive_of[handle.index()]))
         .collect();
-    let relayers = collect_relayers(scene, geometry, &relay);
+    let virtual_surfaces = collect_virtual_surfaces(scene, geometry, &virtual_source);
     let real = lights.len();
     let mut first = 0;
-    for _ in 0..relays {
+    for _ in 0..virtual_sources {
         let end = lights.len();
         for index in first..end {
-            for relayer in &relayers {
+            for virtual_surface in &virtual_surfaces {
                 if lights.len() - real >= MAX_IMAGES {
                     return lights;
                 }
-                let images: Vec<Light> = relayer.images_of(&lights[index]).collect();
+                let images: Vec<Light> = virtual_surface.images_of(&lights[index]).collect();
                 lights.extend(images);
             }
         }
@@ -78,10 +77,10 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
         center,
         radius,
         cone,
-        beam: None,
+        profile: None,
         max_distance,
         focal_distance,
-        relays: Vec::new(),
+        virtual_sources: Vec::new(),
     })
 }
 
@@ -89,7 +88,7 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
 const MAX_IMAGES: usize = 1 << 13;
 
 /// A flat surface that makes images of lights.
-struct Relayer<'a> {
+struct VirtualSourceSurface<'a> {
     surface: SurfaceHandle,
     member: MemberId,
     point: DVec3,
@@ -107,15 +106,15 @@ fn square_around(ring: &Ring) -> Vec<DVec3> {
     [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(corner).to_vec()
 }
 
-fn collect_relayers<'a>(
+fn collect_virtual_surfaces<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
-    relay: &impl Fn(SurfaceHandle) -> &'a Shader,
-) -> Vec<Relayer<'a>> {
+    virtual_source: &impl Fn(SurfaceHandle) -> &'a Shader,
+) -> Vec<VirtualSourceSurface<'a>> {
     geometry
         .members()
         .filter_map(|(member, surface)| {
-            let prism = match &relay(surface).kind {
+            let prism = match &virtual_source(surface).kind {
                 Kind::Mirror { .. } => None,
                 Kind::Prism(prism) => Some(prism),
                 _ => return None,
@@ -128,33 +127,37 @@ fn collect_relayers<'a>(
                 _ => return None,
             };
             let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-            Some(Relayer { surface, member, point: corners[0], normal, corners, middle, prism })
+            Some(VirtualSourceSurface { surface, member, point: corners[0], normal, corners, middle, prism })
         })
         .collect()
 }
 
-impl Relayer<'_> {
+impl VirtualSourceSurface<'_> {
     /// The images of a light in a mirror that it stands in front of, or by way of the faces of a prism.
     fn images_of(&self, light: &Light) -> impl Iterator<Item = Light> {
-        let is_own = light.relays.first().is_some_and(|last| last.surface == self.surface);
+        let is_own = light.virtual_sources.first().is_some_and(|last| last.surface == self.surface);
         let is_dark = is_own || light.surface == self.surface || !self.is_lit_by(light);
         let ways = if is_dark { Vec::new() } else { self.ways(light) };
         let distant = light.radius.is_infinite();
         ways.into_iter().map(move |(shift, redirection)| {
-            let Relayer { surface, member, point, normal, .. } = *self;
-            let relay = Relay { surface, member, point, normal, shift, redirection };
-            let center = if distant { relay.image_of_unit(light.center) } else { relay.image_of_point(light.center) };
+            let VirtualSourceSurface { surface, member, point, normal, .. } = *self;
+            let virtual_source = VirtualSource { surface, member, point, normal, shift, redirection };
+            let center = if distant {
+                virtual_source.image_of_unit(light.center)
+            } else {
+                virtual_source.image_of_point(light.center)
+            };
             // Behind a prism the cone is not sharp at one place: what arrives decides.
             let cone = light.cone.filter(|_| redirection.is_none());
-            let cone = cone.map(|cone| LightCone { axis: relay.image_of_direction(cone.axis), ..cone });
+            let cone = cone.map(|cone| LightCone { axis: virtual_source.image_of_direction(cone.axis), ..cone });
             let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
-            let prism = self.prism.map(|prism| Met { prism, middle: self.middle, normal });
+            let prism = self.prism.map(|prism| PrismInteraction { prism, middle: self.middle, normal });
             let image = prism.zip(redirection).and_then(|(prism, redirection)| prism.image(&light.form, &redirection));
-            let form = image.unwrap_or_else(|| relayed(&light.form, &relay));
-            let mut relays = vec![relay];
-            relays.extend_from_slice(&light.relays);
+            let form = image.unwrap_or_else(|| virtual_form(&light.form, &virtual_source));
+            let mut virtual_sources = vec![virtual_source];
+            virtual_sources.extend_from_slice(&light.virtual_sources);
             // The relays further along are seen in this one: real rays are unfolded one at a time, so they stay as they are.
-            Light { form, center, radius, cone, relays, ..light.clone() }
+            Light { form, center, radius, cone, virtual_sources, ..light.clone() }
         })
     }
 
@@ -162,7 +165,7 @@ impl Relayer<'_> {
     fn is_lit_by(&self, light: &Light) -> bool {
         let reaches_before =
             |(normal, point): (DVec3, DVec3)| self.corners.iter().any(|corner| normal.dot(*corner - point) > 0.0);
-        let last = light.relays.first().filter(|last| last.redirection.is_none());
+        let last = light.virtual_sources.first().filter(|last| last.redirection.is_none());
         light.form.plane().is_none_or(reaches_before)
             && last.is_none_or(|last| reaches_before((last.normal, last.point)))
     }
@@ -182,12 +185,12 @@ impl Relayer<'_> {
         let Some(direction) = arriving.try_normalize() else { return Vec::new() };
         let distance = if is_distant { f64::MAX } else { arriving.length() };
         let ray = Ray { origin: self.middle - direction, direction };
-        let encounter = Encounter::new(&ray, self.middle, self.normal, distance, distance);
+        let interaction = SurfaceInteraction::new(&ray, self.middle, self.normal, distance, distance);
         let mut scratch = Scratch::default();
         let target = light.center;
         (0..prism.faces)
             .filter_map(|face| {
-                let shift = prism.shift(face, &encounter, self.normal, &mut scratch)?;
+                let shift = prism.shift(face, &interaction, self.normal, &mut scratch)?;
                 Some((shift, Some(Redirection { face, target, is_distant })))
             })
             .collect()

@@ -1,14 +1,14 @@
 //! The lobe of a measured material: light from both sides, scattered as data say.
 
-use crate::beyond::{chance_of_second, luminance};
+use crate::bsdf::BsdfSample;
 use crate::frame::Frame;
 use crate::shader::bands;
-use crate::surface_light::Drawn;
-use crate::weak_highlight::{LobeStrength, Undrawn};
+use crate::specular_threshold::{BelowThreshold, LobeStrength};
+use crate::transmission_lobe::{chance_of_second, luminance};
 use glam::DVec3;
 use radsight_brdf::Density;
-use radsight_bsdf::{Bsdf, Scattering, Side};
 use radsight_ir::Rgb;
+use radsight_measured::{MeasuredBsdf, Scattering, Side};
 use std::f64::consts::FRAC_1_PI;
 
 /// Data for one direction of view, without their Lambertian parts.
@@ -25,7 +25,7 @@ pub(crate) struct MeasuredLobe<'a, const BANDS: usize> {
     /// What goes straight through apart from this lobe.
     pub(crate) peak: PeakCells,
     /// Whether anything is drawn from it.
-    pub(crate) is_drawn: bool,
+    pub(crate) is_sampled_towards: bool,
     /// How often a draw is of transmitted light.
     transmitted_chance: f64,
 }
@@ -39,14 +39,14 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         pattern: [f64; BANDS],
         (peak, straight): (PeakCells, f64),
         threshold: f64,
-    ) -> Option<(Self, Undrawn<BANDS>)> {
+    ) -> Option<(Self, BelowThreshold<BANDS>)> {
         /// Draws of transmitted light that fall into the peak are lost, but some must fall beside it.
         const LEAST_BESIDE: f64 = 0.1;
         reflection.or(transmission)?;
         let total = |scattering: Option<&Scattering>| scattering.map_or(0.0, |scattering| scattering.total(view.drawn));
         let (reflected, through) = (total(reflection), total(transmission));
         let scattered = (through - straight).max(0.0);
-        let undrawn = Undrawn::new(
+        let below_threshold = BelowThreshold::new(
             threshold,
             [
                 LobeStrength { share: reflected, color: [reflected; BANDS], diffuse: 1.0 },
@@ -54,19 +54,28 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
             ],
         );
         let beside = scattered.max(if straight > 0.0 { LEAST_BESIDE * through } else { 0.0 });
-        let [no_reflection, no_transmission] = undrawn.is_left_out();
+        let [no_reflection, no_transmission] = below_threshold.is_left_out();
         let transmitted_chance = chance_of_second(
             if no_reflection { 0.0 } else { reflected },
             if no_transmission { 0.0 } else { beside * luminance(&pattern) },
         );
-        let is_drawn = reflection.is_some() && !no_reflection || transmission.is_some() && !no_transmission;
-        let lobe = MeasuredLobe { reflection, transmission, frame, view, pattern, peak, is_drawn, transmitted_chance };
-        Some((lobe, undrawn))
+        let is_sampled_towards = reflection.is_some() && !no_reflection || transmission.is_some() && !no_transmission;
+        let lobe = MeasuredLobe {
+            reflection,
+            transmission,
+            frame,
+            view,
+            pattern,
+            peak,
+            is_sampled_towards,
+            transmitted_chance,
+        };
+        Some((lobe, below_threshold))
     }
 
     /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is
     /// blurred in another way for light of sources, which draws leave to their sampling.
-    pub(crate) fn respond(&self, incident: DVec3) -> ([f64; BANDS], f64) {
+    pub(crate) fn eval(&self, incident: DVec3) -> ([f64; BANDS], f64) {
         let incident = self.frame.to_local(incident);
         let is_transmitted = Side::of(incident) != Side::of(self.view.exact);
         let nothing = ([0.0; BANDS], 0.0);
@@ -77,13 +86,12 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         let value: [f64; BANDS] = bands(Rgb(self.view.value(scattering, incident)));
         let pattern = if is_transmitted { self.pattern } else { [1.0; BANDS] };
         let cosine = incident.z.abs();
-        let density =
-            if self.view.offset.is_some() { 0.0 } else { chance * scattering.density(self.view.exact, incident) };
-        (std::array::from_fn(|band| value[band] * pattern[band] * cosine), density)
+        let pdf = if self.view.offset.is_some() { 0.0 } else { chance * scattering.density(self.view.exact, incident) };
+        (std::array::from_fn(|band| value[band] * pattern[band] * cosine), pdf)
     }
 
     /// Draws a direction in the scene.
-    pub(crate) fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<Drawn<BANDS>> {
+    pub(crate) fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let is_transmitted = choice < self.transmitted_chance;
         let (scattering, chance) = self.part(is_transmitted)?;
         let sample = scattering.sample(self.view.drawn, [u, v])?;
@@ -92,12 +100,12 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         }
         let value: [f64; BANDS] = bands(Rgb(sample.weight));
         let pattern = if is_transmitted { self.pattern } else { [1.0; BANDS] };
-        let density = if self.view.offset.is_some() { 0.0 } else { chance * sample.density };
-        Some(Drawn {
+        let pdf = if self.view.offset.is_some() { 0.0 } else { chance * sample.density };
+        Some(BsdfSample {
             direction: self.frame.to_scene(sample.direction),
             weight: std::array::from_fn(|band| value[band] * pattern[band] / chance),
-            density: Density::Continuous(density),
-            favour: 1.0,
+            pdf: Density::Continuous(pdf),
+            pdf_ratio: 1.0,
         })
     }
 
@@ -129,7 +137,7 @@ impl BlurredView {
     }
 
     /// Moved by two numbers in [0,1).
-    pub(crate) fn new(bsdf: &Bsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
+    pub(crate) fn new(bsdf: &MeasuredBsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
         let drawn = moved(outgoing, bsdf.resolution(outgoing).least, offset);
         BlurredView { exact: outgoing, drawn, offset: Some(offset) }
     }
@@ -191,7 +199,7 @@ impl PeakCells {
 
 /// A peak of transmission about the straight way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StraightPeak {
+pub(crate) struct StraightTransmission {
     /// What goes through in it: red, green, blue.
     pub(crate) transmittance: [f64; 3],
     pub(crate) cells: PeakCells,
@@ -241,7 +249,7 @@ struct Candidate {
 /// The peak of transmission about the straight way: the brightest of the finest cells there, if they stand out from enough of others
 /// around them. Found as by `aBSDF` of Radiance (Ward and others, "Modeling specular transmission of complex fenestration systems with
 /// data-driven BSDFs", Building and Environment 196, 2021).
-pub(crate) fn straight_peak(bsdf: &Bsdf, outgoing: DVec3) -> Option<StraightPeak> {
+pub(crate) fn straight_peak(bsdf: &MeasuredBsdf, outgoing: DVec3) -> Option<StraightTransmission> {
     /// Cells larger than the finest by this are no part of a peak, nor those this much darker than its mean.
     const LARGEST_CELL: f64 = 1.5;
     const DARKEST: f64 = 8.0;
@@ -282,11 +290,11 @@ pub(crate) fn straight_peak(bsdf: &Bsdf, outgoing: DVec3) -> Option<StraightPeak
         }
     }
     let stands_out = surrounding_size >= LEAST_SURROUNDINGS * peak_size;
-    (stands_out && luminance(&transmittance) >= LEAST_PEAK).then_some(StraightPeak { transmittance, cells })
+    (stands_out && luminance(&transmittance) >= LEAST_PEAK).then_some(StraightTransmission { transmittance, cells })
 }
 
 /// The cells near the straight way, each once, brightest first.
-fn candidates(bsdf: &Bsdf, outgoing: DVec3) -> Option<Vec<Candidate>> {
+fn candidates(bsdf: &MeasuredBsdf, outgoing: DVec3) -> Option<Vec<Candidate>> {
     let transmission = bsdf.transmission(Side::of(outgoing))?;
     let width = transmission.least_projected_solid_angle().sqrt();
     let mut found: Vec<Candidate> = Vec::with_capacity(STEPS.len());

@@ -180,7 +180,7 @@ fn is_named(scene: &Scene, light: &Light, name: &str) -> bool {
     let mut words = name.split('>').rev();
     let own = words.next() == Some(scene.surface_name(light.surface));
     // The mirrors of a light stand in the order in which the receiver sees them.
-    let mirrors = light.relays.iter().rev().map(|mirror| scene.surface_name(mirror.surface));
+    let mirrors = light.virtual_sources.iter().rev().map(|mirror| scene.surface_name(mirror.surface));
     own && words.eq(mirrors)
 }
 

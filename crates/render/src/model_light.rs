@@ -2,10 +2,10 @@
 //!
 //! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
 
+use crate::bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 use crate::direct::DirectSampler;
 use crate::light_form::LightSample;
-use crate::surface_light::{LitPoint, Response, model_bands, of_model};
-use crate::trace::Tracer;
+use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_brdf::Brdf;
 
@@ -16,7 +16,7 @@ pub(crate) struct ModelBatch {
     /// In the model's frame.
     incident: Vec<DVec3>,
     values: Vec<f64>,
-    densities: Vec<f64>,
+    pdfs: Vec<f64>,
 }
 
 /// A place that was drawn on a light.
@@ -32,8 +32,8 @@ impl DirectSampler<'_> {
     /// Radiance that the point sends on from all lights.
     pub(crate) fn sample_all_of_model<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        point: &LitPoint<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        point: &Bsdf<'_, BANDS>,
         model: &dyn Brdf,
         first_set: u32,
     ) -> [f64; BANDS] {
@@ -47,25 +47,24 @@ impl DirectSampler<'_> {
         });
         batch.values.clear();
         batch.values.resize(batch.incident.len() * model_bands::<BANDS>(), 0.0);
-        batch.densities.clear();
-        batch.densities.resize(batch.incident.len(), 0.0);
+        batch.pdfs.clear();
+        batch.pdfs.resize(batch.incident.len(), 0.0);
         let mut sum = [0.0; BANDS];
         if !batch.places.is_empty() {
             let outgoing = point.frame.to_local(point.outgoing);
-            model.eval_pdf(outgoing, &batch.incident, &mut batch.values, &mut batch.densities);
+            model.eval_pdf(outgoing, &batch.incident, &mut batch.values, &mut batch.pdfs);
         }
-        let answers =
-            batch.incident.iter().zip(batch.values.chunks_exact(model_bands::<BANDS>())).zip(&batch.densities);
-        for (place, ((incident, values), density)) in batch.places.iter().zip(answers) {
+        let answers = batch.incident.iter().zip(batch.values.chunks_exact(model_bands::<BANDS>())).zip(&batch.pdfs);
+        for (place, ((incident, values), pdf)) in batch.places.iter().zip(answers) {
             let cosine = incident.z.abs();
-            let response = Response {
+            let bsdf_value = BsdfValue {
                 highlight: of_model(values).map(|band: f64| band * cosine),
-                highlight_density: if point.sides_agree(place.sample.direction) { *density } else { 0.0 },
-                ..Response::NONE
+                highlight_pdf: if point.sides_agree(place.sample.direction) { *pdf } else { 0.0 },
+                ..BsdfValue::NONE
             };
             let light = &tracer.plan.lights[place.light];
             let between = self.between(tracer.plan, place.light);
-            let given = self.gather(tracer, light, &place.sample, between, f64::from(place.of), &response);
+            let given = self.gather(tracer, light, &place.sample, between, f64::from(place.of), &bsdf_value);
             for (sum, given) in sum.iter_mut().zip(given) {
                 *sum += given;
             }

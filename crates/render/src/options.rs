@@ -18,7 +18,7 @@ pub struct RenderOptions {
     /// component (`-st`). Default 0, which draws from all.
     pub highlight_threshold: f64,
     /// Size of a light over its distance from which a ray that counts by itself
-    /// ([`Unshared::Split`]) samples more than one place on it (`-ds`); 0 always samples one.
+    /// ([`Uncached::Split`]) samples more than one place on it (`-ds`); 0 always samples one.
     /// Default 0.2, as in Radiance.
     pub source_sampling: f64,
     /// How many rays look into the highlight at the first surface (`-ss`); fewer where it counts less, one at least, 16 at most. Default 1.
@@ -30,7 +30,7 @@ pub struct RenderOptions {
     /// Share of the picture's radiance below which a path ends or is put to roulette (`-lw`). Default 1e-4.
     pub least_weight: f64,
     /// How many plane mirrors may relay a light (`-dr`). Default 2.
-    pub mirror_relays: u32,
+    pub mirror_sources: u32,
     /// Whether lights are seen directly (`-dv`).
     pub lights: Lights,
     /// What fills the scene (`-me`, `-ma`, `-mg`). Default nothing.
@@ -48,7 +48,7 @@ pub struct RenderOptions {
     /// What is told of those that emit nothing (`rcontrib -V`).
     pub tracked_value: TrackedValue,
     /// Which of the rays are told that come of a ray (`rtrace -ot`, `-oT`). Default none.
-    pub told_rays: Option<ToldRays>,
+    pub ray_tree: Option<RayTreeOutput>,
     /// Whether rays tell of surfaces without a material. Default not.
     pub bare_surfaces: BareSurfaces,
     /// Which work the plan may leave out where it cannot change the picture. Less than all only to test that it does not, and to measure it.
@@ -68,7 +68,7 @@ impl Default for RenderOptions {
             ambient_surfaces: AmbientSurfaces::All,
             path_limit: PathLimit::RouletteUpTo(10),
             least_weight: 1e-4,
-            mirror_relays: 2,
+            mirror_sources: 2,
             lights: Lights::Visible,
             medium: GlobalMedium::default(),
             mist_sample_length: 0.0,
@@ -77,7 +77,7 @@ impl Default for RenderOptions {
             quantity: Quantity::Radiance,
             tracked_modifiers: Vec::new(),
             tracked_value: TrackedValue::Share,
-            told_rays: None,
+            ray_tree: None,
             bare_surfaces: BareSurfaces::LeftOut,
             skipping: Skipping::ALLOWED,
         }
@@ -99,10 +99,10 @@ pub struct Gathering {
     /// Further ones, spread like the others (`-as`). Default 0.
     pub super_samples: u32,
     /// What a point does that no shared irradiance reaches.
-    pub unshared: Unshared,
+    pub uncached: Uncached,
     /// The share by which records may disagree around a point of a scene with caustics before it does the same: single rays hardly find those, so this is
     /// only for pixels that get as many as they need. Default infinite.
-    pub caustic_bend: f64,
+    pub caustic_error: f64,
     /// Places look around the more often the more of the picture they serve; those that serve nothing do so as if it were this share of what places serve in
     /// the mean. More makes noise more even, less makes less of it in all. Default 0.5.
     pub evenness: f64,
@@ -116,8 +116,8 @@ impl Default for Gathering {
             resolution: 256,
             divisions: 1024,
             super_samples: 0,
-            unshared: Unshared::DrawOne,
-            caustic_bend: f64::INFINITY,
+            uncached: Uncached::DrawOne,
+            caustic_error: f64::INFINITY,
             evenness: 0.5,
         }
     }
@@ -125,7 +125,7 @@ impl Default for Gathering {
 
 impl Gathering {
     /// Where records disagree by more than this share, drawing single rays is more exact.
-    pub const MOST_BEND: f64 = 0.2;
+    pub const MAX_INTERPOLATION_ERROR: f64 = 0.2;
 
     /// All rays that look around from a point; with fewer than two a single one is drawn instead.
     pub(crate) fn rays(&self) -> usize {
@@ -135,7 +135,7 @@ impl Gathering {
 
 /// What a point does that no shared irradiance reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unshared {
+pub enum Uncached {
     /// Draws one ray: for pictures, whose pixels are means over many.
     DrawOne,
     /// Splits into as many rays as `-ad` gives to a ray of its weight: for single rays, whose value
@@ -165,7 +165,7 @@ pub enum TrackedValue {
 
 /// Which of the rays are told that come of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ToldRays {
+pub enum RayTreeOutput {
     /// All but shadow rays that meet their light and nothing else (`-ot`).
     All,
     /// Those too (`-oT`).

@@ -4,21 +4,21 @@ use crate::antimatter::all_cut;
 use crate::bands::BandLayout;
 use crate::cast::FirstHit;
 use crate::cast::material_name;
-use crate::compile::{ShaderTable, compile_shaders};
+use crate::compile::compile_shaders;
 use crate::contribution::mark_tracked;
 use crate::direct::{ALWAYS_ALL, light_draws};
-use crate::geometry::Geometry;
 use crate::indirect::excluded;
 use crate::light::{Light, LightId};
 use crate::light_tree::LightTree;
 use crate::lighting::collect_lights;
 use crate::medium::{Medium, MistLights};
-use crate::openings::{Openings, makes_caustics};
 use crate::options::{BareSurfaces, GlobalMedium, RenderOptions, Skip};
-use crate::ray::{Hit, MemberId, PrimitiveId, Ray, ShaderId};
-use crate::reach::{Reach, Receiver};
+use crate::portals::{Portals, makes_caustics};
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution, bands};
+use crate::substance::substance;
 use crate::veils::find_veils;
+use crate::visibility_class::{Receiver, Visibility};
+use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ray, ShaderId, ShaderTable};
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{Material, ModifierKind, Shape, SurfaceHandle, ValidScene};
@@ -41,13 +41,13 @@ pub struct RenderPlan {
     /// How many: at points that are seen from the eye, and on paths that were scattered before; 0 where each light is sampled.
     pub(crate) light_draws: [u32; 2],
     /// Where light that is no light's comes in; none where no interreflection is followed.
-    pub(crate) openings: Openings,
+    pub(crate) portals: Portals,
     /// Whether irradiance has details as fine as can be seen.
     pub(crate) has_caustics: bool,
     /// Distant sources in the order in which a ray that leaves the scene tries them.
     pub(crate) sky: Vec<Sky>,
     /// Which lights reach which primitive, and what stands between.
-    pub(crate) reach: Reach,
+    pub(crate) reach: Visibility,
     /// Whether anything lets light through, or is taken to, so that a shadow ray goes on after a hit.
     pub(crate) see_through: bool,
     /// What lets light through in front of what it lies on, though it counts as opaque.
@@ -71,7 +71,7 @@ pub struct RenderPlan {
     pub(crate) layout: Arc<BandLayout>,
     /// The first surface with an unusable material that a ray met.
     pub(crate) unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
-    decisions: Vec<Decision>,
+    decisions: Vec<PlanDecision>,
 }
 
 /// A distant source.
@@ -85,7 +85,7 @@ pub(crate) struct Sky {
 
 /// One decision of the plan, for `explain`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Decision {
+pub struct PlanDecision {
     /// What is done or left out.
     pub what: String,
     /// Why.
@@ -111,10 +111,10 @@ impl RenderPlan {
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let is_bare = |shader: &Shader| matches!(shader.kind, Kind::Transparent);
         let meets_bare = options.bare_surfaces == BareSurfaces::Met;
-        let geometry =
-            Geometry::build(&scene, |handle| meets_bare || !is_bare(shader(handle))).map_err(|error| vec![error])?;
-        let relay = |handle: SurfaceHandle| relay_shader(&shaders, shader(handle));
-        let lights = collect_lights(&scene, &geometry, shader, relay, options.mirror_relays);
+        let geometry = Geometry::build(&scene, substance, |handle| meets_bare || !is_bare(shader(handle)))
+            .map_err(|error| vec![error])?;
+        let virtual_source = |handle: SurfaceHandle| virtual_source_shader(&shaders, shader(handle));
+        let lights = collect_lights(&scene, &geometry, shader, virtual_source, options.mirror_sources);
         let mut lights_of: Vec<_> =
             lights.iter().enumerate().map(|(id, light)| (light.surface, LightId(id as u32))).collect();
         lights_of.sort_by_key(|(surface, id)| (*surface, id.0));
@@ -135,9 +135,9 @@ impl RenderPlan {
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
         let reach = if may_skip(Skip::Unreached) && !has_antimatter {
-            Reach::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered)
+            Visibility::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered)
         } else {
-            Reach::everything()
+            Visibility::everything()
         };
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
@@ -151,7 +151,7 @@ impl RenderPlan {
             lights_of,
             light_tree: None,
             light_draws: [0; 2],
-            openings: Openings::default(),
+            portals: Portals::default(),
             has_caustics: false,
             sky,
             reach,
@@ -169,13 +169,13 @@ impl RenderPlan {
             unusable_met: OnceLock::new(),
             decisions: Vec::new(),
         };
-        plan.find_beams();
+        plan.find_profiles();
         if plan.lights.len() > ALWAYS_ALL {
             plan.light_tree = Some(LightTree::new(&plan.lights, |light| plan.typical_radiance(light)));
         }
         plan.light_draws = light_draws(&plan);
         if plan.options.ambient_bounces > 0 {
-            plan.openings = Openings::new(&plan);
+            plan.portals = Portals::new(&plan);
             plan.has_caustics = makes_caustics(&plan);
         }
         plan.decisions = plan.decide();
@@ -215,7 +215,7 @@ impl RenderPlan {
 
     /// The decisions, in words.
     #[must_use]
-    pub fn decisions(&self) -> &[Decision] {
+    pub fn decisions(&self) -> &[PlanDecision] {
         &self.decisions
     }
 
@@ -260,7 +260,8 @@ impl RenderPlan {
             let material = material_name(&self.scene, modifier);
             return [self.scene.surface_name(hit.surface), self.scene.modifier_name(modifier), material];
         }
-        self.geometry.names(&self.scene, hit.primitive)
+        let Identity { scene, name, modifier } = self.geometry.identify(&self.scene, hit.primitive);
+        [name, scene.modifier_name(modifier), material_name(scene, modifier)]
     }
 
     /// The scene.
@@ -275,7 +276,7 @@ impl RenderPlan {
 
     /// The first surface along a ray, `from` excluded where it is flat.
     #[inline]
-    pub(crate) fn first_hit(&self, ray: &Ray, from: Option<PrimitiveId>) -> Option<Hit> {
+    pub(crate) fn first_hit(&self, ray: &Ray, from: Option<PrimitiveId>) -> Option<Intersection> {
         self.geometry.first_hit(&self.scene, &self.shader_table, ray, from)
     }
 
@@ -302,8 +303,8 @@ impl RenderPlan {
     }
 
     /// The shader by which a surface relays lights: an illum's is that of its stand-in.
-    pub(crate) fn relay_shader(&self, surface: SurfaceHandle) -> &Shader {
-        relay_shader(&self.shaders, self.shader(surface))
+    pub(crate) fn virtual_source_shader(&self, surface: SurfaceHandle) -> &Shader {
+        virtual_source_shader(&self.shaders, self.shader(surface))
     }
 
     /// What fills the scene outside of all bodies.
@@ -326,7 +327,9 @@ impl RenderPlan {
             let shader = self.shader(sky.surface);
             match &shader.kind {
                 Kind::Illum { substitute: Substitution::Void, .. } if !drawn => {}
-                Kind::Illum { .. } if !drawn => return Some((sky.surface, relay_shader(&self.shaders, shader))),
+                Kind::Illum { .. } if !drawn => {
+                    return Some((sky.surface, virtual_source_shader(&self.shaders, shader)));
+                }
                 _ => return Some((sky.surface, shader)),
             }
         }
@@ -343,7 +346,7 @@ impl RenderPlan {
         self.reach.receiver(primitive)
     }
 
-    fn decide(&self) -> Vec<Decision> {
+    fn decide(&self) -> Vec<PlanDecision> {
         let mut decisions = Decisions::default();
         if !self.layout.sampling().is_rgb() {
             decisions.say(format!("{} bands are traced", self.bands()), "-cs");
@@ -358,19 +361,21 @@ impl RenderPlan {
         if unseen > 0 {
             decisions.say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
         }
-        let images = self.lights.iter().filter(|light| !light.relays.is_empty()).count();
+        let images = self.lights.iter().filter(|light| !light.virtual_sources.is_empty()).count();
         decisions.say(
             format!("{} lights are sampled", self.lights.len() - images),
             "they are lights, spotlights or near glows",
         );
         if images > 0 {
-            decisions
-                .say(format!("{images} images of lights in plane mirrors are sampled"), "mirrors relay lights (-dr)");
+            decisions.say(
+                format!("{images} images of lights in plane mirrors are sampled"),
+                "mirrors virtual_source lights (-dr)",
+            );
         }
         let [drawn, again] = self.light_draws;
         if drawn > 0 {
             let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
-            decisions.say(what, "they are many; a hierarchy of lights tells what they promise");
+            decisions.say(what, "they are many; a hierarchy of lights tells what they importance");
         }
         for (count, what, why) in self.reach.summary() {
             if count > 0 {
@@ -380,8 +385,8 @@ impl RenderPlan {
         if self.options.ambient_bounces == 0 {
             decisions.say("diffuse interreflection is not followed".into(), "-ab 0");
         }
-        if self.openings.len() > 0 {
-            let what = format!("rays are sent towards {} openings", self.openings.len());
+        if self.portals.len() > 0 {
+            let what = format!("rays are sent towards {} portals", self.portals.len());
             decisions.say(what, "light of glows or of the sky comes in there");
         }
         if self.has_caustics {
@@ -425,16 +430,16 @@ impl RenderPlan {
 
 /// Decisions as they are made.
 #[derive(Default)]
-struct Decisions(Vec<Decision>);
+struct Decisions(Vec<PlanDecision>);
 
 impl Decisions {
     fn say(&mut self, what: String, why: &str) {
-        self.0.push(Decision { what, why: why.to_owned(), skip: None });
+        self.0.push(PlanDecision { what, why: why.to_owned(), skip: None });
     }
 
     /// One that leaves work out.
     fn skip(&mut self, skip: Skip, what: String, why: &str) {
-        self.0.push(Decision { what, why: why.to_owned(), skip: Some(skip) });
+        self.0.push(PlanDecision { what, why: why.to_owned(), skip: Some(skip) });
     }
 }
 
@@ -484,7 +489,7 @@ impl ModelSource for NoModels {
 }
 
 /// An illum's stand-in, or else the shader itself.
-fn relay_shader<'a>(shaders: &'a [Shader], shader: &'a Shader) -> &'a Shader {
+fn virtual_source_shader<'a>(shaders: &'a [Shader], shader: &'a Shader) -> &'a Shader {
     match shader.kind {
         Kind::Illum { substitute: Substitution::Shader(id), .. } => &shaders[id.0 as usize],
         _ => shader,

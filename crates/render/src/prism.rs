@@ -5,7 +5,7 @@
 //! that makes the middle of the prism send it right: the virtual source of Radiance. From there the way to a near light is looked for (`prism_path`).
 
 use crate::shader::Function;
-use crate::view::{Encounter, View};
+use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
 use radsight_ir::{Prism, PrismFace};
@@ -49,11 +49,11 @@ impl PrismKind {
     pub(crate) fn redirect(
         &self,
         face: u32,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         aim: DVec3,
         scratch: &mut Scratch,
     ) -> Option<(f64, DVec3)> {
-        let view = self.function.view(encounter);
+        let view = self.function.view(interaction);
         let aim = view.in_function(aim);
         let view = PrismView { view, aim };
         let mut values = [0.0; ROOTS];
@@ -61,7 +61,7 @@ impl PrismKind {
             *value = self.function.program.eval(face as usize * ROOTS + root, &[], &view, scratch).ok()?;
         }
         let [coefficient, x, y, z] = values;
-        let direction = self.function.in_scene(encounter, DVec3::new(x, y, z)).try_normalize()?;
+        let direction = self.function.in_scene(interaction, DVec3::new(x, y, z)).try_normalize()?;
         (coefficient > 0.0).then_some((coefficient, direction))
     }
 
@@ -70,12 +70,12 @@ impl PrismKind {
     pub(crate) fn shift(
         &self,
         face: u32,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         normal: DVec3,
         scratch: &mut Scratch,
     ) -> Option<DVec3> {
-        let arriving = encounter.direction;
-        let (coefficient, leaving) = self.redirect(face, encounter, DVec3::ZERO, scratch)?;
+        let arriving = interaction.direction;
+        let (coefficient, leaving) = self.redirect(face, interaction, DVec3::ZERO, scratch)?;
         let (before, after) = (arriving.dot(normal), leaving.dot(normal));
         if coefficient <= TINY || before.abs() <= TINY || after.abs() <= TINY {
             return None;

@@ -7,9 +7,9 @@
 use crate::light::Redirection;
 use crate::light_form::{LightForm, coordinates};
 use crate::prism::PrismKind;
-use crate::ray::Ray;
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
+use radsight_accel::Ray;
 use radsight_cal::Scratch;
 use std::f64::consts::TAU;
 
@@ -29,17 +29,17 @@ const ASTRAY: f64 = 0.25;
 
 /// A prism as it is met in its middle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Met<'a> {
+pub(crate) struct PrismInteraction<'a> {
     pub(crate) prism: &'a PrismKind,
     pub(crate) middle: DVec3,
     pub(crate) normal: DVec3,
 }
 
-impl Met<'_> {
+impl PrismInteraction<'_> {
     fn redirect(&self, face: u32, direction: DVec3, aim: DVec3, scratch: &mut Scratch) -> Option<DVec3> {
         let ray = Ray { origin: self.middle - direction, direction };
-        let encounter = Encounter::new(&ray, self.middle, self.normal, 1.0, 1.0);
-        self.prism.redirect(face, &encounter, aim, scratch).map(|(_, direction)| direction)
+        let interaction = SurfaceInteraction::new(&ray, self.middle, self.normal, 1.0, 1.0);
+        self.prism.redirect(face, &interaction, aim, scratch).map(|(_, direction)| direction)
     }
 
     /// The image of a distant source; `None` where the prism makes no ellipse of it.

@@ -15,7 +15,7 @@ const GRAZING: f64 = 1e-6;
 
 /// A surface between two media.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Boundary {
+pub(crate) struct DielectricInterface {
     /// Transmissivity of a scene unit on the back of the surface.
     pub(crate) inside: Rgb,
     /// The same on its front; `None` is what fills the scene.
@@ -37,17 +37,17 @@ pub(crate) struct Refracted {
     pub(crate) cosine: f64,
 }
 
-impl Boundary {
+impl DielectricInterface {
     /// The surface of a body.
-    pub(crate) fn of_body(body: &Dielectric) -> Boundary {
+    pub(crate) fn of_body(body: &Dielectric) -> DielectricInterface {
         let ratio = body.refractive_index + body.hartmann / MEAN_WAVELENGTH;
-        Boundary { inside: body.transmissivity, outside: None, ratio }
+        DielectricInterface { inside: body.transmissivity, outside: None, ratio }
     }
 
     /// The surface between two bodies.
-    pub(crate) fn between(interface: &Interface) -> Boundary {
+    pub(crate) fn between(interface: &Interface) -> DielectricInterface {
         let Interface { inside, outside } = interface;
-        Boundary {
+        DielectricInterface {
             inside: inside.transmissivity,
             outside: Some(outside.transmissivity),
             ratio: inside.refractive_index / outside.refractive_index,
@@ -119,9 +119,9 @@ fn perturbed(direction: DVec3, front: DVec3, perturbation: DVec3, behind: bool) 
 mod tests {
     use super::*;
 
-    fn water() -> Boundary {
+    fn water() -> DielectricInterface {
         let body = Dielectric { transmissivity: Rgb::WHITE, refractive_index: 1.5, hartmann: 0.0 };
-        Boundary::of_body(&body)
+        DielectricInterface::of_body(&body)
     }
 
     #[test]

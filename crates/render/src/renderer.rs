@@ -1,23 +1,24 @@
 //! Rays in, radiance out.
 
+use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::contribution::Contribution;
 use crate::plan::RenderPlan;
-use crate::ray::{Ray, Spread};
-use crate::survey::{GatheredIrradiance, gather};
-use crate::trace::{Traced, Tracer};
-use crate::tree::ToldRay;
+use crate::ray_spacing::RaySpacing;
+use crate::ray_tree::TreeRay;
+use crate::trace::{PathIntegrator, Traced};
+use radsight_accel::Ray;
 use rayon::prelude::*;
 
 /// Answers rays.
 #[derive(Debug)]
 pub struct Renderer {
     plan: RenderPlan,
-    shared: SharedIrradiance,
+    shared: CachedIrradiance,
 }
 
 /// Irradiance that was gathered before the rays are answered, in as many bands as are traced; `None` before any was.
 #[derive(Debug)]
-enum SharedIrradiance {
+enum CachedIrradiance {
     Grey(Option<GatheredIrradiance<1>>),
     Color(Option<GatheredIrradiance<3>>),
     NarrowSpectrum(Option<GatheredIrradiance<27>>),
@@ -31,11 +32,11 @@ pub struct RayWorker<'r>(Bands<'r>);
 
 #[derive(Debug)]
 enum Bands<'r> {
-    Grey(Tracer<'r, 1>),
-    Color(Tracer<'r, 3>),
-    NarrowSpectrum(Box<Tracer<'r, 27>>),
-    Spectrum(Box<Tracer<'r, 36>>),
-    WideSpectrum(Box<Tracer<'r, 72>>),
+    Grey(PathIntegrator<'r, 1>),
+    Color(PathIntegrator<'r, 3>),
+    NarrowSpectrum(Box<PathIntegrator<'r, 27>>),
+    Spectrum(Box<PathIntegrator<'r, 36>>),
+    WideSpectrum(Box<PathIntegrator<'r, 72>>),
 }
 
 /// The same for whichever number of bands it is.
@@ -59,11 +60,11 @@ impl Renderer {
     #[must_use]
     pub fn new(plan: RenderPlan) -> Renderer {
         let shared = match plan.bands {
-            1 => SharedIrradiance::Grey(None),
-            3 => SharedIrradiance::Color(None),
-            27 => SharedIrradiance::NarrowSpectrum(None),
-            36 => SharedIrradiance::Spectrum(None),
-            _ => SharedIrradiance::WideSpectrum(None),
+            1 => CachedIrradiance::Grey(None),
+            3 => CachedIrradiance::Color(None),
+            27 => CachedIrradiance::NarrowSpectrum(None),
+            36 => CachedIrradiance::Spectrum(None),
+            _ => CachedIrradiance::WideSpectrum(None),
         };
         Renderer { plan, shared }
     }
@@ -77,19 +78,19 @@ impl Renderer {
     /// Gathers irradiance where rays like these will want it, if the options ask for sharing (`-aa`), and says from how many points. What was
     /// gathered for other rays before is kept. The rays should be
     /// spread over all that will be asked for later: one a pixel is plenty. Details that are smaller than their `spread` are not looked for.
-    pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: Spread) -> usize {
-        if !self.plan.shares_irradiance() {
+    pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
+        if !self.plan.caches_irradiance() {
             return 0;
         }
         let plan = &self.plan;
-        in_bands!(&mut self.shared, SharedIrradiance(gathered) => gather(plan, gathered, rays, spread))
+        in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather(plan, gathered, rays, spread))
     }
 
     /// The standard error that rays left in gathered irradiance, as a share of it: rms over the points it was gathered from. `None` where none is shared. What
     /// sharing bends away from the truth comes on top.
     #[must_use]
     pub fn irradiance_noise(&self) -> Option<f64> {
-        in_bands!(&self.shared, SharedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
+        in_bands!(&self.shared, CachedIrradiance(gathered) => gathered.as_ref().map(GatheredIrradiance::noise))
     }
 
     /// A worker for the calling thread.
@@ -97,11 +98,11 @@ impl Renderer {
     pub fn worker(&self) -> RayWorker<'_> {
         let plan = &self.plan;
         RayWorker(match &self.shared {
-            SharedIrradiance::Grey(gathered) => Bands::Grey(tracer(plan, gathered)),
-            SharedIrradiance::Color(gathered) => Bands::Color(tracer(plan, gathered)),
-            SharedIrradiance::NarrowSpectrum(gathered) => Bands::NarrowSpectrum(Box::new(tracer(plan, gathered))),
-            SharedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer(plan, gathered))),
-            SharedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer(plan, gathered))),
+            CachedIrradiance::Grey(gathered) => Bands::Grey(tracer(plan, gathered)),
+            CachedIrradiance::Color(gathered) => Bands::Color(tracer(plan, gathered)),
+            CachedIrradiance::NarrowSpectrum(gathered) => Bands::NarrowSpectrum(Box::new(tracer(plan, gathered))),
+            CachedIrradiance::Spectrum(gathered) => Bands::Spectrum(Box::new(tracer(plan, gathered))),
+            CachedIrradiance::WideSpectrum(gathered) => Bands::WideSpectrum(Box::new(tracer(plan, gathered))),
         })
     }
 
@@ -126,8 +127,8 @@ impl Renderer {
 fn tracer<'r, const BANDS: usize>(
     plan: &'r RenderPlan,
     gathered: &'r Option<GatheredIrradiance<BANDS>>,
-) -> Tracer<'r, BANDS> {
-    Tracer::new(plan, gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches))
+) -> PathIntegrator<'r, BANDS> {
+    PathIntegrator::new(plan, gathered.as_ref().map_or([None; 2], GatheredIrradiance::caches))
 }
 
 impl RayWorker<'_> {
@@ -139,7 +140,7 @@ impl RayWorker<'_> {
 
     /// Answers ray number `index` of its stream, and tells all rays that came of it where the options ask for that: each after those that came of
     /// it, so that the last is the ray itself.
-    pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<ToldRay>) {
+    pub fn tree(&mut self, index: u64, ray: &Ray) -> (Traced, Vec<TreeRay>) {
         let traced = self.trace(index, ray);
         let told = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
         (traced, told)

@@ -4,12 +4,12 @@ use crate::antimatter::Antimatter;
 use crate::bands::spread;
 use crate::medium::MistKind;
 use crate::prism::PrismKind;
-use crate::ray::ShaderId;
-use crate::refraction::Boundary;
+use crate::refraction::DielectricInterface;
 use crate::scatter::Scatterer;
 use crate::step::{Share, Step};
-use crate::view::{Encounter, View};
+use crate::surface_interaction::{SurfaceInteraction, View};
 use glam::DVec3;
+use radsight_accel::ShaderId;
 use radsight_brdf::Brdf;
 use radsight_cal::{Program, Scratch};
 use radsight_ir::{FunctionCall, ModifierHandle, Rgb, Scene, Transform};
@@ -70,7 +70,7 @@ pub(crate) enum Kind {
         substitute: Substitution,
     },
     /// `dielectric` and `interface`.
-    Dielectric(Boundary),
+    Dielectric(DielectricInterface),
     /// The surface of a participating medium.
     Mist(MistKind),
     /// `prism1` and `prism2`.
@@ -194,22 +194,22 @@ impl Function {
     }
 
     /// A vector of the function in the scene, where the function's modifier stands; its length stays.
-    pub(crate) fn in_scene(&self, encounter: &Encounter, vector: DVec3) -> DVec3 {
-        encounter.direction_to_scene(self.to_scene.direction(vector))
+    pub(crate) fn in_scene(&self, interaction: &SurfaceInteraction, vector: DVec3) -> DVec3 {
+        interaction.direction_to_scene(self.to_scene.direction(vector))
     }
 
     /// A length of the function in the scene.
-    pub(crate) fn length_in_scene(&self, encounter: &Encounter, length: f64) -> f64 {
-        let to_object = encounter.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
+    pub(crate) fn length_in_scene(&self, interaction: &SurfaceInteraction, length: f64) -> f64 {
+        let to_object = interaction.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         length * self.to_scene.scale / to_object.map_or(1.0, |transform| transform.scale)
     }
 
-    pub(crate) fn view<'a>(&'a self, encounter: &'a Encounter) -> View<'a> {
-        View::new(encounter, self.to_function.as_ref())
+    pub(crate) fn view<'a>(&'a self, interaction: &'a SurfaceInteraction) -> View<'a> {
+        View::new(interaction, self.to_function.as_ref())
     }
 }
 
-/// What patterns and textures make of an encounter.
+/// What patterns and textures make of an interaction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Appearance<const BANDS: usize> {
     /// Multiplies the material's colour.
@@ -224,17 +224,17 @@ impl Shader {
     pub(crate) fn appearance<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> Appearance<BANDS> {
-        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: encounter.perturbation() };
+        let mut appearance = Appearance { color: [1.0; BANDS], perturbation: interaction.perturbation() };
         if !self.steps.is_empty() {
             let scene = self.home.scene(scene);
             for step in &self.steps {
-                step.apply(scene, encounter, scratch, &mut appearance);
+                step.apply(scene, interaction, scratch, &mut appearance);
             }
         }
-        if encounter.behind {
+        if interaction.behind {
             appearance.perturbation = -appearance.perturbation;
         }
         appearance
@@ -244,14 +244,14 @@ impl Shader {
     pub(crate) fn body_appearance<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
     ) -> ([f64; BANDS], DVec3) {
-        let Appearance { color, perturbation } = self.appearance(scene, encounter, scratch);
-        (color, if encounter.behind { -perturbation } else { perturbation })
+        let Appearance { color, perturbation } = self.appearance(scene, interaction, scratch);
+        (color, if interaction.behind { -perturbation } else { perturbation })
     }
 
-    /// Whether every band is the same, whatever the encounter.
+    /// Whether every band is the same, whatever the interaction.
     pub(crate) fn is_grey(&self) -> bool {
         let color = match &self.kind {
             // The parts of a mixture are shaders of their own.
@@ -316,8 +316,8 @@ fn is_grey_model(model: &dyn Brdf) -> bool {
         let mirror = DVec3::new(-outgoing.x, -outgoing.y, outgoing.z);
         let incident = [unit(1, trial), mirror, outgoing, -unit(2, trial)];
         let mut values = [0.0; 12];
-        let mut densities = [0.0; 4];
-        model.eval_pdf(outgoing, &incident, &mut values, &mut densities);
+        let mut pdfs = [0.0; 4];
+        model.eval_pdf(outgoing, &incident, &mut values, &mut pdfs);
         let mut weights = [0.0; 3];
         let drawn = model.sample(outgoing, [0.3, 0.6, f64::from(trial) / f64::from(TRIALS)], &mut weights);
         let equal = |bands: &[f64]| bands[0] == bands[1] && bands[1] == bands[2];

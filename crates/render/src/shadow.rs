@@ -4,22 +4,21 @@
 //! enough. Else the ray is followed from surface to surface as any other. A refracted shadow ray brings light if it still ends on the
 //! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
 
-use crate::antimatter::{CutId, Meeting};
+use crate::antimatter::{AntimatterEvent, SubtractionId};
+use crate::bsdf::pane;
 use crate::direct::DirectSampler;
-use crate::geometry::RayFrame;
-use crate::light::{Light, Redirection, Relay};
+use crate::light::{Light, Redirection, VirtualSource};
 use crate::light_form::LightSample;
 use crate::medium::Medium;
 use crate::options::BackFaces;
 use crate::plan::RenderPlan;
-use crate::ray::{self, Hit, MemberId, PrimitiveId, Ray};
-use crate::reach::Between;
+use crate::ray_tree::{BounceType, Image};
 use crate::shader::{Kind, Shader, Substitution, bands};
-use crate::surface_light::pane;
-use crate::trace::{Tracer, emission, given, product, reflect};
-use crate::tree::{Course, Image};
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
+use crate::trace::{PathIntegrator, emission, given, product, reflect};
+use crate::visibility_class::VisibilityClass;
 use glam::DVec3;
+use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_cal::Scratch;
 use radsight_ir::Shape;
 
@@ -27,31 +26,31 @@ use radsight_ir::Shape;
 const MAX_CROSSINGS: u32 = 1000;
 
 /// What a surface in the way does to a shadow ray.
-enum Crossing<const BANDS: usize> {
+enum ShadowEvent<const BANDS: usize> {
     Blocked,
     /// It goes on in this direction, weakened.
-    Onward(DVec3, [f64; BANDS]),
+    SpecularBounce(DVec3, [f64; BANDS]),
     /// It goes on in another medium.
     Into(Medium<BANDS>, DVec3, [f64; BANDS]),
 }
 
 /// A shadow ray on its way.
-struct Walk<const BANDS: usize> {
+struct ShadowRay<const BANDS: usize> {
     ray: Ray,
     from: Option<PrimitiveId>,
     medium: Medium<BANDS>,
-    cut: CutId,
+    cut: SubtractionId,
     through: [f64; BANDS],
     travelled: f64,
     /// How many of the light's mirrors are behind it.
-    relayed: usize,
+    virtual_form: usize,
     /// Whether it was bent, so that it may miss.
     bent: bool,
 }
 
-impl<const BANDS: usize> Walk<BANDS> {
+impl<const BANDS: usize> ShadowRay<BANDS> {
     /// Goes on behind a surface that is not there.
-    fn pass(&mut self, hit: &Hit, cut: CutId) {
+    fn pass(&mut self, hit: &Intersection, cut: SubtractionId) {
         self.through = product(self.through, self.medium.shadow_transmission(hit.distance));
         self.ray.origin = hit.point;
         self.from = Some(hit.primitive);
@@ -63,10 +62,10 @@ impl DirectSampler<'_> {
     /// Radiance that arrives from a place on a light which sends `radiance` in a straight line.
     pub(crate) fn arriving<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
-        between: &Between,
+        between: &VisibilityClass,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
         // A light that the point itself lies on is not met by a ray from there.
@@ -83,7 +82,7 @@ impl DirectSampler<'_> {
     }
 
     /// Whether only surfaces that block can be in the way, in a medium that does nothing.
-    fn is_clear<const BANDS: usize>(&self, tracer: &Tracer<'_, BANDS>, between: &Between) -> bool {
+    fn is_clear<const BANDS: usize>(&self, tracer: &PathIntegrator<'_, BANDS>, between: &VisibilityClass) -> bool {
         let plan = tracer.plan;
         let blocks = |member: &MemberId| {
             let shader = plan.shader(plan.geometry.surface_of(*member));
@@ -91,29 +90,29 @@ impl DirectSampler<'_> {
         };
         tracer.medium(self.medium).extinction == [0.0; BANDS]
             && match between {
-                Between::Dark | Between::Nothing => true,
-                Between::Few(list) => list.iter().all(blocks),
-                Between::Anything => false,
+                VisibilityClass::Dark | VisibilityClass::Nothing => true,
+                VisibilityClass::Few(list) => list.iter().all(blocks),
+                VisibilityClass::Anything => false,
             }
     }
 
     fn walk<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
         radiance: [f64; BANDS],
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let dark = [0.0; BANDS];
-        let mut walk = Walk {
+        let mut walk = ShadowRay {
             ray: Ray { origin: self.point, direction: sample.direction },
             from: self.primitive,
             medium: tracer.medium(self.medium),
-            cut: self.cut_towards(sample.direction),
+            cut: self.subtraction_towards(sample.direction),
             through: [1.0; BANDS],
             travelled: self.travelled,
-            relayed: 0,
+            virtual_form: 0,
             bent: false,
         };
         for _ in 0..MAX_CROSSINGS {
@@ -123,19 +122,19 @@ impl DirectSampler<'_> {
             walk.travelled += hit.distance;
             let mut beyond = walk.cut;
             if plan.has_antimatter {
-                match tracer.meet(walk.cut, walk.ray.direction, &mut hit) {
-                    Meeting::Surface(cut) => beyond = cut,
-                    Meeting::Nothing(cut) => {
+                match tracer.resolve(walk.cut, walk.ray.direction, &mut hit) {
+                    AntimatterEvent::Surface(cut) => beyond = cut,
+                    AntimatterEvent::Nothing(cut) => {
                         tracer.note_shadow_met(&hit, walk.medium.shadow_transmission(hit.distance));
                         walk.pass(&hit, cut);
-                        tracer.note_shadow_onward(walk.ray, Course::Passed, [1.0; BANDS]);
+                        tracer.note_shadow_onward(walk.ray, BounceType::Passed, [1.0; BANDS]);
                         continue;
                     }
                 }
             }
-            if let Some(relay) = light.relays.get(walk.relayed) {
-                if relay.member.primitive() == hit.primitive {
-                    if !self.relay(tracer, &mut walk, relay, &hit) {
+            if let Some(virtual_source) = light.virtual_sources.get(walk.virtual_form) {
+                if virtual_source.member.primitive() == hit.primitive {
+                    if !self.virtual_source(tracer, &mut walk, virtual_source, &hit) {
                         return dark;
                     }
                     continue;
@@ -143,18 +142,18 @@ impl DirectSampler<'_> {
             } else if light.primitive == Some(hit.primitive) {
                 return arrive(tracer, &walk, light, &hit, radiance);
             }
-            let last = walk.relayed == light.relays.len();
+            let last = walk.virtual_form == light.virtual_sources.len();
             let crossing = self.cross(tracer, &mut walk, &hit, plan.shader_at(hit.shader), last.then_some(light));
             let dimmed = walk.medium.shadow_transmission(hit.distance);
             tracer.note_shadow_met(&hit, dimmed);
             walk.through = product(walk.through, dimmed);
             let (direction, weight) = match crossing {
-                Crossing::Blocked => return dark,
-                Crossing::Onward(direction, weight) => {
+                ShadowEvent::Blocked => return dark,
+                ShadowEvent::SpecularBounce(direction, weight) => {
                     tracer.note_shadow_side(&hit);
                     (direction, weight)
                 }
-                Crossing::Into(medium, direction, weight) => {
+                ShadowEvent::Into(medium, direction, weight) => {
                     walk.medium = medium;
                     (direction, weight)
                 }
@@ -167,21 +166,21 @@ impl DirectSampler<'_> {
             walk.ray = Ray { origin: hit.point, direction };
             walk.from = Some(hit.primitive);
             walk.cut = beyond;
-            tracer.note_shadow_onward(walk.ray, Course::Onward { image: Image::InPlace }, weight);
+            tracer.note_shadow_onward(walk.ray, BounceType::Onward { image: Image::InPlace }, weight);
         }
         dark
     }
 
     /// Passes a mirror or a prism on the way to the light; false where nothing goes on.
-    fn relay<const BANDS: usize>(
+    fn virtual_source<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        walk: &mut Walk<BANDS>,
-        relay: &Relay,
-        hit: &Hit,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        walk: &mut ShadowRay<BANDS>,
+        virtual_source: &VirtualSource,
+        hit: &Intersection,
     ) -> bool {
-        if let Some(redirection) = &relay.redirection {
-            return redirect(tracer, walk, relay, redirection, hit);
+        if let Some(redirection) = &virtual_source.redirection {
+            return redirect(tracer, walk, virtual_source, redirection, hit);
         }
         let dimmed = walk.medium.shadow_transmission(hit.distance);
         tracer.note_shadow_met(hit, dimmed);
@@ -190,28 +189,28 @@ impl DirectSampler<'_> {
         }
         walk.through = product(walk.through, dimmed);
         let before = walk.travelled - self.travelled - hit.distance;
-        let reflectance = self.mirror_reflectance(tracer, relay, &walk.ray, before + hit.distance);
+        let reflectance = self.mirror_reflectance(tracer, virtual_source, &walk.ray, before + hit.distance);
         walk.through = product(walk.through, reflectance);
         walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
         walk.from = Some(hit.primitive);
-        walk.relayed += 1;
-        tracer.note_shadow_onward(walk.ray, Course::Mirrored { image: Image::InPlace }, reflectance);
+        walk.virtual_form += 1;
+        tracer.note_shadow_onward(walk.ray, BounceType::Mirrored { image: Image::InPlace }, reflectance);
         walk.through.iter().any(|band| *band > 0.0)
     }
 
     /// What a surface does that is neither the light nor a mirror on the way; `target` is the light where it is aimed at itself.
     fn cross<'p, const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'p, BANDS>,
-        walk: &mut Walk<BANDS>,
-        hit: &Hit,
+        tracer: &mut PathIntegrator<'p, BANDS>,
+        walk: &mut ShadowRay<BANDS>,
+        hit: &Intersection,
         mut shader: &'p Shader,
         target: Option<&Light>,
-    ) -> Crossing<BANDS> {
+    ) -> ShadowEvent<BANDS> {
         let plan = tracer.plan;
         let direction = walk.ray.direction;
         let behind = direction.dot(hit.front) > 0.0;
-        let onward = Crossing::Onward(direction, [1.0; BANDS]);
+        let onward = ShadowEvent::SpecularBounce(direction, [1.0; BANDS]);
         loop {
             let substitute = match &shader.kind {
                 Kind::Transparent => return onward,
@@ -219,14 +218,14 @@ impl DirectSampler<'_> {
                     let is_weak =
                         |light: &Light| plan.shader(light.surface).kind.emitter().is_some_and(|e| e.is_weak());
                     if !behind && target.is_some_and(is_weak) {
-                        return Crossing::Blocked;
+                        return ShadowEvent::Blocked;
                     }
                     *substitute
                 }
                 Kind::Mirror { substitute: Some(substitute), .. } => match *substitute {
                     substitute if behind || !self.drawn => substitute,
                     Substitution::Shader(id) if plan.shader_at(id).kind.is_transparent() => *substitute,
-                    _ => return Crossing::Blocked,
+                    _ => return ShadowEvent::Blocked,
                 },
                 _ => break,
             };
@@ -237,11 +236,11 @@ impl DirectSampler<'_> {
         }
         let scene = &plan.scene;
         let global = tracer.global_medium();
-        let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
+        let interaction = SurfaceInteraction::at(&walk.ray, hit, walk.travelled);
         let scratch = &mut tracer.workspace.scratch;
         match &shader.kind {
             Kind::Dielectric(boundary) => {
-                let (pattern, perturbation) = shader.body_appearance::<BANDS>(scene, &encounter, scratch);
+                let (pattern, perturbation) = shader.body_appearance::<BANDS>(scene, &interaction, scratch);
                 let [before, after] = boundary.sides(behind);
                 let lights = walk.medium.lights;
                 if let Some(before) = before {
@@ -252,23 +251,23 @@ impl DirectSampler<'_> {
                     None => Medium { lights, ..global },
                 };
                 match boundary.refract(direction, hit.front, perturbation).onward {
-                    Some((onward, factor)) => Crossing::Into(after, onward, [factor; BANDS]),
-                    None => Crossing::Blocked,
+                    Some((onward, factor)) => ShadowEvent::Into(after, onward, [factor; BANDS]),
+                    None => ShadowEvent::Blocked,
                 }
             }
             Kind::Mist(mist) => {
-                let (pattern, _) = shader.body_appearance(scene, &encounter, scratch);
+                let (pattern, _) = shader.body_appearance(scene, &interaction, scratch);
                 let next = if behind {
                     walk.medium = mist.crossed(walk.medium, pattern);
                     mist.left(walk.medium, pattern, &global)
                 } else {
                     mist.entered(walk.medium, pattern)
                 };
-                Crossing::Into(next, direction, [1.0; BANDS])
+                ShadowEvent::Into(next, direction, [1.0; BANDS])
             }
             _ => match straight(plan, shader, (&walk.ray, hit, walk.travelled), scratch) {
-                Some(weight) => Crossing::Onward(direction, weight),
-                None => Crossing::Blocked,
+                Some(weight) => ShadowEvent::SpecularBounce(direction, weight),
+                None => ShadowEvent::Blocked,
             },
         }
     }
@@ -276,16 +275,16 @@ impl DirectSampler<'_> {
     /// How much of the light comes through where nothing bends: 1 in each band where nothing is in the way.
     fn visibility<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         light: &Light,
         sample: &LightSample,
-        between: &Between,
+        between: &VisibilityClass,
     ) -> [f64; BANDS] {
         let mut ray = Ray { origin: self.point, direction: sample.direction };
         let mut from = self.primitive;
         let mut left = sample.distance;
         let mut through = [1.0; BANDS];
-        for mirror in &light.relays {
+        for mirror in &light.virtual_sources {
             let geometry = &tracer.plan.geometry;
             let frame = RayFrame::new(&ray);
             let scene = &tracer.plan.scene;
@@ -298,7 +297,7 @@ impl DirectSampler<'_> {
             }
             let reflectance = self.mirror_reflectance(tracer, mirror, &ray, distance);
             through = product(through, reflectance);
-            let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &Between::Anything);
+            let clear = self.segment(tracer, &ray, from, distance, crossing.primitive, &VisibilityClass::Anything);
             through = product(through, clear);
             ray = Ray { origin: ray.at(distance), direction: mirror.image_of_direction(ray.direction) };
             from = Some(crossing.primitive);
@@ -313,28 +312,28 @@ impl DirectSampler<'_> {
 
     fn mirror_reflectance<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
-        mirror: &Relay,
+        tracer: &mut PathIntegrator<'_, BANDS>,
+        mirror: &VirtualSource,
         ray: &Ray,
         distance: f64,
     ) -> [f64; BANDS] {
-        let shader = tracer.plan.relay_shader(mirror.surface);
+        let shader = tracer.plan.virtual_source_shader(mirror.surface);
         let Kind::Mirror { reflectance, .. } = &shader.kind else { return [0.0; BANDS] };
         let total = self.travelled + distance;
-        let encounter = Encounter::new(ray, ray.at(distance), mirror.normal, distance, total);
-        let pattern = shader.appearance::<BANDS>(&tracer.plan.scene, &encounter, &mut tracer.workspace.scratch);
+        let interaction = SurfaceInteraction::new(ray, ray.at(distance), mirror.normal, distance, total);
+        let pattern = shader.appearance::<BANDS>(&tracer.plan.scene, &interaction, &mut tracer.workspace.scratch);
         product(bands(*reflectance), pattern.color)
     }
 
     /// One straight piece of a shadow ray, up to the primitive `target`.
     fn segment<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         ray: &Ray,
         from: Option<PrimitiveId>,
         distance: f64,
         target: PrimitiveId,
-        between: &Between,
+        between: &VisibilityClass,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
         let mut through = [1.0; BANDS];
@@ -344,7 +343,7 @@ impl DirectSampler<'_> {
         let tolerance = plan.geometry.tolerance();
         let mut passed = plan.see_through.then(Passed::default);
         let mut is_blocked = false;
-        let mut block = |crossing: ray::Crossing| {
+        let mut block = |crossing: Crossing| {
             if crossing.primitive == target {
                 return false;
             }
@@ -371,9 +370,9 @@ impl DirectSampler<'_> {
         };
         let end = distance + tolerance;
         match between {
-            Between::Dark => is_blocked = true,
-            Between::Nothing => {}
-            Between::Few(list) => {
+            VisibilityClass::Dark => is_blocked = true,
+            VisibilityClass::Nothing => {}
+            VisibilityClass::Few(list) => {
                 let frame = RayFrame::new(ray);
                 for member in list {
                     if plan.geometry.any_of_member(&plan.scene, *member, (ray, &frame), from, end, &mut block) {
@@ -381,7 +380,7 @@ impl DirectSampler<'_> {
                     }
                 }
             }
-            Between::Anything => {
+            VisibilityClass::Anything => {
                 plan.geometry.any_between(&plan.scene, ray, from, end, block);
             }
         }
@@ -398,7 +397,7 @@ impl DirectSampler<'_> {
     #[cold]
     fn one_by_one<const BANDS: usize>(
         &self,
-        tracer: &mut Tracer<'_, BANDS>,
+        tracer: &mut PathIntegrator<'_, BANDS>,
         ray: &Ray,
         from: Option<PrimitiveId>,
         distance: f64,
@@ -448,25 +447,25 @@ impl Passed {
 
 /// Sends a shadow ray on that met a prism on its way to the light; false where nothing goes on.
 fn redirect<const BANDS: usize>(
-    tracer: &mut Tracer<'_, BANDS>,
-    walk: &mut Walk<BANDS>,
-    relay: &Relay,
+    tracer: &mut PathIntegrator<'_, BANDS>,
+    walk: &mut ShadowRay<BANDS>,
+    virtual_source: &VirtualSource,
     redirection: &Redirection,
-    hit: &Hit,
+    hit: &Intersection,
 ) -> bool {
-    let Kind::Prism(prism) = &tracer.plan.relay_shader(relay.surface).kind else { return false };
+    let Kind::Prism(prism) = &tracer.plan.virtual_source_shader(virtual_source.surface).kind else { return false };
     let Redirection { face, target, is_distant } = *redirection;
     let aim = if is_distant { target } else { (target - hit.point).normalize_or_zero() };
-    let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
-    let found = prism.redirect(face, &encounter, aim, &mut tracer.workspace.scratch);
+    let interaction = SurfaceInteraction::at(&walk.ray, hit, walk.travelled);
+    let found = prism.redirect(face, &interaction, aim, &mut tracer.workspace.scratch);
     let Some((coefficient, direction)) = found else { return false };
     let dimmed = walk.medium.shadow_transmission(hit.distance);
     tracer.note_shadow_met(hit, dimmed);
     walk.through = product(walk.through, dimmed).map(|band| band * coefficient);
     walk.ray = Ray { origin: hit.point, direction };
-    tracer.note_shadow_onward(walk.ray, Course::Onward { image: Image::InPlace }, [coefficient; BANDS]);
+    tracer.note_shadow_onward(walk.ray, BounceType::Onward { image: Image::InPlace }, [coefficient; BANDS]);
     walk.from = Some(hit.primitive);
-    walk.relayed += 1;
+    walk.virtual_form += 1;
     walk.bent = true;
     true
 }
@@ -475,7 +474,7 @@ fn redirect<const BANDS: usize>(
 fn straight<const BANDS: usize>(
     plan: &RenderPlan,
     shader: &Shader,
-    (ray, hit, travelled): (&Ray, &Hit, f64),
+    (ray, hit, travelled): (&Ray, &Intersection, f64),
     scratch: &mut Scratch,
 ) -> Option<[f64; BANDS]> {
     if matches!(shader.kind, Kind::Transparent) {
@@ -489,10 +488,10 @@ fn straight<const BANDS: usize>(
     if behind && plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back() {
         return Some([1.0; BANDS]);
     }
-    let encounter = Encounter::at(ray, hit, travelled);
+    let interaction = SurfaceInteraction::at(ray, hit, travelled);
     if let Kind::Mixture(mixture) = &shader.kind {
         // After a fault of the function the surface is as if it had no material.
-        let Some(share) = mixture.share.at(shader.home.scene(&plan.scene), &encounter, scratch) else {
+        let Some(share) = mixture.share.at(shader.home.scene(&plan.scene), &interaction, scratch) else {
             return Some([1.0; BANDS]);
         };
         let mut through = None;
@@ -506,14 +505,14 @@ fn straight<const BANDS: usize>(
         }
         return through;
     }
-    let appearance = shader.appearance::<BANDS>(&plan.scene, &encounter, scratch);
+    let appearance = shader.appearance::<BANDS>(&plan.scene, &interaction, scratch);
     match &shader.kind {
         Kind::Glass { transmissivity, refractive_index } => {
-            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, encounter.cosine.max(1e-9));
+            let [_, transmitted] = pane(bands(*transmissivity), *refractive_index, interaction.cosine.max(1e-9));
             Some(product(transmitted, appearance.color))
         }
         Kind::Scatterer(scatterer) => {
-            scatterer.passage(shader.home.scene(&plan.scene), &encounter, appearance, scratch)
+            scatterer.passage(shader.home.scene(&plan.scene), &interaction, appearance, scratch)
         }
         _ => None,
     }
@@ -521,10 +520,10 @@ fn straight<const BANDS: usize>(
 
 /// What a shadow ray brings that met its light.
 fn arrive<const BANDS: usize>(
-    tracer: &mut Tracer<'_, BANDS>,
-    walk: &Walk<BANDS>,
+    tracer: &mut PathIntegrator<'_, BANDS>,
+    walk: &ShadowRay<BANDS>,
     light: &Light,
-    hit: &Hit,
+    hit: &Intersection,
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
     let plan = tracer.plan;
@@ -536,8 +535,8 @@ fn arrive<const BANDS: usize>(
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let encounter = Encounter::at(&walk.ray, hit, walk.travelled);
-        found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
+        let interaction = SurfaceInteraction::at(&walk.ray, hit, walk.travelled);
+        found = given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
     }
     tracer.note_shadow_found(None, found);
     product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
@@ -545,14 +544,14 @@ fn arrive<const BANDS: usize>(
 
 /// What a shadow ray brings that left the scene.
 fn leave<const BANDS: usize>(
-    tracer: &mut Tracer<'_, BANDS>,
-    walk: &Walk<BANDS>,
+    tracer: &mut PathIntegrator<'_, BANDS>,
+    walk: &ShadowRay<BANDS>,
     light: &Light,
     radiance: [f64; BANDS],
 ) -> [f64; BANDS] {
     let plan = tracer.plan;
     let Shape::Source(source) = plan.scene.surfaces[light.surface].shape else { return [0.0; BANDS] };
-    if walk.relayed < light.relays.len() {
+    if walk.virtual_form < light.virtual_sources.len() {
         return [0.0; BANDS];
     }
     let mut found = radiance;
@@ -564,8 +563,8 @@ fn leave<const BANDS: usize>(
         }
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
-        let encounter = Encounter::distant(walk.ray.direction);
-        found = given(emission(plan, shader, emitter, &encounter, &mut tracer.workspace.scratch));
+        let interaction = SurfaceInteraction::distant(walk.ray.direction);
+        found = given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
     }
     tracer.note_shadow_found(Some(light.surface), found);
     product(product(found, walk.through), walk.medium.shadow_transmission(f64::INFINITY))

@@ -3,7 +3,7 @@
 use crate::bands::BandLayout;
 use crate::shader::Function;
 use crate::step::MAX_COORDINATES;
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
 use radsight_cal::Scratch;
 use radsight_ir::{Axis, DataGrid, Handle, Scene};
 use radsight_spectrum::{Conversion, Sampling};
@@ -62,11 +62,11 @@ impl SpectralFunction {
 
     pub(crate) fn apply<const BANDS: usize>(
         &self,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
         color: &mut [f64; BANDS],
     ) {
-        let view = self.function.view(encounter);
+        let view = self.function.view(interaction);
         let value = |wavelength: &f64| self.function.program.eval(0, &[*wavelength], &view, scratch).ok();
         self.receiver.multiply(self.wavelengths_nm.iter().map(value), color);
     }
@@ -105,11 +105,11 @@ impl SpectralData {
     pub(crate) fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
         color: &mut [f64; BANDS],
     ) {
-        let view = self.function.view(encounter);
+        let view = self.function.view(interaction);
         let program = &self.function.program;
         let grid = &scene.grids[self.grid];
         let axes = grid.axes.len().min(MAX_COORDINATES);

@@ -4,7 +4,7 @@ use crate::bands::{Bands, spread};
 use crate::lettering::Lettering;
 use crate::shader::{Appearance, Function};
 use crate::spectral_pattern::{SpectralData, SpectralFunction};
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_cal::Scratch;
 use radsight_ir::{DataGrid, Handle, PictureData, Rgb, Scene};
@@ -61,18 +61,18 @@ pub(crate) enum Share {
 
 impl Share {
     /// In 0…1; none after a fault of the function, where Radiance leaves the mixture out.
-    pub(crate) fn at(&self, scene: &Scene, encounter: &Encounter, scratch: &mut Scratch) -> Option<f64> {
+    pub(crate) fn at(&self, scene: &Scene, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> Option<f64> {
         let share = match self {
             Share::Function(function) => {
                 let mut value = [0.0];
-                function.program.eval_all(&[], &function.view(encounter), scratch, &mut value).ok()?;
+                function.program.eval_all(&[], &function.view(interaction), scratch, &mut value).ok()?;
                 value[0]
             }
-            Share::Data(function, grid) => from_grids(scene, function, &[*grid], encounter, scratch)?[0],
+            Share::Data(function, grid) => from_grids(scene, function, &[*grid], interaction, scratch)?[0],
             Share::Picture(function, picture) => {
-                from_picture::<1>(&scene.pictures[*picture], function, encounter, scratch)?[0]
+                from_picture::<1>(&scene.pictures[*picture], function, interaction, scratch)?[0]
             }
-            Share::Text(lettering) => f64::from(u8::from(lettering.has_ink(encounter.object_point()))),
+            Share::Text(lettering) => f64::from(u8::from(lettering.has_ink(interaction.object_point()))),
         };
         Some(if share > 0.0 { share.min(1.0) } else { 0.0 })
     }
@@ -107,7 +107,7 @@ impl Step {
     pub(crate) fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
         appearance: &mut Appearance<BANDS>,
     ) {
@@ -115,49 +115,49 @@ impl Step {
             Step::Constant(bands) => bands.multiply(&mut appearance.color),
             Step::Brightness(function) => {
                 let mut value = [0.0];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut value).is_ok() {
+                if function.program.eval_all(&[], &function.view(interaction), scratch, &mut value).is_ok() {
                     multiply(&mut appearance.color, [value[0]; 3]);
                 }
             }
             Step::Color(function) => {
                 let mut values = [0.0; 3];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut values).is_ok() {
+                if function.program.eval_all(&[], &function.view(interaction), scratch, &mut values).is_ok() {
                     multiply(&mut appearance.color, values);
                 }
             }
             Step::BrightnessData(function, grid) => {
-                if let Some(values) = from_grids(scene, function, &[*grid], encounter, scratch) {
+                if let Some(values) = from_grids(scene, function, &[*grid], interaction, scratch) {
                     multiply(&mut appearance.color, [values[0]; 3]);
                 }
             }
             Step::ColorData(function, grids) => {
-                if let Some(values) = from_grids(scene, function, grids, encounter, scratch) {
+                if let Some(values) = from_grids(scene, function, grids, interaction, scratch) {
                     multiply(&mut appearance.color, values);
                 }
             }
             Step::Picture(function, picture) => {
-                if let Some(values) = from_picture(&scene.pictures[*picture], function, encounter, scratch) {
+                if let Some(values) = from_picture(&scene.pictures[*picture], function, interaction, scratch) {
                     multiply(&mut appearance.color, values);
                 }
             }
             Step::Text { lettering, foreground, background } => {
-                let color = if lettering.has_ink(encounter.object_point()) { foreground } else { background };
+                let color = if lettering.has_ink(interaction.object_point()) { foreground } else { background };
                 multiply(&mut appearance.color, color.0);
             }
-            Step::SpectralFunction(pattern) => pattern.apply(encounter, scratch, &mut appearance.color),
-            Step::SpectralData(pattern) => pattern.apply(scene, encounter, scratch, &mut appearance.color),
+            Step::SpectralFunction(pattern) => pattern.apply(interaction, scratch, &mut appearance.color),
+            Step::SpectralData(pattern) => pattern.apply(scene, interaction, scratch, &mut appearance.color),
             Step::Texture(function) => {
                 let mut vector = [0.0; 3];
-                if function.program.eval_all(&[], &function.view(encounter), scratch, &mut vector).is_ok() {
-                    appearance.perturbation += function.in_scene(encounter, DVec3::from_array(vector));
+                if function.program.eval_all(&[], &function.view(interaction), scratch, &mut vector).is_ok() {
+                    appearance.perturbation += function.in_scene(interaction, DVec3::from_array(vector));
                 }
             }
             Step::TextureData(function, grids) => {
-                if let Some(vector) = from_grids(scene, function, grids, encounter, scratch) {
-                    appearance.perturbation += function.in_scene(encounter, DVec3::from_array(vector));
+                if let Some(vector) = from_grids(scene, function, grids, interaction, scratch) {
+                    appearance.perturbation += function.in_scene(interaction, DVec3::from_array(vector));
                 }
             }
-            Step::Mixture(mixed) => mixed.apply(scene, encounter, scratch, appearance),
+            Step::Mixture(mixed) => mixed.apply(scene, interaction, scratch, appearance),
         }
     }
 }
@@ -167,17 +167,17 @@ impl MixedSteps {
     fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         scratch: &mut Scratch,
         appearance: &mut Appearance<BANDS>,
     ) {
-        let Some(share) = self.share.at(scene, encounter, scratch) else { return };
+        let Some(share) = self.share.at(scene, interaction, scratch) else { return };
         let before = *appearance;
         *appearance = Appearance { color: [0.0; BANDS], perturbation: DVec3::ZERO };
         for (weight, steps) in [(share, &self.foreground), (1.0 - share, &self.background)] {
             if weight > 0.0 {
                 let mut part = before;
-                steps.iter().for_each(|step| step.apply(scene, encounter, scratch, &mut part));
+                steps.iter().for_each(|step| step.apply(scene, interaction, scratch, &mut part));
                 appearance.perturbation += part.perturbation * weight;
                 for (sum, band) in appearance.color.iter_mut().zip(part.color) {
                     *sum += band * weight;
@@ -201,10 +201,10 @@ fn from_grids(
     scene: &Scene,
     function: &Function,
     grids: &[Handle<DataGrid>],
-    encounter: &Encounter,
+    interaction: &SurfaceInteraction,
     scratch: &mut Scratch,
 ) -> Option<[f64; 3]> {
-    let view = function.view(encounter);
+    let view = function.view(interaction);
     let functions = grids.len();
     let axes = scene.grids[grids[0]].axes.len().min(MAX_COORDINATES);
     let mut coordinates = [0.0; MAX_COORDINATES];
@@ -226,10 +226,10 @@ fn from_grids(
 fn from_picture<const VALUES: usize>(
     picture: &PictureData,
     function: &Function,
-    encounter: &Encounter,
+    interaction: &SurfaceInteraction,
     scratch: &mut Scratch,
 ) -> Option<[f64; VALUES]> {
-    let view = function.view(encounter);
+    let view = function.view(interaction);
     let u = function.program.eval(VALUES, &[], &view, scratch).ok()?;
     let v = function.program.eval(VALUES + 1, &[], &view, scratch).ok()?;
     let color = picture.value(u, v);

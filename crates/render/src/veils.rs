@@ -3,11 +3,10 @@
 //! Where the rule prefers such a veil, what it lies on is not there for a ray, not even for a shadow ray. A search for anything in the
 //! way has to ask only in scenes that have veils; they are found once, before the first ray.
 
-use crate::geometry::{Geometry, RayFrame, flat_normal};
 use crate::plan::RenderPlan;
-use crate::ray::{Crossing, MemberId, PrimitiveId, Ray};
 use crate::shader::Shader;
 use glam::DVec3;
+use radsight_accel::{Crossing, Geometry, MemberId, PrimitiveId, Ray, RayFrame, flat_normal};
 use radsight_ir::{Scene, SurfaceHandle};
 
 /// More pairs of surfaces than this are not looked at.

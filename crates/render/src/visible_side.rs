@@ -14,12 +14,12 @@ pub(crate) struct VisibleSide {
     /// Unit, perpendicular to the axis: to the middle of the turns, and to their side.
     middle: DVec3,
     beside: DVec3,
-    spread: Spread,
+    spread: VisibleRange,
 }
 
 /// How turns are drawn.
 #[derive(Clone, Copy, Debug)]
-enum Spread {
+enum VisibleRange {
     /// Evenly in their sine, up to this.
     Sine(f64),
     /// Evenly, up to this angle.
@@ -48,11 +48,11 @@ impl VisibleSide {
             PI
         };
         let (middle, spread) = match facing {
-            Facing::Outward if radius >= 0.0 => (towards, Spread::Sine(widest.sin())),
-            Facing::Outward => (towards, Spread::Turn(widest)),
-            Facing::Inward => (-towards, Spread::Turn(PI - widest)),
+            Facing::Outward if radius >= 0.0 => (towards, VisibleRange::Sine(widest.sin())),
+            Facing::Outward => (towards, VisibleRange::Turn(widest)),
+            Facing::Inward => (-towards, VisibleRange::Turn(PI - widest)),
         };
-        let (Spread::Sine(most) | Spread::Turn(most)) = spread;
+        let (VisibleRange::Sine(most) | VisibleRange::Turn(most)) = spread;
         (most > 0.0).then(|| VisibleSide { middle, beside: axis.cross(middle), spread })
     }
 
@@ -60,21 +60,21 @@ impl VisibleSide {
     pub(crate) fn draw(&self, v: f64) -> (DVec3, f64) {
         let share = 2.0 * v - 1.0;
         let (sin, cos) = match self.spread {
-            Spread::Sine(most) => (share * most, (1.0 - (share * most).powi(2)).sqrt()),
-            Spread::Turn(most) => (share * most).sin_cos(),
+            VisibleRange::Sine(most) => (share * most, (1.0 - (share * most).powi(2)).sqrt()),
+            VisibleRange::Turn(most) => (share * most).sin_cos(),
         };
-        (self.middle * cos + self.beside * sin, self.density_at(cos))
+        (self.middle * cos + self.beside * sin, self.pdf_at(cos))
     }
 
     /// The same multiple for the place in this unit direction from the axis.
-    pub(crate) fn density(&self, from_axis: DVec3) -> f64 {
-        self.density_at(from_axis.dot(self.middle))
+    pub(crate) fn pdf(&self, from_axis: DVec3) -> f64 {
+        self.pdf_at(from_axis.dot(self.middle))
     }
 
-    fn density_at(&self, cos: f64) -> f64 {
+    fn pdf_at(&self, cos: f64) -> f64 {
         match self.spread {
-            Spread::Sine(most) => TAU * cos.max(0.0) / (2.0 * most),
-            Spread::Turn(most) => PI / most,
+            VisibleRange::Sine(most) => TAU * cos.max(0.0) / (2.0 * most),
+            VisibleRange::Turn(most) => PI / most,
         }
     }
 }
@@ -105,9 +105,9 @@ mod tests {
                         None => 0.0,
                         Some(side) => (0..steps)
                             .map(|step| {
-                                let (from_axis, density) = side.draw(at(step));
-                                assert!((side.density(from_axis) / density - 1.0).abs() < 1e-9);
-                                (2.0 + from_axis.y) / (density * f64::from(steps))
+                                let (from_axis, pdf) = side.draw(at(step));
+                                assert!((side.pdf(from_axis) / pdf - 1.0).abs() < 1e-9);
+                                (2.0 + from_axis.y) / (pdf * f64::from(steps))
                             })
                             .sum(),
                     };

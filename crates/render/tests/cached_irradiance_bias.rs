@@ -8,7 +8,7 @@ mod build;
 
 use build::{Builder, plan};
 use glam::DVec3;
-use radsight_render::{Gathering, Ray, RenderOptions, Renderer, Spread};
+use radsight_render::{Gathering, Ray, RaySpacing, RenderOptions, Renderer};
 use std::f64::consts::PI;
 
 const SIZE: DVec3 = DVec3::new(6.0, 4.0, 3.0);
@@ -193,7 +193,7 @@ fn cached(scene: &Builder, points: &[(DVec3, DVec3)], bounces: u32, seed: u64) -
     let mut renderer = Renderer::new(plan(scene, options));
     let eye = 0.5 * SIZE;
     let rays: Vec<_> = points.iter().map(|(point, _)| Ray::new(eye, *point - eye)).collect();
-    renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+    renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
     renderer.trace_all(0, &rays).iter().flatten().map(|traced| traced.value[0]).sum()
 }
 
@@ -215,7 +215,7 @@ fn a_wall_in_the_plane_of_a_window_gets_nothing_from_it() {
         }
     };
     let rays: Vec<_> = (0..800).map(|index| Ray::new(eye, target(index) - eye)).collect();
-    renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+    renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
     let values: Vec<f64> = renderer.trace_all(0, &rays).iter().flatten().map(|traced| traced.value[0]).collect();
     let (on_wall, on_floor): (Vec<_>, Vec<_>) = values.chunks(2).map(|pair| (pair[0], pair[1])).unzip();
     assert!(on_floor.iter().sum::<f64>() > 1.0, "the floor is lit");

@@ -5,7 +5,7 @@ mod build;
 use build::{Builder, plan};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{Gathering, Quantity, Ray, RenderOptions, Renderer, Spread, Traced, Unshared};
+use radsight_render::{Gathering, Quantity, Ray, RaySpacing, RenderOptions, Renderer, Traced, Uncached};
 use std::f64::consts::PI;
 
 /// An integrating sphere: a small light in the middle of a diffuse bubble.
@@ -64,7 +64,7 @@ fn an_integrating_sphere_has_the_series_of_its_bounces() {
         let mut renderer = renderer(&scene, options(bounces, 0.1));
         let rays: Vec<_> =
             (0..256).map(|i| Ray::new(DVec3::new(0.5, 0.0, 0.0), DVec3::new(1.0, 0.01 * f64::from(i), 0.3))).collect();
-        let records = renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+        let records = renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
         assert!(records > 0 && records < 64, "{records} records");
         let expected: f64 = (0..=bounces).map(|k| 0.5f64.powi(k as i32)).sum::<f64>() * direct * 0.5 / PI;
         for traced in renderer.trace_all(0, &rays).into_iter().flatten() {
@@ -78,7 +78,7 @@ fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
     let scene = corner();
     let rays = view(4096);
     let mut shared = renderer(&scene, options(2, 0.1));
-    shared.gather_irradiance(&rays, Spread::UNKNOWN);
+    shared.gather_irradiance(&rays, RaySpacing::UNKNOWN);
     let drawn = renderer(&scene, options(2, 0.0));
     let mut difference = [0.0; 3];
     let mut whole = [0.0; 3];
@@ -102,7 +102,7 @@ fn shared_irradiance_agrees_with_rays_drawn_one_by_one() {
 #[test]
 fn a_single_ray_looks_around_with_all_its_rays() {
     let scene = integrating_sphere();
-    let gathering = Gathering { divisions: 512, unshared: Unshared::Split, ..Gathering::default() };
+    let gathering = Gathering { divisions: 512, uncached: Uncached::Split, ..Gathering::default() };
     let options = RenderOptions { quantity: Quantity::Irradiance, gathering, ..options(1, 0.0) };
     let renderer = renderer(&scene, options);
     let ray = Ray::new(DVec3::new(1.5, 0.0, 0.0), -DVec3::X);
@@ -133,7 +133,7 @@ fn what_is_small_and_bright_is_looked_for_where_it_was_found() {
         })
         .collect();
     let mut renderer = renderer(&scene, options(1, 0.1));
-    renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+    renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
     let error = |(ray, traced): (&Option<Ray>, Option<Traced>)| {
         let (ray, traced) = (ray.expect("a ray"), traced.expect("an answer"));
         let squared = ray.origin.truncate().length_squared() + height * height;
@@ -157,7 +157,7 @@ fn gathering_does_not_depend_on_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| {
             let mut renderer = renderer(&scene, options(3, 0.2));
-            let records = renderer.gather_irradiance(&rays, Spread::UNKNOWN);
+            let records = renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
             let values: Vec<_> =
                 renderer.trace_all(0, &rays).into_iter().flatten().map(|traced| traced.value).collect();
             (records, values)
@@ -188,7 +188,7 @@ fn caustics_are_as_fine_as_the_rays_that_see_them() {
     let ray = |x: i32, y: i32| Ray::new(eye, DVec3::new(step * f64::from(x), step * f64::from(y), 0.0) - eye);
     let rays: Vec<_> = (-25..=25).flat_map(|x| (-25..=25).map(move |y| ray(x, y))).collect();
     let mut shared = renderer(&scene, options(1, 0.2));
-    shared.gather_irradiance(&rays, Spread { width: 0.0, angle: step / 2.5 });
+    shared.gather_irradiance(&rays, RaySpacing { width: 0.0, angle: step / 2.5 });
     let drawn = renderer(&scene, options(1, 0.0));
     let (mut squares, mut whole) = (0.0, 0.0);
     for x in -15..=15 {

@@ -5,11 +5,11 @@ mod build;
 use build::{Builder, plan, values};
 use glam::DVec3;
 use radsight_ir::{Facing, Sphere};
-use radsight_render::{Gathering, PathLimit, Quantity, Ray, RenderOptions, Renderer, Unshared};
+use radsight_render::{Gathering, PathLimit, Quantity, Ray, RenderOptions, Renderer, Uncached};
 use std::f64::consts::PI;
 
 fn options(bounces: u32, divisions: u32, least_weight: f64) -> RenderOptions {
-    let gathering = Gathering { divisions, unshared: Unshared::Split, ..Gathering::default() };
+    let gathering = Gathering { divisions, uncached: Uncached::Split, ..Gathering::default() };
     RenderOptions { ambient_bounces: bounces, gathering, least_weight, ..RenderOptions::default() }
 }
 
@@ -106,7 +106,7 @@ fn splitting_finds_what_single_paths_find() {
     scene.polygon(lamp, &panel);
     let (eye, towards) = (DVec3::new(-1.0, 0.2, 1.0), DVec3::new(1.0, 0.0, -0.1));
     let split = values(&scene, options(3, 64, 1e-3), eye, towards, 1 << 9);
-    let alone = Gathering { unshared: Unshared::DrawOne, ..Gathering::default() };
+    let alone = Gathering { uncached: Uncached::DrawOne, ..Gathering::default() };
     let single = RenderOptions { gathering: alone, ..options(3, 64, 1e-3) };
     let paths = values(&scene, single, eye, towards, 1 << 13);
     let ((one, one_error), (other, other_error)) = (mean_and_error(&split), mean_and_error(&paths));

@@ -4,9 +4,9 @@ use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::Failure;
 use crate::input::{read_file, read_source};
-use radsight_generate::source_name;
 use radsight_matrix::{Matrix, MatrixError, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_picture::leading_number;
+use radsight_scene_generators::source_name;
 
 /// What is done with a matrix after it was read.
 #[derive(Clone, Debug, Default)]

@@ -9,8 +9,8 @@ use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::output::write_standard_output;
-use radsight_bsdf::Side;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
+use radsight_measured::Side;
 use radsight_picture::Header;
 
 /// A matrix, and what is done with it.

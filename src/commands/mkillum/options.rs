@@ -8,14 +8,14 @@ use crate::failure::Failure;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
 use crate::shown_options::{Program, ShownOptions};
 use crate::trust::Trust;
-use radsight_frame::Effort;
+use radsight_film::SamplingBudget;
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
 /// What is asked.
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
-    effort: Option<Effort>,
+    effort: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) scenes: Vec<String>,
@@ -52,7 +52,7 @@ impl Options {
         let render = RenderOptions {
             gathering,
             ambient_bounces: 2,
-            mirror_relays: 3,
+            mirror_sources: 3,
             highlight_threshold: 0.15,
             least_weight: 1e-4,
             path_limit: PathLimit::RouletteUpTo(10),
@@ -125,9 +125,9 @@ impl Options {
     }
 
     /// How many paths each ray stands for.
-    pub(super) fn effort(&self) -> Effort {
+    pub(super) fn effort(&self) -> SamplingBudget {
         let paths = if self.render.ambient_bounces > 0 { USUAL_PATHS } else { 1 };
-        self.effort.unwrap_or(Effort::Samples(paths))
+        self.effort.unwrap_or(SamplingBudget::Samples(paths))
     }
 
     /// The options as they stand, for `-defaults`.

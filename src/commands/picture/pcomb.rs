@@ -13,7 +13,7 @@ use radsight_cal::{Environment, NoHost};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::{PictureReader, PictureWriter, Resolution};
-use radsight_picture_tools::combine::{Combination, CombineInput, Defined, Exposures, encoding, prepare};
+use radsight_picture_ops::combine::{Combination, CombineInput, Defined, Exposures, encoding, prepare};
 use std::io::Write;
 
 /// What the options before the pictures ask.
@@ -39,7 +39,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let header = header(&options, &words, &names, &inputs);
     let encoding = encoding(&inputs);
     let wrong = |error| match error {
-        radsight_picture_tools::ToolError::Input { index, error } => failed(&names[index], error.into()),
+        radsight_picture_ops::ToolError::Input { index, error } => failed(&names[index], error.into()),
         error => failed("pcomb", error),
     };
     let mut combination = Combination::new(inputs, environment, size).map_err(wrong)?;

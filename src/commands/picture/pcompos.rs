@@ -9,9 +9,9 @@ use super::psign::picture_of;
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Header, PictureReader, encode_rgbe};
-use radsight_picture_tools::ToolError;
-use radsight_picture_tools::compose::{Layer, compose};
-use radsight_picture_tools::sign::SignOptions;
+use radsight_picture_ops::ToolError;
+use radsight_picture_ops::compose::{Layer, compose};
+use radsight_picture_ops::sign::SignOptions;
 use std::io::Cursor;
 
 const EXPECTED: &str = "-h -x -y -b -a -s -o -la -lh, or -t +t -l =SS before a picture";

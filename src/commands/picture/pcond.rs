@@ -13,7 +13,7 @@ use crate::output::{check_writable, write_file};
 use crate::switch::switched;
 use crate::trust::OutputName;
 use radsight_picture::{leading_number, scientific};
-use radsight_picture_tools::condition::{
+use radsight_picture_ops::condition::{
     Adaptation, ColorWarp, ConditionOptions, Device, Exposure, Eye, Macbeth, MappedLuminance, MeasuredHistogram,
     condition,
 };

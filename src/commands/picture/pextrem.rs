@@ -4,7 +4,7 @@ use super::files::{failed, finish, open_picture, output, write_failed};
 use crate::commands::words::Words;
 use crate::failure::Outcome;
 use radsight_picture::{Encoding, WHITE_EFFICACY, scientific};
-use radsight_picture_tools::extrema::extrema;
+use radsight_picture_ops::extrema::extrema;
 use std::io::Write;
 
 /// Runs the program.

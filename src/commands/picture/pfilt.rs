@@ -9,12 +9,12 @@ use super::files::{failed, open, open_twice, output};
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
-use radsight_generate::lamp_color;
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::PictureReader;
-use radsight_picture_tools::filter::{
+use radsight_picture_ops::filter::{
     AspectRecord, FilterOptions, HotPixels, Kernel, Size, filter, filter_one_pass, measure,
 };
+use radsight_scene_generators::lamp_color;
 use std::io::Seek;
 
 /// The radius that `-m` takes where none was given, in output pixels.

@@ -14,7 +14,7 @@ use crate::output::{write_file, write_standard_output};
 use crate::trust::OutputName;
 use crate::view_args;
 use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, leading_number};
-use radsight_picture_tools::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
+use radsight_picture_ops::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
 use radsight_render::Ray;
 
 const EXPECTED: &str = "view options, -x -y -pa -t -z -e -a -q -B -n or -f";
@@ -87,7 +87,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     }
     let scale = request.exposure / views.len() as f64;
     let values: Vec<f32> = sums.into_iter().map(|sum| (sum * scale) as f32).collect();
-    let wrong = |error| failed("pinterp", radsight_picture_tools::ToolError::Picture(error));
+    let wrong = |error| failed("pinterp", radsight_picture_ops::ToolError::Picture(error));
     let image = Image::new(columns, rows, 3, values).map_err(wrong)?;
     let header = header(&words, &request, &sources, (&views[0], columns as f64 / rows as f64));
     let bytes = match sources[0].is_xyz() {
@@ -208,7 +208,7 @@ impl Request {
 
 impl Source {
     fn read(name: &str, depths: &str) -> Result<Source, Failure> {
-        let wrong = |error| failed(name, radsight_picture_tools::ToolError::Picture(error));
+        let wrong = |error| failed(name, radsight_picture_ops::ToolError::Picture(error));
         let picture = Picture::read(&read_file(name, "picture")?).map_err(wrong)?;
         if picture.components() != 3 {
             return Err(Failure::input(format!("{name}: a spectral picture, expected RGBE or XYZE")));

@@ -8,7 +8,7 @@ use crate::input::read_standard_input;
 use radsight_formats::Font;
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::{Header, PictureWriter, Resolution};
-use radsight_picture_tools::sign::{Sign, SignOptions, TextDirection, sign};
+use radsight_picture_ops::sign::{Sign, SignOptions, TextDirection, sign};
 
 /// The font where none is asked.
 const FONT: &str = "helvet.fnt";

@@ -7,7 +7,7 @@ use super::files::{failed, open_picture, put_file};
 use crate::commands::words::Words;
 use crate::failure::{Outcome, say};
 use radsight_picture::Header;
-use radsight_picture_tools::turn::{OrderRecord, Turn, turn};
+use radsight_picture_ops::turn::{OrderRecord, Turn, turn};
 
 /// Runs `pflip`.
 pub(super) fn flip(mut words: Words<'_>) -> Outcome {

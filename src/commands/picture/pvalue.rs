@@ -11,8 +11,8 @@ use super::files::{failed, finish, open, open_twice, output, write_failed};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Encoding, Header, Orientation, PictureReader, Resolution, RgbPrimaries, WHITE_EFFICACY};
-use radsight_picture_tools::brightness::Brightness;
-use radsight_picture_tools::values::{ByteOrder, ComponentOrder, NumberForm, Part, ValueLayout};
+use radsight_picture_ops::brightness::Brightness;
+use radsight_picture_ops::values::{ByteOrder, ComponentOrder, NumberForm, Part, ValueLayout};
 use std::io::{Read, Seek, SeekFrom, Write};
 
 /// Which exposures are undone.

@@ -8,7 +8,7 @@ use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use crate::file_pattern;
 use radsight_picture::{Encoding, Header, PictureError, PictureReader, PictureWriter};
-use radsight_picture_tools::gamma::shifted;
+use radsight_picture_ops::gamma::shifted;
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {

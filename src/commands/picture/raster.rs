@@ -12,7 +12,7 @@ use glam::DMat3;
 use radsight_picture::{
     Encoding, Header, PictureError, PictureReader, PictureWriter, Resolution, RgbPrimaries, encode_rgbe,
 };
-use radsight_picture_tools::gamma::shifted;
+use radsight_picture_ops::gamma::shifted;
 use std::io::{Read, Write};
 
 pub(super) use bmp::run as ra_bmp;

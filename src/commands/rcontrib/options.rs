@@ -13,9 +13,9 @@ use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
 use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, Origin, Trust};
-use radsight_frame::Effort;
+use radsight_film::SamplingBudget;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Unshared};
+use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Uncached};
 use std::collections::HashSet;
 
 /// Into no more branches does a ray split at once.
@@ -77,7 +77,7 @@ pub(super) struct Options {
     pub(super) shown: ShownOptions,
     /// Seconds between reports, which none are made of (`-t`).
     pub(super) report: u64,
-    effort: Option<Effort>,
+    effort: Option<SamplingBudget>,
     /// How often a ray is followed that splits.
     rounds: u64,
     functions: Functions,
@@ -89,11 +89,11 @@ pub(super) struct Options {
 impl Default for Options {
     fn default() -> Self {
         // Radiance's defaults for contributions; a value of each ray is wanted, so that nothing is shared.
-        let gathering = Gathering { accuracy: 0.0, divisions: 350, unshared: Unshared::Split, ..Gathering::default() };
+        let gathering = Gathering { accuracy: 0.0, divisions: 350, uncached: Uncached::Split, ..Gathering::default() };
         let render = RenderOptions {
             gathering,
             ambient_bounces: 1,
-            mirror_relays: 3,
+            mirror_sources: 3,
             highlight_threshold: 0.02,
             least_weight: 2e-3,
             path_limit: PathLimit::RouletteUpTo(10),
@@ -162,7 +162,7 @@ impl Options {
         }
         self.render.gathering.accuracy = 0.0;
         if self.effort.is_some() {
-            self.render.gathering.unshared = Unshared::DrawOne;
+            self.render.gathering.uncached = Uncached::DrawOne;
         } else if self.render.ambient_bounces > 0 {
             self.share_branches();
         }
@@ -200,7 +200,7 @@ impl Options {
         if used == 0 {
             used = self.take_switch(&words[0])?;
         }
-        if let Some(Effort::Error { .. }) = self.effort {
+        if let Some(SamplingBudget::Error { .. }) = self.effort {
             return Err(Failure::usage("rcontrib: option \"--error\" is not supported, expected --samples or -ad"));
         }
         if used == 0 {
@@ -308,7 +308,7 @@ impl Options {
     /// else along so many paths.
     pub(super) fn samples(&self) -> u64 {
         match self.effort {
-            Some(Effort::Samples(samples)) => u64::from(samples),
+            Some(SamplingBudget::Samples(samples)) => u64::from(samples),
             _ => self.rounds,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::options::Options;
 use crate::shown_options::warning_line;
-use radsight_frame::Effort;
+use radsight_film::SamplingBudget;
 use radsight_picture::ViewKind;
 
 /// The options as they stand, a line each, as Radiance prints them, and after them our own.
@@ -40,8 +40,8 @@ pub(super) fn text(options: &Options) -> String {
     lines.push(warning_line(options.reading.no_warnings));
     lines.extend(options.shown.lines());
     lines.extend(options.effort.map(|effort| match effort {
-        Effort::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
-        Effort::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of the picture"),
+        SamplingBudget::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
+        SamplingBudget::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of the picture"),
     }));
     lines.push(format!("--seed {:<6}\t\t\t# sample sequence", options.render.seed));
     lines.join("\n") + "\n"

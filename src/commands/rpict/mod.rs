@@ -15,7 +15,7 @@ use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Replaces, Start};
-use radsight_frame::{Effort, Estimate, Frame, Lens};
+use radsight_film::{Estimate, Film, SamplingBudget, ViewCamera};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use report::Report;
@@ -36,7 +36,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        renderer.gather_irradiance(&picture.lens.surveying_rays(), picture.lens.spread());
+        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -46,7 +46,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        renderer.gather_irradiance(&picture.lens.surveying_rays(), picture.lens.spread());
+        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
@@ -55,7 +55,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
 
 /// One picture, ready to be rendered.
 struct Picture {
-    lens: Lens,
+    lens: ViewCamera,
     header: Header,
     output: Option<OutputName>,
     depths: Option<OutputName>,
@@ -98,7 +98,7 @@ impl Picture {
                 "rpict: a picture of {columns} by {rows} pixels, expected 1 to {MOST_PIXELS} pixels"
             )));
         }
-        let mut lens = Lens::new(view, columns, rows);
+        let mut lens = ViewCamera::new(view, columns, rows);
         lens.jitter = options.pixel_jitter;
         lens.aperture = options.aperture;
         if options.motion > 0.0 {
@@ -120,7 +120,7 @@ impl Picture {
             return writer.finish();
         }
         let mut report = Report::new(options.report);
-        let mut frame = Frame::new(renderer, self.lens, options.pixel_effort());
+        let mut frame = Film::new(renderer, self.lens, options.pixel_effort());
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
@@ -154,10 +154,10 @@ impl Picture {
 }
 
 /// How many rays went through so many pixels that are done.
-fn rays_through(pixels: usize, frame: &Frame<'_>, options: &Options) -> f64 {
+fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
     let of_each = match options.pixel_effort() {
-        Effort::Samples(samples) => f64::from(samples),
-        Effort::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
+        SamplingBudget::Samples(samples) => f64::from(samples),
+        SamplingBudget::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
     };
     of_each * pixels as f64
 }
@@ -176,7 +176,7 @@ fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
 }
 
 /// What stands before the pixels.
-fn header(options: &Options, lens: &Lens, frame: i64) -> Header {
+fn header(options: &Options, lens: &ViewCamera, frame: i64) -> Header {
     let mut header = program_history(&options.scenes, &options.command);
     if let Some(project) = options.reading.trust.project() {
         header.push_variable(PROJECT, &format!(" {project}"));

@@ -14,10 +14,10 @@ use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
-use radsight_frame::{Effort, MAX_SAMPLES};
+use radsight_film::{MAX_SAMPLES, SamplingBudget};
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, RenderOptions, Unshared};
+use radsight_render::{Gathering, RenderOptions, Uncached};
 
 /// Rays that no pixel exceeds for an asked error, from this error on; for less error so many more as that takes.
 const MOST_SAMPLES: u32 = 1024;
@@ -78,7 +78,7 @@ pub(super) struct Options {
     /// Pixels between Radiance's samples. Here every pixel has its own: this tells only how good the picture shall be.
     pub(super) sample_spacing: f64,
     /// How many rays a pixel gets, where that is said.
-    pub(super) effort: Option<Effort>,
+    pub(super) effort: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
     pub(super) report: u64,
@@ -104,12 +104,12 @@ impl Default for Options {
             resolution: 64,
             divisions: 512,
             super_samples: 128,
-            unshared: Unshared::DrawOne,
+            uncached: Uncached::DrawOne,
             ..Gathering::default()
         };
         Options {
             render: RenderOptions {
-                mirror_relays: 1,
+                mirror_sources: 1,
                 gathering,
                 highlight_threshold: 0.15,
                 ..RenderOptions::default()
@@ -184,15 +184,15 @@ impl Options {
     }
 
     /// What is spent on the picture.
-    pub(super) fn effort(&self) -> Effort {
+    pub(super) fn effort(&self) -> SamplingBudget {
         let usual = (ERROR_OF_SPACING * self.sample_spacing.sqrt()).clamp(LEAST_ERROR, LARGEST_ERROR);
-        self.effort.unwrap_or(Effort::Error { error: usual, most: USUAL_SAMPLES })
+        self.effort.unwrap_or(SamplingBudget::Error { error: usual, most: USUAL_SAMPLES })
     }
 
     /// Gives shared irradiance its part of the error that is asked for. A value's noise may be more than the error, since a pixel sees several values;
     /// what bends them away from the truth grows as the square of the distance that they reach.
     fn share_error(&mut self) {
-        if let Effort::Error { error, .. } = self.effort() {
+        if let SamplingBudget::Error { error, .. } = self.effort() {
             let gathering = &mut self.render.gathering;
             if self.effort.is_some() {
                 gathering.noise = NOISE_SHARE * error;
@@ -201,7 +201,7 @@ impl Options {
                     let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
                     gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;
                 }
-                gathering.caustic_bend = (CAUSTIC_BEND * gathering.noise).min(Gathering::MOST_BEND);
+                gathering.caustic_error = (CAUSTIC_BEND * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
             } else {
                 gathering.noise = USUAL_NOISE_SHARE * error;
             }
@@ -210,16 +210,19 @@ impl Options {
     }
 
     /// How many rays a pixel gets: where irradiance is shared, as many as the pixels' part of the error allows.
-    pub(super) fn pixel_effort(&self) -> Effort {
+    pub(super) fn pixel_effort(&self) -> SamplingBudget {
         match self.effort() {
-            Effort::Error { error, most } => {
+            SamplingBudget::Error { error, most } => {
                 let share = match self.effort {
                     _ if self.render.ambient_bounces == 0 => 1.0,
                     Some(_) => PIXEL_SHARE,
                     None => usual_pixel_share(self.sample_spacing),
                 };
                 let finer = (COARSE_ERROR / error).max(1.0).powi(2);
-                Effort::Error { error: share * error, most: (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32 }
+                SamplingBudget::Error {
+                    error: share * error,
+                    most: (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32,
+                }
             }
             samples => samples,
         }
@@ -350,8 +353,8 @@ mod tests {
 
     fn asked_error(words: &str) -> f64 {
         match parsed(words).effort() {
-            Effort::Error { error, .. } => error,
-            Effort::Samples(samples) => panic!("{samples} rays for each pixel"),
+            SamplingBudget::Error { error, .. } => error,
+            SamplingBudget::Samples(samples) => panic!("{samples} rays for each pixel"),
         }
     }
 

@@ -6,8 +6,8 @@ use crate::input::{Planned, conclude, plan};
 use crate::trust::Trust;
 use radsight_brdf_host::Registry;
 use radsight_diag::SourceMap;
-use radsight_frame::average;
-use radsight_render::{Ray, Renderer, Spread, Traced};
+use radsight_film::average;
+use radsight_render::{Ray, RaySpacing, Renderer, Traced};
 
 /// Answers rays by the options and the scene of a command line.
 pub(crate) struct RayAnswers {
@@ -32,7 +32,7 @@ impl RayAnswers {
 
     /// Gathers what rays like these share.
     pub(crate) fn prepare(&mut self, rays: &[Option<Ray>]) {
-        self.renderer.gather_irradiance(rays, Spread::UNKNOWN);
+        self.renderer.gather_irradiance(rays, RaySpacing::UNKNOWN);
     }
 
     /// What a ray brings.

@@ -15,9 +15,9 @@ use crate::ray_input::{InputRay, RayReader};
 use crate::trust::Trust;
 pub(crate) use answers::RayAnswers;
 use options::Options;
-use radsight_frame::{Effort, average};
+use radsight_film::{SamplingBudget, average};
 use radsight_picture::Resolution;
-use radsight_render::{Ray, Renderer, Spread};
+use radsight_render::{Ray, RaySpacing, Renderer};
 use rayon::prelude::*;
 use record::{Found, Writer};
 use std::io::{self, BufWriter, Write};
@@ -102,8 +102,8 @@ fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &
     }
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
-        renderer.gather_irradiance(&to_trace, Spread::UNKNOWN);
-        if options.render.told_rays.is_some() {
+        renderer.gather_irradiance(&to_trace, RaySpacing::UNKNOWN);
+        if options.render.ray_tree.is_some() {
             return tree::answers(options, renderer, first_index, rays);
         }
         let limits = options.limits_distance.then(|| rays.iter().map(|ray| ray.length).collect());
@@ -132,9 +132,9 @@ fn trace_all(
     first_index: u64,
     rays: &[Option<Ray>],
     limits: Option<Vec<f64>>,
-    effort: Effort,
+    effort: SamplingBudget,
 ) -> Vec<Option<Found>> {
-    if effort == Effort::Samples(1) && limits.is_none() {
+    if effort == SamplingBudget::Samples(1) && limits.is_none() {
         let traced = renderer.trace_all(first_index, rays);
         return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
     }

@@ -14,9 +14,9 @@ use crate::render_args::{names_in_file, number, take_definition, take_irradiance
 use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
-use radsight_frame::Effort;
+use radsight_film::SamplingBudget;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{BareSurfaces, Gathering, Quantity, RenderOptions, ToldRays, Unshared};
+use radsight_render::{BareSurfaces, Gathering, Quantity, RayTreeOutput, RenderOptions, Uncached};
 
 /// What is asked.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ pub(super) struct Options {
     /// Whether rays end where their direction does.
     pub(super) limits_distance: bool,
     /// How often each ray is traced; `None` for what [`Options::effort`] makes of it.
-    asked_effort: Option<Effort>,
+    asked_effort: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) error_file: Option<OutputName>,
@@ -133,7 +133,7 @@ impl Default for Options {
             resolution: 256,
             divisions: 1024,
             super_samples: 512,
-            unshared: Unshared::Split,
+            uncached: Uncached::Split,
             ..Gathering::default()
         };
         Options {
@@ -203,14 +203,14 @@ impl Options {
             self.render.bare_surfaces = BareSurfaces::Met;
         }
         let tells_mirrors = self.output.iter().any(|field| field.tells_mirrors());
-        self.render.told_rays = match &self.tree {
+        self.render.ray_tree = match &self.tree {
             Some(tree) => {
                 // Rays that share what they find are none of the present one.
                 self.render.gathering =
-                    Gathering { accuracy: 0.0, unshared: Unshared::DrawOne, ..self.render.gathering };
+                    Gathering { accuracy: 0.0, uncached: Uncached::DrawOne, ..self.render.gathering };
                 Some(tree.rays)
             }
-            None => tells_mirrors.then_some(ToldRays::All),
+            None => tells_mirrors.then_some(RayTreeOutput::All),
         };
     }
 
@@ -331,7 +331,7 @@ impl Options {
         word[2..].clone_into(&mut self.letters);
         self.output.clear();
         self.tree = None;
-        let mut rays = ToldRays::All;
+        let mut rays = RayTreeOutput::All;
         for (place, letter) in word[2..].char_indices() {
             let is_last = place + 3 == word.len();
             let fields = self.tree.as_mut().map_or(&mut self.output, |tree| &mut tree.fields);
@@ -339,7 +339,7 @@ impl Options {
                 (_, Some(field)) => fields.push(field),
                 ('t' | 'T', _) => {
                     if letter == 'T' {
-                        rays = ToldRays::AllAndLit;
+                        rays = RayTreeOutput::AllAndLit;
                     }
                     // As in Radiance: where nothing follows it means nothing, and where it stands again it starts anew.
                     if !is_last {
@@ -360,8 +360,8 @@ impl Options {
     }
 
     /// How often each ray is traced: once, unless more is asked for.
-    pub(super) fn effort(&self) -> Effort {
-        self.asked_effort.unwrap_or(Effort::Samples(1))
+    pub(super) fn effort(&self) -> SamplingBudget {
+        self.asked_effort.unwrap_or(SamplingBudget::Samples(1))
     }
 
     /// Whether rays end where their direction does, and tell so.

@@ -6,7 +6,7 @@ use crate::output_format::OutputFormat;
 use crate::ray_input::InputRay;
 use glam::DVec3;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{FirstHit, RayValue, RenderPlan, Sampling, ToldRay, Traced};
+use radsight_render::{FirstHit, RayValue, RenderPlan, Sampling, Traced, TreeRay};
 use std::io::Write;
 
 /// What Radiance writes for a distance to nothing.
@@ -49,14 +49,14 @@ struct Record<'t> {
     value: RayValue,
     effective_distance: f64,
     /// What else is told of it, where that is wanted.
-    told: Option<&'t ToldRay>,
+    told: Option<&'t TreeRay>,
 }
 
 const BLACK: RayValue = RayValue { color: [0.0; 3], spectrum: None };
 
 impl<'t> Record<'t> {
     /// That of an input ray; of one without direction nothing was found.
-    fn of_input(input: &InputRay, found: Option<&Found>, told: Option<&'t ToldRay>) -> Record<'t> {
+    fn of_input(input: &InputRay, found: Option<&Found>, told: Option<&'t TreeRay>) -> Record<'t> {
         let hit = found.and_then(Found::hit);
         let near = hit.filter(|hit| hit.distance < NOWHERE);
         let end = match (found, input.ray) {
@@ -75,7 +75,7 @@ impl<'t> Record<'t> {
     }
 
     /// That of a ray that came of another.
-    fn of_told(told: &'t ToldRay) -> Record<'t> {
+    fn of_told(told: &'t TreeRay) -> Record<'t> {
         let near = told.hit.filter(|hit| hit.distance < NOWHERE);
         Record {
             origin: told.ray.origin,
@@ -129,14 +129,14 @@ impl<'o> Writer<'o> {
     }
 
     /// Appends the record of one input ray, if anything is wanted of it.
-    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, told: Option<&ToldRay>, out: &mut Vec<u8>) {
+    pub(super) fn write(&self, input: &InputRay, found: Option<&Found>, told: Option<&TreeRay>, out: &mut Vec<u8>) {
         if !self.options.output.is_empty() {
             self.put_record(&Record::of_input(input, found, told), &self.options.output, out);
         }
     }
 
     /// Appends the record of a ray that came of another.
-    pub(super) fn write_told(&self, told: &ToldRay, fields: &[Field], out: &mut Vec<u8>) {
+    pub(super) fn write_told(&self, told: &TreeRay, fields: &[Field], out: &mut Vec<u8>) {
         self.put_record(&Record::of_told(told), fields, out);
     }
 

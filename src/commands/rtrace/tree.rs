@@ -3,13 +3,13 @@
 use super::options::{Field, Options};
 use super::record::{Found, Writer};
 use crate::ray_input::InputRay;
-use radsight_render::{FirstHit, RenderPlan, Renderer, ToldRay, ToldRays};
+use radsight_render::{FirstHit, RayTreeOutput, RenderPlan, Renderer, TreeRay};
 use rayon::prelude::*;
 
 /// Which rays are written, and what of each.
 #[derive(Clone, Debug)]
 pub(super) struct TreeOutput {
-    pub(super) rays: ToldRays,
+    pub(super) rays: RayTreeOutput,
     pub(super) fields: Vec<Field>,
 }
 
@@ -77,7 +77,7 @@ fn write_tree(
     options: &Options,
     plan: &RenderPlan,
     tree: &TreeOutput,
-    (writer, told): (&Writer<'_>, &[ToldRay]),
+    (writer, told): (&Writer<'_>, &[TreeRay]),
     out: &mut Vec<u8>,
 ) {
     for ray in told.iter().filter(|ray| options.tree_ends.include(plan, ray.hit.as_ref())) {

@@ -2,10 +2,10 @@
 
 use super::modifiers::RawWord;
 use super::reader::Reader;
-use radsight_bsdf::{Bsdf, Mistake, Side};
 use radsight_diag::{Diagnostic, Span};
 use radsight_ir::{BsdfData, Handle};
 use radsight_loader::{FileKind, Loaded, Loader};
+use radsight_measured::{MeasuredBsdf, Mistake, Side};
 use std::sync::Arc;
 
 /// More than this share of the light is suspect.
@@ -30,7 +30,7 @@ impl Reader<'_> {
         handle
     }
 
-    fn load_bsdf(&mut self, file: &RawWord) -> Option<Arc<Bsdf>> {
+    fn load_bsdf(&mut self, file: &RawWord) -> Option<Arc<MeasuredBsdf>> {
         let loaded = match self.loader.load(&file.text, FileKind::Bsdf) {
             Ok(loaded) => loaded,
             Err(error) => {
@@ -38,7 +38,7 @@ impl Reader<'_> {
                 return None;
             }
         };
-        match Bsdf::read(&loaded.bytes) {
+        match MeasuredBsdf::read(&loaded.bytes) {
             Ok(reading) => {
                 if !reading.warnings.is_empty() {
                     self.tell_mistakes(loaded, &reading.warnings, file.span, Diagnostic::warning);
@@ -66,7 +66,7 @@ impl Reader<'_> {
         }
     }
 
-    fn warn_of_gains(&mut self, bsdf: &Bsdf, file: &RawWord) {
+    fn warn_of_gains(&mut self, bsdf: &MeasuredBsdf, file: &RawWord) {
         for (side, name) in [(Side::Front, "front"), (Side::Back, "back")] {
             let reflected = bsdf.reflection(side).map_or(0.0, |scattering| scattering.largest_total());
             let transmitted = bsdf.transmission(side).map_or(0.0, |scattering| scattering.largest_total());

@@ -6,9 +6,9 @@ use crate::placement::NewModifier;
 use crate::syntax::{Document, Place};
 use crate::xform::{Copy, Event, MAX_COPIES, is_xform, run_xform, visit_copies};
 use radsight_diag::{Diagnostic, SourceId, Span};
-use radsight_generate::shell_words::{Stage, Word, expanded, split};
-use radsight_generate::{Error, PipelineError};
 use radsight_loader::{FileKind, LoadError, Loaded, Loader};
+use radsight_scene_generators::shell_words::{Stage, Word, expanded, split};
+use radsight_scene_generators::{Error, PipelineError};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::rc::Rc;
@@ -355,7 +355,7 @@ impl Reader<'_> {
         }
         let shared = Rc::clone(&self.loader);
         let loader = DirectoryLoader { directory: key.directory.clone(), loader: &*shared };
-        let result = radsight_generate::pipeline(line, &loader, &|argv, standard_input| {
+        let result = radsight_scene_generators::pipeline(line, &loader, &|argv, standard_input| {
             is_xform(&argv[0]).then(|| run_xform(argv, &standard_input.unwrap_or_default(), &loader, 1))
         });
         match result {
@@ -446,8 +446,10 @@ fn load_error(error: &LoadError, span: Span) -> Diagnostic {
     match error {
         LoadError::CommandRefused { command } => {
             let program = command.split_whitespace().next().unwrap_or_default();
-            let nearest =
-                radsight_diag::hint_nearest(program, radsight_generate::names().iter().copied().chain(["xform"]));
+            let nearest = radsight_diag::hint_nearest(
+                program,
+                radsight_scene_generators::names().iter().copied().chain(["xform"]),
+            );
             diagnostic.maybe_hint(nearest).hint(ALLOW_COMMANDS)
         }
         _ => diagnostic,

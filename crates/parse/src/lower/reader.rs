@@ -11,11 +11,11 @@ use super::{BrdfReplacement, Input, KeepPrimitives, Purpose, Read, ReadOptions, 
 use crate::Role;
 use crate::placement::Placement;
 use crate::syntax::{Document, Item, Items, Place, SyntaxError, words};
-use radsight_bsdf::Bsdf;
 use radsight_diag::{Diagnostic, Severity, SourceId, SourceMap, Span, hint_nearest};
 use radsight_formats::Octree;
 use radsight_ir::{BsdfData, DataGrid, Font, Handle, PictureData, Scene};
 use radsight_loader::{FileKind, Loader};
+use radsight_measured::MeasuredBsdf;
 use radsight_picture::Header;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -42,7 +42,7 @@ pub(super) struct Reader<'a> {
     /// Likewise.
     pub(super) bsdfs: HashMap<String, Option<Handle<BsdfData>>>,
     /// Those of all scenes.
-    pub(super) bsdf_files: HashMap<String, Option<Arc<Bsdf>>>,
+    pub(super) bsdf_files: HashMap<String, Option<Arc<MeasuredBsdf>>>,
     pub(super) meshes: Meshes,
     pub(super) octrees: Octrees,
     pub(super) numberer: Numberer,

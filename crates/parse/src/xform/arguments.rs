@@ -3,8 +3,8 @@
 use crate::placement::{NewModifier, Placement};
 use crate::syntax::{is_space, parse_integer};
 use crate::transform_words;
-use radsight_generate::{Error, StandardInput};
 use radsight_loader::{FileKind, LoadError, Loader};
+use radsight_scene_generators::{Error, StandardInput};
 use std::ops::Range;
 
 /// No command makes more copies than this.

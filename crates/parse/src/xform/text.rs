@@ -5,8 +5,8 @@ use crate::commands::{DirectoryLoader, command_line, directory_of};
 use crate::syntax::{Item, Items, Primitive, Word, is_space};
 use crate::{Kind, placement::Placement};
 use radsight_diag::SourceMap;
-use radsight_generate::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, padded};
 use radsight_loader::{FileKind, LoadError, Loader};
+use radsight_scene_generators::{Error, MAX_OUTPUT_BYTES, Output, StandardInput, padded};
 use std::io::Write;
 
 /// Commands inside commands go no deeper than this.
@@ -115,7 +115,7 @@ impl Placer<'_> {
         }
         let deeper = self.depth + 1;
         let loader = self.loader;
-        let output = radsight_generate::pipeline(&command, loader, &|argv, standard_input| {
+        let output = radsight_scene_generators::pipeline(&command, loader, &|argv, standard_input| {
             super::is_xform(&argv[0]).then(|| run(argv, &standard_input.unwrap_or_default(), loader, deeper))
         });
         let output = match output {

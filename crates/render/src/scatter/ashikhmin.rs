@@ -1,12 +1,12 @@
 //! `ashik2`: Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools 5(2), 2000, as Radiance has it:
 //! Lambert's diffuse component less Schlick's term at the incident angle, and a highlight that grows by it at the outgoing one.
 
-use super::{Meeting, Met};
-use crate::beyond::luminance;
+use super::{BsdfContext, SurfaceScattering};
+use crate::bsdf::{Bsdf, FresnelCoat, Highlight, schlick};
 use crate::frame::Frame;
 use crate::shader::{Function, bands};
-use crate::surface_light::{Coupling, Highlight, LitPoint, schlick};
-use crate::weak_highlight::{LobeStrength, Undrawn};
+use crate::specular_threshold::{BelowThreshold, LobeStrength};
+use crate::transmission_lobe::luminance;
 use radsight_brdf::AshikhminShirley;
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
@@ -28,35 +28,35 @@ impl AshikhminKind {
         self.diffuse.is_grey() && self.specular.is_grey()
     }
 
-    pub(super) fn meet<'a, const BANDS: usize>(
+    pub(super) fn bsdf_at<'a, const BANDS: usize>(
         &self,
-        meeting: &Meeting<'a, BANDS>,
+        context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
-    ) -> Met<'a, BANDS> {
-        let outgoing = meeting.outgoing();
-        let fresnel = schlick(outgoing.dot(meeting.normal).max(0.001));
+    ) -> SurfaceScattering<'a, BANDS> {
+        let outgoing = context.outgoing();
+        let fresnel = schlick(outgoing.dot(context.normal).max(0.001));
         let specular: [f64; BANDS] = bands(self.specular);
         let has_highlight = specular.iter().any(|band| *band > 0.0);
         let specularity = specular.map(|band| band + (1.0 - band) * fresnel);
-        let (frame, exponents) = match meeting.oriented(&self.orientation, scratch) {
+        let (frame, exponents) = match context.oriented(&self.orientation, scratch) {
             Some(frame) => (frame, self.exponents),
-            None => (Frame::new(meeting.normal), [round_exponent(self.exponents); 2]),
+            None => (Frame::new(context.normal), [round_exponent(self.exponents); 2]),
         };
         let highlight = match has_highlight {
             true => Highlight::Ashikhmin(AshikhminShirley { specularity, exponents }),
             false => Highlight::None,
         };
         // What is compared is the highlight at normal incidence.
-        let diffuse = meeting.colored(bands(self.diffuse));
+        let diffuse = context.colored(bands(self.diffuse));
         let candidate = LobeStrength { share: luminance(&specular), color: specularity, diffuse: luminance(&diffuse) };
-        let point = LitPoint {
+        let point = Bsdf {
             diffuse,
-            undrawn: Undrawn::new(meeting.threshold, [candidate, LobeStrength::NONE]),
-            coupling: Coupling::Schlick,
+            below_threshold: BelowThreshold::new(context.threshold, [candidate, LobeStrength::NONE]),
+            coat: FresnelCoat::Schlick,
             highlight,
-            ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
+            ..Bsdf::new(outgoing, context.interaction.normal, frame)
         };
-        Met { point, mirror: None, straight: None }
+        SurfaceScattering { point, mirror: None, straight: None }
     }
 }
 

@@ -3,13 +3,13 @@
 //! As in Radiance, the function meets light from sources alone. Light from elsewhere is scattered by `plasfunc` and its kin as if the
 //! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
 
-use super::{Meeting, Met, Onward};
+use super::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::bands::spread;
-use crate::beyond::Beyond;
+use crate::bsdf::{Bsdf, Highlight};
 use crate::frame::Frame;
 use crate::function_lobe::{FunctionLobe, LobeFunction, Surroundings};
 use crate::shader::{Function, bands};
-use crate::surface_light::{Highlight, LitPoint};
+use crate::transmission_lobe::Transmission;
 use radsight_cal::Scratch;
 use radsight_ir::{DataGrid, Handle, Rgb, ScatteringRole};
 
@@ -32,13 +32,16 @@ impl ScatteringKind {
         self.color.is_grey()
     }
 
-    pub(super) fn meet<'a, const BANDS: usize>(&'a self, meeting: &Meeting<'a, BANDS>) -> Met<'a, BANDS> {
-        let color = meeting.colored(bands(self.color));
+    pub(super) fn bsdf_at<'a, const BANDS: usize>(
+        &'a self,
+        context: &BsdfContext<'a, BANDS>,
+    ) -> SurfaceScattering<'a, BANDS> {
+        let color = context.colored(bands(self.color));
         let share = |share: f64| color.map(|band| band * share.max(0.0));
         let transmitted = self.transmissivity * (1.0 - self.specularity);
         let through = transmitted * self.transmitted_specularity;
         let source = match self.grid {
-            Some(grid) => LobeFunction::Table(&self.function, &meeting.scene.grids[grid]),
+            Some(grid) => LobeFunction::Table(&self.function, &context.scene.grids[grid]),
             None => LobeFunction::Grey(&self.function),
         };
         let reflected = match self.role {
@@ -47,17 +50,17 @@ impl ScatteringKind {
         };
         let lobe = FunctionLobe {
             source,
-            surroundings: Surroundings { encounter: meeting.turned, ..meeting.surroundings(color) },
+            surroundings: Surroundings { interaction: context.turned, ..context.surroundings(color) },
             factors: [reflected, share(through)],
             ambient: [share(self.specularity), share(through)],
         };
-        let point = LitPoint {
+        let point = Bsdf {
             diffuse: share(1.0 - transmitted - self.specularity),
             highlight: Highlight::Function(lobe),
-            ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
+            ..Bsdf::new(context.outgoing(), context.interaction.normal, Frame::new(context.normal))
         };
-        let beyond = Beyond::new(meeting.normal, share(transmitted - through), None);
-        Met { point: point.with_beyond(beyond), mirror: None, straight: None }
+        let transmission = Transmission::new(context.normal, share(transmitted - through), None);
+        SurfaceScattering { point: point.with_transmission(transmission), mirror: None, straight: None }
     }
 }
 
@@ -86,29 +89,29 @@ impl BrtdKind {
         (STRAIGHT..SCATTERING).any(|root| self.function.program.constant(root) != Some(0.0))
     }
 
-    pub(super) fn meet<'a, const BANDS: usize>(
+    pub(super) fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
-        meeting: &Meeting<'a, BANDS>,
+        context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
-    ) -> Met<'a, BANDS> {
-        let surroundings = meeting.surroundings(meeting.appearance.color);
+    ) -> SurfaceScattering<'a, BANDS> {
+        let surroundings = context.surroundings(context.appearance.color);
         let [front, back, transmitted] = self.diffuse;
-        let reflected = if meeting.encounter.behind { back } else { front };
+        let reflected = if context.interaction.behind { back } else { front };
         let lobe = FunctionLobe {
             source: LobeFunction::Color(&self.function, SCATTERING),
             surroundings,
             factors: [[1.0; BANDS]; 2],
             ambient: [[0.0; BANDS]; 2],
         };
-        let point = LitPoint {
-            diffuse: meeting.colored(bands(reflected)),
+        let point = Bsdf {
+            diffuse: context.colored(bands(reflected)),
             highlight: Highlight::Function(lobe),
-            ..LitPoint::new(meeting.outgoing(), meeting.encounter.normal, Frame::new(meeting.normal))
+            ..Bsdf::new(context.outgoing(), context.interaction.normal, Frame::new(context.normal))
         };
-        let beyond = Beyond::new(meeting.normal, meeting.colored(bands(transmitted)), None);
-        let mirror = Onward::new(point.mirror_direction(), self.coefficients(MIRROR, &surroundings, scratch));
-        let straight = Onward::new(meeting.straight(), self.coefficients(STRAIGHT, &surroundings, scratch));
-        Met { point: point.with_beyond(beyond), mirror, straight }
+        let transmission = Transmission::new(context.normal, context.colored(bands(transmitted)), None);
+        let mirror = SpecularBounce::new(point.mirror_direction(), self.coefficients(MIRROR, &surroundings, scratch));
+        let straight = SpecularBounce::new(context.straight(), self.coefficients(STRAIGHT, &surroundings, scratch));
+        SurfaceScattering { point: point.with_transmission(transmission), mirror, straight }
     }
 
     fn coefficients<const BANDS: usize>(

@@ -1,31 +1,31 @@
 //! Materials that scatter in other ways than `plastic` and `metal`: what they are, and what they make of a ray that meets them.
 //!
-//! Each becomes a [`LitPoint`] for all that is spread over directions, and at most two rays that are not: a mirror image and a
+//! Each becomes a [`Bsdf`] for all that is spread over directions, and at most two rays that are not: a mirror image and a
 //! straight way through.
 
 mod ashikhmin;
-mod bsdf;
 mod functions;
+mod measured;
 mod sheet;
 mod ward_function;
 
 pub(crate) use ashikhmin::AshikhminKind;
-pub(crate) use bsdf::BsdfKind;
 pub(crate) use functions::{BrtdKind, ScatteringKind};
+pub(crate) use measured::MeasuredKind;
 pub(crate) use sheet::Sheet;
-pub(crate) use ward_function::{Component, Look, WardFunctionKind};
+pub(crate) use ward_function::{Appearances, Component, WardFunctionKind};
 
 use crate::bands::gathered;
-use crate::beyond::luminance;
+use crate::bsdf::Bsdf;
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
-use crate::ray::Hit;
+use crate::ray_tree::Image;
 use crate::shader::{Appearance, Function, Shader};
-use crate::surface_light::LitPoint;
-use crate::trace::{Passage, Segment, Tracer, shading_normal};
-use crate::tree::Image;
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
+use crate::trace::{Passage, PathIntegrator, PathState, shading_normal};
+use crate::transmission_lobe::luminance;
 use glam::DVec3;
+use radsight_accel::Intersection;
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
 
@@ -46,17 +46,17 @@ pub(crate) enum Scatterer {
     /// `BRTDfunc`.
     Brtd(BrtdKind),
     /// `BSDF` and `aBSDF`.
-    Bsdf(BsdfKind),
+    Measured(MeasuredKind),
 }
 
 /// A ray at a scattering material.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Meeting<'a, const BANDS: usize> {
+pub(crate) struct BsdfContext<'a, const BANDS: usize> {
     pub(crate) scene: &'a Scene,
     /// As the surface faces.
-    pub(crate) encounter: &'a Encounter,
+    pub(crate) interaction: &'a SurfaceInteraction,
     /// As if the surface faced the viewer.
-    pub(crate) turned: &'a Encounter,
+    pub(crate) turned: &'a SurfaceInteraction,
     pub(crate) appearance: Appearance<BANDS>,
     /// Unit, with textures, on the viewer's side.
     pub(crate) normal: DVec3,
@@ -66,15 +66,15 @@ pub(crate) struct Meeting<'a, const BANDS: usize> {
 
 /// What a material makes of a ray.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Met<'a, const BANDS: usize> {
-    pub(crate) point: LitPoint<'a, BANDS>,
-    pub(crate) mirror: Option<Onward<BANDS>>,
-    pub(crate) straight: Option<Onward<BANDS>>,
+pub(crate) struct SurfaceScattering<'a, const BANDS: usize> {
+    pub(crate) point: Bsdf<'a, BANDS>,
+    pub(crate) mirror: Option<SpecularBounce<BANDS>>,
+    pub(crate) straight: Option<SpecularBounce<BANDS>>,
 }
 
 /// A ray that goes on from a perfectly specular event.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Onward<const BANDS: usize> {
+pub(crate) struct SpecularBounce<const BANDS: usize> {
     /// Unit.
     pub(crate) direction: DVec3,
     pub(crate) weight: [f64; BANDS],
@@ -84,18 +84,18 @@ pub(crate) struct Onward<const BANDS: usize> {
 const GRAZING: f64 = 1e-6;
 
 impl Scatterer {
-    pub(crate) fn meet<'a, const BANDS: usize>(
+    pub(crate) fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
-        meeting: &Meeting<'a, BANDS>,
+        context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
-    ) -> Met<'a, BANDS> {
+    ) -> SurfaceScattering<'a, BANDS> {
         match self {
-            Scatterer::Sheet(sheet) => sheet.meet(meeting, scratch),
-            Scatterer::Ashikhmin(kind) => kind.meet(meeting, scratch),
-            Scatterer::WardFunction(kind) => kind.meet(meeting, scratch),
-            Scatterer::Function(kind) => kind.meet(meeting),
-            Scatterer::Brtd(kind) => kind.meet(meeting, scratch),
-            Scatterer::Bsdf(kind) => kind.meet(meeting, scratch),
+            Scatterer::Sheet(sheet) => sheet.bsdf_at(context, scratch),
+            Scatterer::Ashikhmin(kind) => kind.bsdf_at(context, scratch),
+            Scatterer::WardFunction(kind) => kind.bsdf_at(context, scratch),
+            Scatterer::Function(kind) => kind.bsdf_at(context),
+            Scatterer::Brtd(kind) => kind.bsdf_at(context, scratch),
+            Scatterer::Measured(kind) => kind.bsdf_at(context, scratch),
         }
     }
 
@@ -105,7 +105,7 @@ impl Scatterer {
             Scatterer::Sheet(sheet) => sheet.lets_through(),
             Scatterer::WardFunction(kind) => kind.lets_through(),
             Scatterer::Brtd(kind) => kind.lets_through(),
-            Scatterer::Bsdf(kind) => kind.lets_through(),
+            Scatterer::Measured(kind) => kind.lets_through(),
             Scatterer::Ashikhmin(_) | Scatterer::Function(_) => false,
         }
     }
@@ -114,19 +114,19 @@ impl Scatterer {
     pub(crate) fn passage<const BANDS: usize>(
         &self,
         scene: &Scene,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         appearance: Appearance<BANDS>,
         scratch: &mut Scratch,
     ) -> Option<[f64; BANDS]> {
-        if let Scatterer::Bsdf(kind) = self
-            && kind.is_passed_by_shadows(encounter, scratch)
+        if let Scatterer::Measured(kind) = self
+            && kind.is_passed_by_shadows(interaction, scratch)
         {
             return Some([1.0; BANDS]);
         }
-        let normal = shading_normal(encounter, appearance.perturbation);
-        let turned = encounter.turned();
-        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold: 0.0 };
-        self.meet(&meeting, scratch).straight.map(|straight| straight.weight)
+        let normal = shading_normal(interaction, appearance.perturbation);
+        let turned = interaction.turned();
+        let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold: 0.0 };
+        self.bsdf_at(&context, scratch).straight.map(|straight| straight.weight)
     }
 
     /// Whether it is there from behind even where back faces are invisible.
@@ -142,16 +142,16 @@ impl Scatterer {
             Scatterer::WardFunction(kind) => kind.is_grey(),
             Scatterer::Function(kind) => kind.is_grey(),
             Scatterer::Brtd(kind) => kind.is_grey(),
-            Scatterer::Bsdf(kind) => kind.is_grey(),
+            Scatterer::Measured(kind) => kind.is_grey(),
         }
     }
 }
 
-impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
+impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
     /// What a function of the material sees, with this colour in its variables.
     pub(crate) fn surroundings(&self, color: [f64; BANDS]) -> Surroundings<'a> {
         Surroundings {
-            encounter: self.encounter,
+            interaction: self.interaction,
             normal: self.normal,
             cosine: self.outgoing().dot(self.normal),
             color: gathered(&color),
@@ -159,7 +159,7 @@ impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
     }
 
     pub(crate) fn outgoing(&self) -> DVec3 {
-        -self.encounter.direction
+        -self.interaction.direction
     }
 
     /// The material's colour under its patterns.
@@ -169,12 +169,12 @@ impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
 
     /// Where light goes straight through; a texture bends it, unless it would come back.
     pub(crate) fn straight(&self) -> DVec3 {
-        let direction = self.encounter.direction;
-        if self.appearance.perturbation == DVec3::ZERO || self.encounter.is_smoothed() {
+        let direction = self.interaction.direction;
+        if self.appearance.perturbation == DVec3::ZERO || self.interaction.is_smoothed() {
             return direction;
         }
         let bent = direction - self.appearance.perturbation;
-        if bent.dot(self.encounter.normal) < -GRAZING { bent.normalize() } else { direction }
+        if bent.dot(self.interaction.normal) < -GRAZING { bent.normalize() } else { direction }
     }
 
     /// The frame on the shading normal that an orientation function gives; none where that is parallel to the normal, or fails.
@@ -185,49 +185,50 @@ impl<'a, const BANDS: usize> Meeting<'a, BANDS> {
     }
 }
 
-impl<const BANDS: usize> Met<'_, BANDS> {
+impl<const BANDS: usize> SurfaceScattering<'_, BANDS> {
     /// What is seen straight on appears in its place where more goes that way than is scattered.
-    fn image_beyond(&self, straight: &Onward<BANDS>) -> Image {
-        let beyond = self.point.beyond.as_ref().map_or(0.0, |beyond| luminance(&beyond.diffuse));
-        Image::in_place_if(luminance(&straight.weight) > beyond + luminance(&self.point.diffuse))
+    fn image_beyond(&self, straight: &SpecularBounce<BANDS>) -> Image {
+        let transmission =
+            self.point.transmission.as_ref().map_or(0.0, |transmission| luminance(&transmission.diffuse));
+        Image::in_place_if(luminance(&straight.weight) > transmission + luminance(&self.point.diffuse))
     }
 }
 
-impl<const BANDS: usize> Onward<BANDS> {
+impl<const BANDS: usize> SpecularBounce<BANDS> {
     /// None where it carries nothing.
-    pub(crate) fn new(direction: DVec3, weight: [f64; BANDS]) -> Option<Onward<BANDS>> {
+    pub(crate) fn new(direction: DVec3, weight: [f64; BANDS]) -> Option<SpecularBounce<BANDS>> {
         let weight = weight.map(|band| if band.is_finite() { band.max(0.0) } else { 0.0 });
-        weight.iter().any(|band| *band > 0.0).then_some(Onward { direction, weight })
+        weight.iter().any(|band| *band > 0.0).then_some(SpecularBounce { direction, weight })
     }
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// A ray meets a scattering material.
     pub(crate) fn shade_scatterer(
         &mut self,
-        segment: &Segment<BANDS>,
-        hit: &Hit,
+        path: &PathState<BANDS>,
+        hit: &Intersection,
         shader: &Shader,
         scatterer: &Scatterer,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
     ) {
-        if let Scatterer::Bsdf(kind) = scatterer {
-            return self.shade_bsdf(segment, hit, shader, kind, encounter);
+        if let Scatterer::Measured(kind) = scatterer {
+            return self.shade_measured(path, hit, shader, kind, interaction);
         }
-        let (appearance, normal) = self.appearance(segment, shader, encounter);
-        let turned = encounter.turned();
+        let (appearance, normal) = self.appearance(path, shader, interaction);
+        let turned = interaction.turned();
         let scene = shader.home.scene(&self.plan.scene);
         let threshold = self.plan.options.highlight_threshold;
-        let meeting = Meeting { scene, encounter, turned: &turned, appearance, normal, threshold };
-        let met = scatterer.meet(&meeting, &mut self.workspace.scratch);
+        let context = BsdfContext { scene, interaction, turned: &turned, appearance, normal, threshold };
+        let met = scatterer.bsdf_at(&context, &mut self.workspace.scratch);
         if let Some(straight) = &met.straight {
-            let undisturbed = straight.direction == encounter.direction;
+            let undisturbed = straight.direction == interaction.direction;
             let passage = Passage::Sheet { undisturbed, image: met.image_beyond(straight) };
-            self.specular(segment, hit, straight.direction, straight.weight, passage);
+            self.specular(path, hit, straight.direction, straight.weight, passage);
         }
         if let Some(mirror) = &met.mirror {
-            self.specular(segment, hit, mirror.direction, mirror.weight, Passage::Other);
+            self.specular(path, hit, mirror.direction, mirror.weight, Passage::Other);
         }
-        self.light_and_scatter(segment, hit.point, Some(hit.primitive), &met.point, encounter.total_distance);
+        self.light_and_scatter(path, hit.point, Some(hit.primitive), &met.point, interaction.total_distance);
     }
 }

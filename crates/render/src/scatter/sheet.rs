@@ -4,12 +4,12 @@
 //! Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992, in the form of Radiance's reference manual: of what is not
 //! reflected specularly a share goes through, and of that a share is not scattered diffusely.
 
-use super::{Meeting, Met, Onward};
-use crate::beyond::{Beyond, ThroughLobe};
+use super::{BsdfContext, SpecularBounce, SurfaceScattering};
+use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
 use crate::frame::Frame;
 use crate::shader::{Function, SMOOTH_ROUGHNESS, bands};
-use crate::surface_light::{Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
-use crate::weak_highlight::{LobeStrength, Undrawn};
+use crate::specular_threshold::{BelowThreshold, LobeStrength};
+use crate::transmission_lobe::{Transmission, TransmissionLobe};
 use radsight_brdf::{GaussianTransmission, WardAnisotropic, WardIsotropic};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
@@ -39,9 +39,9 @@ struct Division<const BANDS: usize> {
     transmitted_diffuse: [f64; BANDS],
     /// Transmitted about the straight way.
     through: [f64; BANDS],
-    coupling: Coupling,
+    coat: FresnelCoat,
     /// What is too weak to be drawn from where it is rough.
-    undrawn: Undrawn<BANDS>,
+    below_threshold: BelowThreshold<BANDS>,
 }
 
 impl Sheet {
@@ -58,17 +58,17 @@ impl Sheet {
         self.color.is_grey()
     }
 
-    pub(super) fn meet<'a, const BANDS: usize>(
+    pub(super) fn bsdf_at<'a, const BANDS: usize>(
         &self,
-        meeting: &Meeting<'a, BANDS>,
+        context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
-    ) -> Met<'a, BANDS> {
-        let outgoing = meeting.outgoing();
+    ) -> SurfaceScattering<'a, BANDS> {
+        let outgoing = context.outgoing();
         let division =
-            self.division(meeting.colored(bands(self.color)), outgoing.dot(meeting.normal), meeting.threshold);
-        let (frame, roughness) = self.frame(meeting, scratch);
+            self.division(context.colored(bands(self.color)), outgoing.dot(context.normal), context.threshold);
+        let (frame, roughness) = self.frame(context, scratch);
         let smooth = self.is_smooth();
-        let straight = meeting.straight();
+        let straight = context.straight();
         let highlight = match self.orientation {
             _ if smooth || self.specularity <= 0.0 => Highlight::None,
             None => Highlight::Ward(WardIsotropic { specularity: division.specular, roughness: roughness[0] }),
@@ -76,25 +76,26 @@ impl Sheet {
         };
         let lobe = (!smooth && self.transmitted_specularity > 0.0).then(|| {
             let shape = GaussianTransmission { transmittance: division.through, roughness };
-            ThroughLobe::new(shape, frame, straight, outgoing)
+            TransmissionLobe::new(shape, frame, straight, outgoing)
         });
-        let beyond = Beyond::new(meeting.normal, division.transmitted_diffuse, lobe);
-        let point = LitPoint {
+        let transmission = Transmission::new(context.normal, division.transmitted_diffuse, lobe);
+        let point = Bsdf {
             diffuse: division.diffuse,
-            coupling: division.coupling,
+            coat: division.coat,
             highlight,
-            undrawn: division.undrawn,
-            ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
+            below_threshold: division.below_threshold,
+            ..Bsdf::new(outgoing, context.interaction.normal, frame)
         };
         let (mirror, straight) = match smooth {
             true => {
                 let has_mirror = self.specularity > 0.0;
-                let mirror = has_mirror.then(|| Onward::new(point.mirror_direction(), division.specular)).flatten();
-                (mirror, Onward::new(straight, division.through))
+                let mirror =
+                    has_mirror.then(|| SpecularBounce::new(point.mirror_direction(), division.specular)).flatten();
+                (mirror, SpecularBounce::new(straight, division.through))
             }
             false => (None, None),
         };
-        Met { point: point.with_beyond(beyond), mirror, straight }
+        SurfaceScattering { point: point.with_transmission(transmission), mirror, straight }
     }
 
     fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64, threshold: f64) -> Division<BANDS> {
@@ -109,9 +110,9 @@ impl Sheet {
         };
         let share = |share: f64| color.map(|band| band * share.max(0.0));
         let [diffuse, transmitted_diffuse] = [1.0 - transmitted - specularity, transmitted - through];
-        let undrawn = match self.is_smooth() {
-            true => Undrawn::NOTHING,
-            false => Undrawn::new(
+        let below_threshold = match self.is_smooth() {
+            true => BelowThreshold::NOTHING,
+            false => BelowThreshold::new(
                 threshold,
                 [
                     LobeStrength { share: specularity, color: specular, diffuse },
@@ -124,17 +125,17 @@ impl Sheet {
             diffuse: share(diffuse),
             transmitted_diffuse: share(transmitted_diffuse),
             through: share(through),
-            coupling: if coated { Coupling::Coat } else { Coupling::None },
-            undrawn,
+            coat: if coated { FresnelCoat::Coat } else { FresnelCoat::None },
+            below_threshold,
         }
     }
 
     /// Without a usable orientation the two roughnesses become one (Radiance's root mean square).
-    fn frame<const BANDS: usize>(&self, meeting: &Meeting<'_, BANDS>, scratch: &mut Scratch) -> (Frame, [f64; 2]) {
-        let Some(orientation) = &self.orientation else { return (Frame::new(meeting.normal), self.roughness) };
-        match meeting.oriented(orientation, scratch) {
+    fn frame<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, scratch: &mut Scratch) -> (Frame, [f64; 2]) {
+        let Some(orientation) = &self.orientation else { return (Frame::new(context.normal), self.roughness) };
+        match context.oriented(orientation, scratch) {
             Some(frame) => (frame, self.roughness),
-            None => (Frame::new(meeting.normal), [round_roughness(self.roughness); 2]),
+            None => (Frame::new(context.normal), [round_roughness(self.roughness); 2]),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! A lit point's draws have the density that its response claims, on both sides and under a turned normal; no sheet makes light.
 
-use super::{Meeting, Sheet};
+use super::{BsdfContext, Sheet};
+use crate::bsdf::{Bsdf, PdfRequest};
 use crate::shader::Appearance;
-use crate::surface_light::{Densities, LitPoint};
+use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::shading_normal;
-use crate::view::Encounter;
 use glam::DVec3;
 use radsight_brdf::check::{self, CheckOptions, Effort};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
@@ -28,15 +28,21 @@ enum Component {
 }
 
 impl Part<'_> {
-    fn point<T>(&self, outgoing: DVec3, see: impl FnOnce(&LitPoint<'_, 1>) -> T) -> T {
+    fn point<T>(&self, outgoing: DVec3, see: impl FnOnce(&Bsdf<'_, 1>) -> T) -> T {
         let ray = crate::Ray { origin: outgoing, direction: -outgoing };
-        let encounter = Encounter::new(&ray, DVec3::ZERO, DVec3::Z, 1.0, 1.0);
-        let turned = encounter.turned();
+        let interaction = SurfaceInteraction::new(&ray, DVec3::ZERO, DVec3::Z, 1.0, 1.0);
+        let turned = interaction.turned();
         let appearance = Appearance { color: [1.0], perturbation: self.perturbation };
-        let normal = shading_normal(&encounter, self.perturbation);
-        let meeting =
-            Meeting { scene: self.scene, encounter: &encounter, turned: &turned, appearance, normal, threshold: 0.0 };
-        see(&self.sheet.meet(&meeting, &mut Scratch::default()).point)
+        let normal = shading_normal(&interaction, self.perturbation);
+        let context = BsdfContext {
+            scene: self.scene,
+            interaction: &interaction,
+            turned: &turned,
+            appearance,
+            normal,
+            threshold: 0.0,
+        };
+        see(&self.sheet.bsdf_at(&context, &mut Scratch::default()).point)
     }
 }
 
@@ -53,10 +59,10 @@ impl Brdf for Part<'_> {
         }
         self.point(outgoing, |point| {
             for ((incident, value), pdf) in incident.iter().zip(values).zip(pdfs) {
-                let response = point.respond(*incident, 1.0, Densities::Wanted, &mut Scratch::default());
+                let bsdf_value = point.eval(*incident, 1.0, PdfRequest::Wanted, &mut Scratch::default());
                 let (product, density) = match self.component {
-                    Component::Highlight => (response.highlight[0], response.highlight_density),
-                    Component::Diffuse => (response.diffuse[0], response.diffuse_density),
+                    Component::Highlight => (bsdf_value.highlight[0], bsdf_value.highlight_pdf),
+                    Component::Diffuse => (bsdf_value.diffuse[0], bsdf_value.diffuse_pdf),
                 };
                 // A direction that the texture puts on the other side is not drawn.
                 *value = if density > 0.0 { product / incident.z.abs() } else { 0.0 };
@@ -70,11 +76,11 @@ impl Brdf for Part<'_> {
             return None;
         }
         let drawn = self.point(outgoing, |point| match self.component {
-            Component::Highlight => point.draw_highlight(u),
-            Component::Diffuse => point.draw_diffuse(u[0], u[1]),
+            Component::Highlight => point.sample_highlight(u),
+            Component::Diffuse => point.sample_diffuse(u[0], u[1]),
         })?;
         weights.copy_from_slice(&drawn.weight);
-        let Density::Continuous(density) = drawn.density else { return None };
+        let Density::Continuous(density) = drawn.pdf else { return None };
         Some(BrdfSample { incident: drawn.direction, density: Density::Continuous(density) })
     }
 }

@@ -2,14 +2,14 @@
 //! with patterns and textures of its own.
 
 use super::sheet::round_roughness;
-use super::{Meeting, Met, Onward};
-use crate::beyond::{Beyond, ThroughLobe, luminance};
+use super::{BsdfContext, SpecularBounce, SurfaceScattering};
+use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
 use crate::frame::Frame;
 use crate::function_lobe::Surroundings;
 use crate::shader::{Function, Shader, bands};
-use crate::surface_light::{Coupling, FRESNEL_THRESHOLD, Highlight, LitPoint, fresnel_estimate};
+use crate::specular_threshold::{BelowThreshold, LobeStrength};
 use crate::trace::shading_normal;
-use crate::weak_highlight::{LobeStrength, Undrawn};
+use crate::transmission_lobe::{Transmission, TransmissionLobe, luminance};
 use glam::DVec3;
 use radsight_brdf::{GaussianTransmission, WardAnisotropic};
 use radsight_cal::Scratch;
@@ -25,7 +25,7 @@ pub(crate) struct WardFunctionKind {
     pub(crate) reflection: Component,
     pub(crate) transmission: Component,
     /// Patterns and textures of the transmitted diffuse part.
-    pub(crate) diffuse_transmission: Look,
+    pub(crate) diffuse_transmission: Appearances,
 }
 
 /// A specular part.
@@ -33,12 +33,12 @@ pub(crate) struct WardFunctionKind {
 pub(crate) struct Component {
     /// First of its three roots.
     pub(crate) first_root: usize,
-    pub(crate) look: Look,
+    pub(crate) look: Appearances,
 }
 
 /// Where patterns and textures come from.
 #[derive(Clone, Debug)]
-pub(crate) enum Look {
+pub(crate) enum Appearances {
     /// The material's own modifier.
     Main,
     /// There are none.
@@ -73,7 +73,7 @@ impl WardFunctionKind {
     pub(super) fn is_grey(&self) -> bool {
         let looks = [&self.reflection.look, &self.transmission.look, &self.diffuse_transmission];
         self.diffuse.iter().all(|color| color.is_grey())
-            && looks.iter().all(|look| !matches!(look, Look::Own(shader) if !shader.is_grey()))
+            && looks.iter().all(|look| !matches!(look, Appearances::Own(shader) if !shader.is_grey()))
     }
 
     pub(super) fn lets_through(&self) -> bool {
@@ -85,24 +85,24 @@ impl WardFunctionKind {
         !(nothing || all_rough)
     }
 
-    pub(super) fn meet<'a, const BANDS: usize>(
+    pub(super) fn bsdf_at<'a, const BANDS: usize>(
         &self,
-        meeting: &Meeting<'a, BANDS>,
+        context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
-    ) -> Met<'a, BANDS> {
-        let outgoing = meeting.outgoing();
-        let main = Seen { color: meeting.appearance.color, normal: meeting.normal };
-        let mut reflection = self.specular(&self.reflection, meeting, scratch);
-        let transmission = self.specular(&self.transmission, meeting, scratch);
-        let behind_look = self.seen(&self.diffuse_transmission, meeting, scratch);
-        let (coupling, left) = coat(&mut reflection, outgoing);
+    ) -> SurfaceScattering<'a, BANDS> {
+        let outgoing = context.outgoing();
+        let main = Seen { color: context.appearance.color, normal: context.normal };
+        let mut reflection = self.specular(&self.reflection, context, scratch);
+        let transmission = self.specular(&self.transmission, context, scratch);
+        let behind_look = self.seen(&self.diffuse_transmission, context, scratch);
+        let (coat, left) = coat(&mut reflection, outgoing);
         let colored = |color: Rgb, seen: &Seen<BANDS>, left: f64| -> [f64; BANDS] {
             let own: [f64; BANDS] = bands(color);
             std::array::from_fn(|band| own[band] * seen.color[band] * left)
         };
         let [front, back, transmitted] = self.diffuse;
-        let reflected = if meeting.encounter.behind { back } else { front };
-        let orientation = self.orientation(meeting, scratch);
+        let reflected = if context.interaction.behind { back } else { front };
+        let orientation = self.orientation(context, scratch);
         let (frame, roughness) = oriented(&reflection, orientation);
         let highlight = match roughness {
             Some(roughness) if reflection.is_there() => {
@@ -121,40 +121,40 @@ impl WardFunctionKind {
             candidate(&reflection, reflection.share, &diffuse),
             candidate(&transmission, through, &transmitted_diffuse),
         ];
-        let point = LitPoint {
+        let point = Bsdf {
             diffuse_normal: main.normal,
             diffuse,
-            coupling,
+            coat,
             highlight,
-            undrawn: Undrawn::new(meeting.threshold, weak),
-            ..LitPoint::new(outgoing, meeting.encounter.normal, frame)
+            below_threshold: BelowThreshold::new(context.threshold, weak),
+            ..Bsdf::new(outgoing, context.interaction.normal, frame)
         };
-        let straight = self.straight(meeting, &transmission);
+        let straight = self.straight(context, &transmission);
         let (through_frame, through_roughness) = oriented(&transmission, orientation);
         let lobe = through_roughness.filter(|_| transmission.is_there()).map(|roughness| {
             let shape = GaussianTransmission { transmittance: through, roughness };
-            ThroughLobe::new(shape, through_frame, straight, outgoing)
+            TransmissionLobe::new(shape, through_frame, straight, outgoing)
         });
-        let beyond = Beyond::new(behind_look.normal, transmitted_diffuse, lobe);
+        let beyond = Transmission::new(behind_look.normal, transmitted_diffuse, lobe);
         let mirror = match reflection.roughness {
-            None => Onward::new(point.mirror_direction(), reflection.share),
+            None => SpecularBounce::new(point.mirror_direction(), reflection.share),
             Some(_) => None,
         };
         let straight = match transmission.roughness {
-            None => Onward::new(straight, through),
+            None => SpecularBounce::new(straight, through),
             Some(_) => None,
         };
-        Met { point: point.with_beyond(beyond), mirror, straight }
+        SurfaceScattering { point: point.with_transmission(beyond), mirror, straight }
     }
 
     fn specular<const BANDS: usize>(
         &self,
         component: &Component,
-        meeting: &Meeting<'_, BANDS>,
+        context: &BsdfContext<'_, BANDS>,
         scratch: &mut Scratch,
     ) -> Specular<BANDS> {
-        let seen = self.seen(&component.look, meeting, scratch);
-        let surroundings = surroundings(meeting, &seen);
+        let seen = self.seen(&component.look, context, scratch);
+        let surroundings = surroundings(context, &seen);
         let mut value = |root: usize| surroundings.value(&self.function, component.first_root + root, scratch);
         let share = value(0);
         let [u, v] = [value(1), value(2)];
@@ -164,40 +164,44 @@ impl WardFunctionKind {
 
     fn seen<const BANDS: usize>(
         &self,
-        look: &Look,
-        meeting: &Meeting<'_, BANDS>,
+        look: &Appearances,
+        context: &BsdfContext<'_, BANDS>,
         scratch: &mut Scratch,
     ) -> Seen<BANDS> {
         match look {
-            Look::Main => Seen { color: meeting.appearance.color, normal: meeting.normal },
-            Look::Plain => Seen { color: [1.0; BANDS], normal: meeting.encounter.normal },
-            Look::Own(shader) => {
-                let appearance = shader.appearance(meeting.scene, meeting.encounter, scratch);
-                Seen { color: appearance.color, normal: shading_normal(meeting.encounter, appearance.perturbation) }
+            Appearances::Main => Seen { color: context.appearance.color, normal: context.normal },
+            Appearances::Plain => Seen { color: [1.0; BANDS], normal: context.interaction.normal },
+            Appearances::Own(shader) => {
+                let appearance = shader.appearance(context.scene, context.interaction, scratch);
+                Seen { color: appearance.color, normal: shading_normal(context.interaction, appearance.perturbation) }
             }
         }
     }
 
     /// In the scene; none after a fault.
-    fn orientation<const BANDS: usize>(&self, meeting: &Meeting<'_, BANDS>, scratch: &mut Scratch) -> Option<DVec3> {
-        let surroundings = meeting.surroundings([1.0; BANDS]);
+    fn orientation<const BANDS: usize>(
+        &self,
+        context: &BsdfContext<'_, BANDS>,
+        scratch: &mut Scratch,
+    ) -> Option<DVec3> {
+        let surroundings = context.surroundings([1.0; BANDS]);
         let view = surroundings.view(&self.function);
         let mut vector = DVec3::ZERO;
         for axis in 0..3 {
             vector[axis] = self.function.program.eval(ORIENTATION + axis, &[], &view, scratch).ok()?;
         }
-        Some(self.function.in_scene(meeting.encounter, vector))
+        Some(self.function.in_scene(context.interaction, vector))
     }
 
     /// A texture of the transmitted part bends what goes through, by what it does to the normal as the surface faces.
-    fn straight<const BANDS: usize>(&self, meeting: &Meeting<'_, BANDS>, transmission: &Specular<BANDS>) -> DVec3 {
-        let encounter = meeting.encounter;
-        let turn = transmission.seen.normal - encounter.normal;
-        if turn == DVec3::ZERO || encounter.is_smoothed() {
-            return encounter.direction;
+    fn straight<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, transmission: &Specular<BANDS>) -> DVec3 {
+        let interaction = context.interaction;
+        let turn = transmission.seen.normal - interaction.normal;
+        if turn == DVec3::ZERO || interaction.is_smoothed() {
+            return interaction.direction;
         }
-        let bent = encounter.direction - if encounter.behind { -turn } else { turn };
-        if bent.dot(encounter.normal) < 0.0 { bent.normalize() } else { encounter.direction }
+        let bent = interaction.direction - if interaction.behind { -turn } else { turn };
+        if bent.dot(interaction.normal) < 0.0 { bent.normalize() } else { interaction.direction }
     }
 }
 
@@ -207,20 +211,20 @@ impl<const BANDS: usize> Specular<BANDS> {
     }
 }
 
-fn surroundings<'a, const BANDS: usize>(meeting: &Meeting<'a, BANDS>, seen: &Seen<BANDS>) -> Surroundings<'a> {
-    let cosine = meeting.outgoing().dot(seen.normal);
-    Surroundings { normal: seen.normal, cosine, ..meeting.surroundings([1.0; BANDS]) }
+fn surroundings<'a, const BANDS: usize>(context: &BsdfContext<'a, BANDS>, seen: &Seen<BANDS>) -> Surroundings<'a> {
+    let cosine = context.outgoing().dot(seen.normal);
+    Surroundings { normal: seen.normal, cosine, ..context.surroundings([1.0; BANDS]) }
 }
 
 /// A smooth reflecting part grows towards grazing; returns how the rest depends on the incident angle, and what is left of it.
-fn coat<const BANDS: usize>(reflection: &mut Specular<BANDS>, outgoing: DVec3) -> (Coupling, f64) {
+fn coat<const BANDS: usize>(reflection: &mut Specular<BANDS>, outgoing: DVec3) -> (FresnelCoat, f64) {
     let is_smooth = reflection.roughness.is_none() && reflection.is_there();
     if !is_smooth || luminance(&reflection.share) < FRESNEL_THRESHOLD {
-        return (Coupling::None, 1.0);
+        return (FresnelCoat::None, 1.0);
     }
     let fresnel = fresnel_estimate(outgoing.dot(reflection.seen.normal).abs());
     reflection.share = reflection.share.map(|band| band + fresnel * (1.0 - band));
-    (Coupling::Coat, 1.0 - fresnel)
+    (FresnelCoat::Coat, 1.0 - fresnel)
 }
 
 /// The frame of a part, and its roughness along it.

@@ -1,77 +1,77 @@
 //! What a ray finds that ends at an emitter, or at nothing.
 
-use super::segment::Segment;
-use super::{Tracer, product};
-use crate::beyond::luminance;
+use super::path_state::PathState;
+use super::{PathIntegrator, product};
 use crate::cast::FirstHit;
 use crate::options::Lights;
 use crate::plan::RenderPlan;
 use crate::shader::{Emitter, EmitterClass, Shader, bands};
-use crate::view::Encounter;
+use crate::surface_interaction::SurfaceInteraction;
+use crate::transmission_lobe::luminance;
 use radsight_cal::Scratch;
 use radsight_ir::SurfaceHandle;
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray met no surface: the first distant source around its direction.
-    pub(super) fn leave(&mut self, segment: &Segment<BANDS>) {
-        let segment = &self.dimmed(segment, self.medium(segment.medium), f64::INFINITY);
-        let direction = segment.ray.direction;
+    pub(super) fn leave(&mut self, path: &PathState<BANDS>) {
+        let path = &self.dimmed(path, self.medium(path.medium), f64::INFINITY);
+        let direction = path.ray.direction;
         let plan = self.plan;
-        let Some((surface, shader)) = plan.sky_at(direction, segment.link.is_some()) else { return };
+        let Some((surface, shader)) = plan.sky_at(direction, path.mis.is_some()) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
-        let encounter = Encounter::distant(direction);
-        if segment.depth == 0 && self.first_hit.is_none() {
+        let interaction = SurfaceInteraction::distant(direction);
+        if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }
         if let Some(tree) = &mut self.tree {
-            tree.end(segment.node, FirstHit::distant(surface, direction));
+            tree.end(path.node, FirstHit::distant(surface, direction));
         }
-        let share = self.emission_share(segment, surface, emitter, f64::INFINITY, 1.0);
-        self.emit(segment, shader, emitter, &encounter, share);
+        let share = self.emission_share(path, surface, emitter, f64::INFINITY, 1.0);
+        self.emit(path, shader, emitter, &interaction, share);
     }
 
     pub(crate) fn emit(
         &mut self,
-        segment: &Segment<BANDS>,
+        path: &PathState<BANDS>,
         shader: &Shader,
         emitter: &Emitter,
-        encounter: &Encounter,
+        interaction: &SurfaceInteraction,
         share: f64,
     ) {
         if share <= 0.0 {
             return;
         }
-        let mut radiance: [f64; BANDS] = emission(self.plan, shader, emitter, encounter, &mut self.workspace.scratch);
+        let mut radiance: [f64; BANDS] = emission(self.plan, shader, emitter, interaction, &mut self.workspace.scratch);
         if share < 1.0 {
             radiance = given(radiance);
         }
-        self.add(segment, product(segment.throughput, radiance).map(|band| band * share));
+        self.add(path, product(path.throughput, radiance).map(|band| band * share));
         if let Some(contributions) = &mut self.contributions {
-            contributions.add(shader, encounter, product(segment.throughput, radiance).map(|band| band * share));
+            contributions.add(shader, interaction, product(path.throughput, radiance).map(|band| band * share));
         }
     }
 
     /// How much of the emission that a ray found counts: all of it, unless light sampling could have found it too.
     pub(crate) fn emission_share(
         &self,
-        segment: &Segment<BANDS>,
+        path: &PathState<BANDS>,
         surface: SurfaceHandle,
         emitter: &Emitter,
         distance: f64,
         cosine: f64,
     ) -> f64 {
-        let Some(link) = &segment.link else {
+        let Some(mis) = &path.mis else {
             // A glow that is too far away to be sampled is a surface as any other.
-            let total = segment.travelled + distance;
+            let total = path.travelled + distance;
             let far = matches!(emitter.class, EmitterClass::Glow(radius) if radius >= 0.0 && total > radius);
             return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
         };
         let overcounted = match emitter.class {
-            EmitterClass::Glow(radius) => link.behind_illum || radius < 0.0,
-            EmitterClass::Illum => link.behind_illum,
+            EmitterClass::Glow(radius) => mis.behind_illum || radius < 0.0,
+            EmitterClass::Illum => mis.behind_illum,
             EmitterClass::Light => false,
         };
-        if overcounted { 0.0 } else { link.share(self.plan, surface, distance, cosine) }
+        if overcounted { 0.0 } else { mis.share(self.plan, surface, distance, cosine) }
     }
 }
 
@@ -89,11 +89,11 @@ pub(crate) fn emission<const BANDS: usize>(
     plan: &RenderPlan,
     shader: &Shader,
     emitter: &Emitter,
-    encounter: &Encounter,
+    interaction: &SurfaceInteraction,
     scratch: &mut Scratch,
 ) -> [f64; BANDS] {
     if let Some((cos_half_angle, axis)) = emitter.cone
-        && -encounter.direction.dot(axis) < cos_half_angle
+        && -interaction.direction.dot(axis) < cos_half_angle
     {
         return [0.0; BANDS];
     }
@@ -101,7 +101,7 @@ pub(crate) fn emission<const BANDS: usize>(
     if shader.steps.is_empty() {
         return own;
     }
-    product(own, shader.appearance::<BANDS>(&plan.scene, encounter, scratch).color)
+    product(own, shader.appearance::<BANDS>(&plan.scene, interaction, scratch).color)
 }
 
 /// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its

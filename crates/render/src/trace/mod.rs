@@ -9,30 +9,30 @@
 mod emission;
 mod illumination;
 mod passage;
+mod path_state;
 mod roulette;
-mod segment;
 mod shade;
 mod split;
 
 pub(crate) use emission::{emission, given};
 pub(crate) use passage::Passage;
-pub(crate) use segment::{MediumId, Segment};
+pub(crate) use path_state::{MediumId, PathState};
 pub(crate) use shade::{reflect, shading_normal};
 
-use crate::antimatter::{Cut, CutId, Meeting};
+use crate::antimatter::{AntimatterEvent, Subtraction, SubtractionId};
 use crate::bands::BandValues;
+use crate::bsdf::Bsdf;
 use crate::cast::FirstHit;
 use crate::contribution::Contributions;
-use crate::gather::{Caches, Survey};
+use crate::gather::{CacheQuery, Caches};
 use crate::medium::Medium;
 use crate::model_light::ModelBatch;
-use crate::options::{BackFaces, Quantity, Unshared};
+use crate::options::{BackFaces, Quantity, Uncached};
 use crate::plan::RenderPlan;
-use crate::ray::{Hit, Ray};
+use crate::ray_tree::{BounceType, NodeId, RayTree};
 use crate::shader::Kind;
-use crate::surface_light::LitPoint;
-use crate::tree::{Course, NodeId, Tree};
 use glam::DVec3;
+use radsight_accel::{Intersection, Ray};
 use radsight_cal::Scratch;
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
@@ -65,7 +65,7 @@ const MAX_BRANCHES: usize = 32;
 
 /// Follows rays through a plan, in `BANDS` bands; one a thread.
 #[derive(Debug)]
-pub(crate) struct Tracer<'p, const BANDS: usize> {
+pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     pub(crate) plan: &'p RenderPlan,
     /// Number of the ray in hand.
     pub(crate) index: u64,
@@ -73,11 +73,11 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     /// The next unused set of dimensions.
     pub(crate) next_set: u32,
     pub(crate) workspace: Workspace,
-    waiting: Vec<Segment<BANDS>>,
+    waiting: Vec<PathState<BANDS>>,
     /// Media that the present ray has met; the first fills the scene.
     media: Vec<Medium<BANDS>>,
     /// What was cut away for the present ray; the first is nothing.
-    pub(crate) cuts: Vec<Cut>,
+    pub(crate) cuts: Vec<Subtraction>,
     pub(crate) radiance: [f64; BANDS],
     first_hit: Option<FirstHit>,
     /// Whether the ray went on behind that as if nothing were there.
@@ -86,20 +86,20 @@ pub(crate) struct Tracer<'p, const BANDS: usize> {
     /// Irradiance that was gathered before.
     pub(crate) caches: Caches<'p, BANDS>,
     /// While looking for points whose irradiance is wanted.
-    pub(crate) survey: Option<Survey<BANDS>>,
+    pub(crate) cache_query: Option<CacheQuery<BANDS>>,
     /// What the present ray owes to the modifiers that are tracked; `None` where none is.
     pub(crate) contributions: Option<Box<Contributions<BANDS>>>,
     /// All rays that come of the present one; `None` where they are not wanted.
-    pub(crate) tree: Option<Box<Tree<BANDS>>>,
+    pub(crate) tree: Option<Box<RayTree<BANDS>>>,
     /// How far the rays are followed before they are reflected, scene units.
     pub(crate) limit: f64,
     /// Whether the ray in hand splits by its weight; those that gather irradiance do not.
     splits: bool,
 }
 
-impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
+impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
     pub(crate) fn new(plan: &'p RenderPlan, caches: Caches<'p, BANDS>) -> Self {
-        Tracer {
+        PathIntegrator {
             plan,
             index: 0,
             sampler: RaySampler::new(plan.options.seed, 0),
@@ -107,15 +107,15 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
             workspace: Workspace::default(),
             waiting: Vec::with_capacity(MAX_BRANCHES),
             media: vec![plan.global_medium()],
-            cuts: vec![Cut::default()],
+            cuts: vec![Subtraction::default()],
             radiance: [0.0; BANDS],
             first_hit: None,
             first_is_passed: false,
             effective_distance: f64::INFINITY,
             caches,
-            survey: None,
+            cache_query: None,
             contributions: Contributions::wanted(&plan.options),
-            tree: Tree::wanted(&plan.options),
+            tree: RayTree::wanted(&plan.options),
             limit: f64::INFINITY,
             splits: false,
         }
@@ -125,28 +125,28 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     pub(crate) fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         self.index = index;
         let medium = self.begin(RaySampler::new(self.plan.options.seed, index), self.global_medium());
-        self.splits = self.plan.options.gathering.unshared == Unshared::Split;
+        self.splits = self.plan.options.gathering.uncached == Uncached::Split;
         self.tree.iter_mut().for_each(|tree| tree.clear());
-        let start = Segment {
+        let start = PathState {
             ray: *ray,
             from: None,
             throughput: [1.0; BANDS],
             split: 1.0,
             travelled: 0.0,
-            link: None,
+            mis: None,
             depth: 0,
             reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,
             medium,
-            cut: CutId::default(),
-            cut_beyond: CutId::default(),
+            cut: SubtractionId::default(),
+            subtraction_beyond: SubtractionId::default(),
             follows_no_diffuse: false,
             direct_view: true,
             node: NodeId::NONE,
         };
         if self.plan.options.quantity == Quantity::Irradiance {
-            let node = self.told(&start, Course::Passed);
-            self.irradiance(&Segment { throughput: [PI; BANDS], node, ..start });
+            let node = self.told(&start, BounceType::Passed);
+            self.irradiance(&PathState { throughput: [PI; BANDS], node, ..start });
             self.follow_waiting();
         } else {
             self.finish(start);
@@ -195,8 +195,8 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Follows a ray and all that come of it.
-    pub(crate) fn finish(&mut self, segment: Segment<BANDS>) {
-        self.push(segment);
+    pub(crate) fn finish(&mut self, path: PathState<BANDS>) {
+        self.push(path);
         self.follow_waiting();
     }
 
@@ -207,12 +207,12 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     /// Follows rays until no more than so many wait.
     fn follow_until(&mut self, waiting: usize) {
         while self.waiting.len() > waiting
-            && let Some(segment) = self.waiting.pop()
+            && let Some(path) = self.waiting.pop()
         {
             if let Some(contributions) = &mut self.contributions {
                 contributions.close(self.radiance, self.waiting.len());
             }
-            self.follow(segment);
+            self.follow(path);
         }
     }
 
@@ -238,9 +238,9 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// Irradiance is π times the radiance of a white Lambertian surface.
-    fn irradiance(&mut self, start: &Segment<BANDS>) {
+    fn irradiance(&mut self, start: &PathState<BANDS>) {
         let normal = start.ray.direction;
-        let point = LitPoint::white(normal, normal);
+        let point = Bsdf::white(normal, normal);
         self.light_and_scatter(start, start.ray.origin, None, &point, 0.0);
     }
 
@@ -262,105 +262,105 @@ impl<'p, const BANDS: usize> Tracer<'p, BANDS> {
     }
 
     /// A ray that goes on as if nothing had been met, or a first one.
-    pub(crate) fn push(&mut self, segment: Segment<BANDS>) {
-        self.push_on(segment, Course::Passed);
+    pub(crate) fn push(&mut self, path: PathState<BANDS>) {
+        self.push_on(path, BounceType::Passed);
     }
 
-    fn push_on(&mut self, mut segment: Segment<BANDS>, course: Course) {
-        if self.waiting.len() < MAX_BRANCHES && segment.throughput.iter().any(|band| *band > 0.0) {
-            segment.node = self.told(&segment, course);
-            self.waiting.push(segment);
+    fn push_on(&mut self, mut path: PathState<BANDS>, bounce: BounceType) {
+        if self.waiting.len() < MAX_BRANCHES && path.throughput.iter().any(|band| *band > 0.0) {
+            path.node = self.told(&path, bounce);
+            self.waiting.push(path);
         }
     }
 
     /// The name of a ray that is sent on, where rays are told.
-    fn told(&mut self, segment: &Segment<BANDS>, course: Course) -> NodeId {
+    fn told(&mut self, path: &PathState<BANDS>, bounce: BounceType) -> NodeId {
         let Some(tree) = &mut self.tree else { return NodeId::NONE };
-        tree.begin(segment.node, course, segment.ray, segment.throughput)
+        tree.begin(path.node, bounce, path.ray, path.throughput)
     }
 
-    fn follow(&mut self, mut segment: Segment<BANDS>) {
+    fn follow(&mut self, mut path: PathState<BANDS>) {
         // Invisible surfaces and back faces are passed in this loop.
         loop {
-            let met = self.plan.first_hit(&segment.ray, segment.from);
+            let met = self.plan.first_hit(&path.ray, path.from);
             let distance = met.as_ref().map_or(f64::INFINITY, |hit| hit.distance);
-            if segment.reflections == 0 && segment.travelled + distance > self.limit {
+            if path.reflections == 0 && path.travelled + distance > self.limit {
                 return;
             }
             let Some(mut hit) = met else {
-                return self.leave(&segment);
+                return self.leave(&path);
             };
             if self.plan.has_antimatter {
-                let meeting = self.meet(segment.cut, segment.ray.direction, &mut hit);
-                let (Meeting::Surface(beyond) | Meeting::Nothing(beyond)) = meeting;
-                segment.cut_beyond = beyond;
-                if meeting == Meeting::Nothing(beyond) {
-                    segment = self.unmet(&segment, &hit);
+                let meeting = self.resolve(path.cut, path.ray.direction, &mut hit);
+                let (AntimatterEvent::Surface(beyond) | AntimatterEvent::Nothing(beyond)) = meeting;
+                path.subtraction_beyond = beyond;
+                if meeting == AntimatterEvent::Nothing(beyond) {
+                    path = self.unmet(&path, &hit);
                     continue;
                 }
             }
             let shader = self.plan.shader_at(hit.shader);
             if matches!(shader.kind, Kind::Transparent) {
-                segment = self.unmet(&segment, &hit);
+                path = self.unmet(&path, &hit);
                 continue;
             }
-            segment.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
-            let behind = segment.ray.direction.dot(hit.front) > 0.0;
+            path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
+            let behind = path.ray.direction.dot(hit.front) > 0.0;
             let can_hide = self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
             if behind && can_hide {
-                segment = self.unmet(&segment, &hit);
+                path = self.unmet(&path, &hit);
                 continue;
             }
             if self.contributions.is_some() {
-                self.note_met(&segment, &hit, shader);
+                self.note_met(&path, &hit, shader);
             }
-            return self.shade(&segment, &hit, shader);
+            return self.shade(&path, &hit, shader);
         }
     }
 
     /// Goes on as if nothing had been hit.
-    pub(crate) fn pass_through(&mut self, segment: &Segment<BANDS>, hit: &Hit) {
-        if segment.direct_view {
+    pub(crate) fn pass_through(&mut self, path: &PathState<BANDS>, hit: &Intersection) {
+        if path.direct_view {
             self.effective_distance = f64::INFINITY;
         }
-        let next = self.passed_through(*segment, hit);
+        let next = self.passed_through(*path, hit);
         self.push(next);
     }
 
     /// The ray goes on behind a surface that does nothing to it.
-    fn unmet(&mut self, segment: &Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
-        if segment.depth == 0 && self.first_hit.is_none() {
-            self.first_hit = Some(FirstHit::at(hit, segment.travelled + hit.distance));
+    fn unmet(&mut self, path: &PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
+        if path.depth == 0 && self.first_hit.is_none() {
+            self.first_hit = Some(FirstHit::at(hit, path.travelled + hit.distance));
             self.first_is_passed = true;
         }
-        let segment = self.dimmed(segment, self.medium(segment.medium), hit.distance);
-        let mut onward = self.passed_through(segment, hit);
+        let path = self.dimmed(path, self.medium(path.medium), hit.distance);
+        let mut onward = self.passed_through(path, hit);
         if let Some(tree) = &mut self.tree {
-            tree.end(segment.node, FirstHit::at(hit, hit.distance));
-            onward.node = tree.begin(segment.node, Course::Passed, onward.ray, onward.throughput);
+            tree.end(path.node, FirstHit::at(hit, hit.distance));
+            onward.node = tree.begin(path.node, BounceType::Passed, onward.ray, onward.throughput);
         }
         onward
     }
 
     /// The same ray, on the other side of what it hit.
-    pub(crate) fn passed_through(&self, mut segment: Segment<BANDS>, hit: &Hit) -> Segment<BANDS> {
-        segment.ray.origin = hit.point;
-        segment.from = Some(hit.primitive);
-        segment.cut = segment.cut_beyond;
-        segment.travelled += hit.distance;
-        if let Some(link) = &mut segment.link {
-            link.length += hit.distance;
+    pub(crate) fn passed_through(&self, mut path: PathState<BANDS>, hit: &Intersection) -> PathState<BANDS> {
+        path.ray.origin = hit.point;
+        path.from = Some(hit.primitive);
+        path.cut = path.subtraction_beyond;
+        path.travelled += hit.distance;
+        if let Some(mis) = &mut path.mis {
+            mis.length += hit.distance;
         }
-        segment
+        path
     }
 
     /// Adds what the first ray gets from the end of one of its own.
-    fn add(&mut self, segment: &Segment<BANDS>, brought: [f64; BANDS]) {
+    fn add(&mut self, path: &PathState<BANDS>, brought: [f64; BANDS]) {
         for (sum, brought) in self.radiance.iter_mut().zip(brought) {
             *sum += brought;
         }
         if let Some(tree) = &mut self.tree {
-            tree.add(segment.node, brought);
+            tree.add(path.node, brought);
         }
     }
 }

@@ -1,11 +1,10 @@
 //! Rays that go on from perfectly specular events.
 
-use super::segment::{MediumId, Segment};
-use super::{Tracer, product};
-use crate::geometry::is_flat;
-use crate::ray::{Hit, Ray};
-use crate::tree::{Course, Image};
+use super::path_state::{MediumId, PathState};
+use super::{PathIntegrator, product};
+use crate::ray_tree::{BounceType, Image};
 use glam::DVec3;
+use radsight_accel::{Intersection, Ray, is_flat};
 
 /// What kind of specular event a ray passes.
 #[derive(Clone, Copy, Debug)]
@@ -28,88 +27,88 @@ pub(crate) enum Passage {
 
 impl Passage {
     /// How the ray is told that goes this way on from a surface; `flat` or not.
-    fn course(self, flat: bool) -> Course {
+    fn bounce(self, flat: bool) -> BounceType {
         match self {
-            Passage::Mirror { straight } => Course::Mirrored { image: Image::in_place_if(straight && flat) },
-            Passage::Reflection { image } => Course::Mirrored { image },
-            Passage::Other => Course::Mirrored { image: Image::AtSurface },
-            Passage::Pane { undisturbed } => Course::Onward { image: Image::in_place_if(undisturbed) },
+            Passage::Mirror { straight } => BounceType::Mirrored { image: Image::in_place_if(straight && flat) },
+            Passage::Reflection { image } => BounceType::Mirrored { image },
+            Passage::Other => BounceType::Mirrored { image: Image::AtSurface },
+            Passage::Pane { undisturbed } => BounceType::Onward { image: Image::in_place_if(undisturbed) },
             Passage::Refraction { flat } | Passage::Prism { flat } => {
-                Course::Onward { image: Image::in_place_if(flat) }
+                BounceType::Onward { image: Image::in_place_if(flat) }
             }
-            Passage::Sheet { image, .. } => Course::Onward { image },
+            Passage::Sheet { image, .. } => BounceType::Onward { image },
         }
     }
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Sends a ray on from a perfectly specular event, in the medium from which it came.
     pub(crate) fn specular(
         &mut self,
-        segment: &Segment<BANDS>,
-        hit: &Hit,
+        path: &PathState<BANDS>,
+        hit: &Intersection,
         direction: DVec3,
         weight: [f64; BANDS],
         passage: Passage,
     ) {
-        self.specular_into(segment, hit, (direction, segment.medium), weight, passage);
+        self.specular_into(path, hit, (direction, path.medium), weight, passage);
     }
 
     /// The same in another medium.
     pub(crate) fn specular_into(
         &mut self,
-        segment: &Segment<BANDS>,
-        hit: &Hit,
+        path: &PathState<BANDS>,
+        hit: &Intersection,
         (direction, medium): (DVec3, MediumId),
         weight: [f64; BANDS],
         passage: Passage,
     ) {
-        let travelled = segment.travelled + hit.distance;
-        let throughput = product(segment.throughput, weight);
-        let mut link = segment.link;
-        if let Some(link) = &mut link {
-            link.length += hit.distance;
+        let travelled = path.travelled + hit.distance;
+        let throughput = product(path.throughput, weight);
+        let mut mis = path.mis;
+        if let Some(mis) = &mut mis {
+            mis.length += hit.distance;
             match passage {
                 Passage::Pane { undisturbed: true } | Passage::Sheet { undisturbed: true, .. } => {}
-                Passage::Mirror { straight: true } => link.reflected(hit.surface),
-                Passage::Refraction { .. } => link.refracted(),
-                Passage::Prism { .. } => link.covered(),
-                _ => link.lost(),
+                Passage::Mirror { straight: true } => mis.reflected(hit.surface),
+                Passage::Refraction { .. } => mis.refracted(),
+                Passage::Prism { .. } => mis.covered(),
+                _ => mis.lost(),
             }
         }
-        let same_side = direction.dot(hit.front) * segment.ray.direction.dot(hit.front) < 0.0;
+        let same_side = direction.dot(hit.front) * path.ray.direction.dot(hit.front) < 0.0;
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
-        let reflections = segment.reflections + u32::from(reflected);
-        let cut = if reflected { segment.cut } else { segment.cut_beyond };
-        let share = (throughput, segment.favour());
-        let Some(throughput) = self.go_on(share, segment, reflections, None) else { return };
+        let reflections = path.reflections + u32::from(reflected);
+        let cut = if reflected { path.cut } else { path.subtraction_beyond };
+        let share = (throughput, path.pdf_ratio());
+        let Some(throughput) = self.go_on(share, path, reflections, None) else { return };
         let hides_what_is_beyond = match passage {
             Passage::Other | Passage::Reflection { .. } | Passage::Sheet { .. } => true,
             Passage::Refraction { flat } | Passage::Prism { flat } => !flat,
             Passage::Mirror { .. } | Passage::Pane { .. } => false,
         };
-        let direct_view = segment.direct_view && !hides_what_is_beyond;
+        let direct_view = path.direct_view && !hides_what_is_beyond;
         if direct_view {
             self.effective_distance = f64::INFINITY;
         }
-        let next = Segment {
+        let next = PathState {
             ray: Ray { origin: hit.point, direction },
             from: Some(hit.primitive),
             throughput,
-            split: segment.split,
+            split: path.split,
             travelled,
-            link,
-            depth: segment.depth + 1,
+            mis,
+            depth: path.depth + 1,
             reflections,
-            ambient_bounces: segment.ambient_bounces,
+            ambient_bounces: path.ambient_bounces,
             medium,
             cut,
-            cut_beyond: cut,
+            subtraction_beyond: cut,
             follows_no_diffuse: false,
             direct_view,
-            node: segment.node,
+            node: path.node,
         };
         let flat = self.tree.is_some() && is_flat(self.plan.scene.surfaces[hit.surface].shape);
-        self.push_on(next, passage.course(flat));
+        self.push_on(next, passage.bounce(flat));
     }
 }

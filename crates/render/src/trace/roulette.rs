@@ -1,8 +1,8 @@
 //! How long paths are, and how weak ones end.
 
-use super::segment::Segment;
-use super::{MAX_BRANCHES, Tracer};
-use crate::link::Lobe;
+use super::path_state::PathState;
+use super::{MAX_BRANCHES, PathIntegrator};
+use crate::mis::Lobe;
 use crate::options::PathLimit;
 use radsight_sampling::DimensionSet;
 
@@ -19,7 +19,7 @@ const ROULETTE_SHARE_OF_VIEWS: f64 = 0.05;
 /// No path is longer. With a reflectance of 0.99 one in 10¹⁷ would be.
 const MAX_DEPTH: u32 = 4096;
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Whether a path goes on, and with what: ends long paths, and weak ones at random without bias, more readily when many branches wait. A
     /// path is as weak as it would be if its rays were not favoured. `lobe` is from what the next ray is drawn, if it is.
     ///
@@ -28,14 +28,14 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     /// surfaces have taken from it, not by splitting, which would lose light.
     pub(crate) fn go_on(
         &mut self,
-        (throughput, favour): ([f64; BANDS], f64),
-        segment: &Segment<BANDS>,
+        (throughput, pdf_ratio): ([f64; BANDS], f64),
+        path: &PathState<BANDS>,
         reflections: u32,
         lobe: Option<Lobe>,
     ) -> Option<[f64; BANDS]> {
-        let strongest = favour * throughput.iter().copied().fold(0.0, f64::max);
-        let unsplit = segment.split * strongest;
-        let depth = segment.depth + 1;
+        let strongest = pdf_ratio * throughput.iter().copied().fold(0.0, f64::max);
+        let unsplit = path.split * strongest;
+        let depth = path.depth + 1;
         if strongest <= 0.0 || depth > MAX_DEPTH {
             return None;
         }
@@ -50,7 +50,7 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
             unsplit.min(0.5)
         } else {
             // A path with a drawn ray is noisy as it is; one from the eye by way of mirrors is not, and stays so.
-            let drawn = segment.link.is_some() && depth >= ROULETTE_DEPTH;
+            let drawn = path.mis.is_some() && depth >= ROULETTE_DEPTH;
             let usual = if lobe == Some(Lobe::Diffuse) { ROULETTE_SHARE } else { ROULETTE_SHARE_OF_VIEWS };
             let by_weight = if roulette > 0.0 { strongest / roulette } else { 1.0 };
             let by_share = if drawn { unsplit / usual } else { 1.0 };

@@ -1,6 +1,6 @@
 //! Path splitting: into how many rays a ray splits at a surface.
 //!
-//! A ray whose value counts by itself (`Unshared::Split`) is not the mean of many paths from its
+//! A ray whose value counts by itself (`Uncached::Split`) is not the mean of many paths from its
 //! beginning: it splits where light is scattered. What lies before is followed once, and the
 //! branches are spread evenly over the hemisphere.
 //!
@@ -20,11 +20,11 @@
 //! the noise of a single direction. What it sees of shared irradiance costs nothing more, so that
 //! one ray is left there.
 
-use super::Tracer;
-use super::segment::Segment;
-use crate::light_tree::Places;
+use super::PathIntegrator;
+use super::path_state::PathState;
+use crate::bsdf::Bsdf;
+use crate::light_tree::LightSampleCount;
 use crate::options::{Quantity, RenderOptions};
-use crate::surface_light::LitPoint;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
@@ -79,7 +79,7 @@ const FEW_LIGHTS: usize = 4;
 const PLACES_ON_FEW_LIGHTS: f64 = 4.0;
 
 /// A ray that splits, to be taken up again after its branches.
-pub(super) struct Trunk {
+pub(super) struct SuspendedPath {
     sampler: RaySampler,
     set: DimensionSet,
     waiting: usize,
@@ -114,26 +114,26 @@ fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     bands.iter().sum::<f64>() / BANDS as f64
 }
 
-impl<const BANDS: usize> Tracer<'_, BANDS> {
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The share of the first ray that this one carries, 1 at most.
-    fn weight(&self, segment: &Segment<BANDS>) -> f64 {
+    fn weight(&self, path: &PathState<BANDS>) -> f64 {
         let unit = if self.plan.options.quantity == Quantity::Radiance { 1.0 } else { FRAC_1_PI };
-        (unit * segment.favour() * mean(&segment.throughput)).min(1.0)
+        (unit * path.pdf_ratio() * mean(&path.throughput)).min(1.0)
     }
 
     /// Into how many rays a ray splits; `asked` are those that rays get that do not split.
-    pub(super) fn branches(&self, segment: &Segment<BANDS>, point: &LitPoint<'_, BANDS>, asked: Branches) -> Branches {
+    pub(super) fn branches(&self, path: &PathState<BANDS>, point: &Bsdf<'_, BANDS>, asked: Branches) -> Branches {
         let options = &self.plan.options;
-        let weight = self.weight(segment);
+        let weight = self.weight(path);
         let shares = options.gathering.accuracy > 0.0;
         let diffuse = if asked.diffuse > 0 && !point.is_retroreflector() {
-            let is_first = segment.ambient_bounces == options.ambient_bounces;
+            let is_first = path.ambient_bounces == options.ambient_bounces;
             let least_side = if shares && is_first { LEAST_SIDE } else { 1.0 };
             hemisphere_rays(options, weight, mean(&point.ambient_reflectance()), least_side)
         } else {
             asked.diffuse
         };
-        let highlight = if asked.highlight > 0 && segment.ambient_bounces > 0 && !shares {
+        let highlight = if asked.highlight > 0 && path.ambient_bounces > 0 && !shares {
             let carried = weight * point.highlight_strength().min(1.0);
             let wanted = (f64::from(options.gathering.divisions) * carried).sqrt();
             (wanted.min(most_above_least_weight(options, carried)) as u32).max(asked.highlight)
@@ -149,23 +149,23 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     ///
     /// Rays of radiance that do not split get one: who sends many averages them, and they draw what
     /// the rays of a picture would.
-    pub(super) fn places(&self, segment: &Segment<BANDS>, branches: Branches) -> Places {
+    pub(super) fn places(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
         let options = &self.plan.options;
-        let is_sensor = options.quantity != Quantity::Radiance && segment.link.is_none();
+        let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
         if !self.splits || !(is_sensor || branches.diffuse > 1) {
-            return Places::ONE;
+            return LightSampleCount::ONE;
         }
         let side = options.source_sampling;
-        let per_sr = if side > 0.0 { PLACES_IN_A_SQUARE * self.weight(segment) / (side * side) } else { 0.0 };
+        let per_sr = if side > 0.0 { PLACES_IN_A_SQUARE * self.weight(path) / (side * side) } else { 0.0 };
         let for_branches = (f64::from(branches.diffuse) / BRANCHES_FOR_A_PLACE).min(MOST_PLACES_FOR_BRANCHES).floor();
         let for_few = if is_sensor && self.plan.lights.len() <= FEW_LIGHTS { PLACES_ON_FEW_LIGHTS } else { 1.0 };
-        Places { per_sr, least: for_branches.max(for_few) }
+        LightSampleCount { per_sr, least: for_branches.max(for_few) }
     }
 
     /// Begins with the branches of the ray in hand, which take their points where it would take
     /// `set`.
-    pub(super) fn split(&mut self, set: u32) -> Trunk {
-        Trunk {
+    pub(super) fn split(&mut self, set: u32) -> SuspendedPath {
+        SuspendedPath {
             sampler: self.sampler,
             set: DimensionSet::render(set),
             waiting: self.waiting.len(),
@@ -176,25 +176,25 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
     }
 
     /// The first point of a branch.
-    pub(super) fn begin_branch(&mut self, trunk: &Trunk, branch: u32, branches: u32) -> [f64; 4] {
-        self.sampler = trunk.sampler.branch(trunk.set, branch, branches);
+    pub(super) fn begin_branch(&mut self, suspended: &SuspendedPath, branch: u32, branches: u32) -> [f64; 4] {
+        self.sampler = suspended.sampler.branch(suspended.set, branch, branches);
         self.next_set = 1;
         self.sampler.take(DimensionSet::render(0))
     }
 
     /// Follows a branch to its end.
-    pub(super) fn end_branch(&mut self, trunk: &Trunk) {
-        self.follow_until(trunk.waiting);
+    pub(super) fn end_branch(&mut self, suspended: &SuspendedPath) {
+        self.follow_until(suspended.waiting);
         if let Some(contributions) = &mut self.contributions {
-            contributions.close_until(trunk.open, self.radiance);
+            contributions.close_until(suspended.open, self.radiance);
         }
-        self.media.truncate(trunk.media);
-        self.cuts.truncate(trunk.cuts);
+        self.media.truncate(suspended.media);
+        self.cuts.truncate(suspended.cuts);
     }
 
     /// Goes on with the ray that has split.
-    pub(super) fn end_split(&mut self, trunk: &Trunk, next_set: u32) {
-        self.sampler = trunk.sampler;
+    pub(super) fn end_split(&mut self, suspended: &SuspendedPath, next_set: u32) {
+        self.sampler = suspended.sampler;
         self.next_set = next_set;
     }
 }
@@ -202,11 +202,11 @@ impl<const BANDS: usize> Tracer<'_, BANDS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::{Gathering, Unshared};
+    use crate::options::{Gathering, Uncached};
 
     fn options(divisions: u32, super_samples: u32, accuracy: f64, least_weight: f64) -> RenderOptions {
         let gathering =
-            Gathering { divisions, super_samples, accuracy, unshared: Unshared::Split, ..Gathering::default() };
+            Gathering { divisions, super_samples, accuracy, uncached: Uncached::Split, ..Gathering::default() };
         RenderOptions { gathering, least_weight, ..RenderOptions::default() }
     }
 

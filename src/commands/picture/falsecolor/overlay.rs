@@ -5,9 +5,9 @@ use crate::commands::picture::files::{Source, failed};
 use crate::commands::picture::psign::picture_of;
 use crate::failure::Failure;
 use radsight_picture::{Encoding, Header, Picture, PictureReader, scientific};
-use radsight_picture_tools::brightness::of_rgb;
-use radsight_picture_tools::compose::{Layer, compose};
-use radsight_picture_tools::filter::{FilterOptions, Kernel, Size, filter_one_pass};
+use radsight_picture_ops::brightness::of_rgb;
+use radsight_picture_ops::compose::{Layer, compose};
+use radsight_picture_ops::filter::{FilterOptions, Kernel, Size, filter_one_pass};
 
 /// What is shown of the values.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,9 +4,9 @@ use super::{Options, Original, power, skip};
 use crate::commands::picture::files::{Source, failed, open, output, read_header};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
-use radsight_generate::source_name;
 use radsight_picture::{Header, PictureError, PictureWriter, Resolution, RgbPrimaries, WHITE_EFFICACY, encode_rgbe};
-use radsight_picture_tools::values::{ByteOrder, NumberForm, Part};
+use radsight_picture_ops::values::{ByteOrder, NumberForm, Part};
+use radsight_scene_generators::source_name;
 use std::io::{BufRead, BufReader, Read};
 
 /// The longest word that may be a number, or line that may be a resolution, in bytes.

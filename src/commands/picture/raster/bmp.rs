@@ -6,8 +6,8 @@ use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{Encoding, RgbPrimaries};
-use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
-use radsight_picture_tools::tone_map::{Display, Tones, tone_map};
+use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
+use radsight_picture_ops::tone_map::{Display, Tones, tone_map};
 use std::io::Read;
 
 /// Bytes of the two headers.

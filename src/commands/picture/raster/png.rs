@@ -6,7 +6,7 @@ use crate::commands::picture::files::{failed, write_failed};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
 use radsight_picture::{Image, write_png_grey8, write_png_rgb8};
-use radsight_picture_tools::gamma::{GammaTable, with_grey};
+use radsight_picture_ops::gamma::{GammaTable, with_grey};
 
 /// A picture of more pixels is refused: it is held in memory.
 const MOST_PIXELS: usize = 1 << 28;

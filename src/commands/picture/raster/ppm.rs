@@ -6,8 +6,8 @@ use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
 use radsight_picture::{Encoding, decode_rgbe, encode_rgbe};
-use radsight_picture_tools::brightness::of_rgb;
-use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
+use radsight_picture_ops::brightness::of_rgb;
+use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
 
 struct Options {

@@ -9,8 +9,8 @@ use radsight_picture::{
     Encoding, RgbPrimaries, Tiff, TiffCompression, TiffPixels, decode_rgbe, encode_rgbe, read_tiff_pixels,
     write_log_luv, write_tiff_pixels,
 };
-use radsight_picture_tools::brightness::of_rgb;
-use radsight_picture_tools::gamma::{GammaTable, shifted, with_grey};
+use radsight_picture_ops::brightness::of_rgb;
+use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
 use std::io::Read;
 
 #[derive(Clone, Copy, PartialEq, Eq)]

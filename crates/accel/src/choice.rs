@@ -1,0 +1,136 @@
+//! The choice among surfaces that lie on each other, by the rule of `coincident.rs`.
+
+use crate::coincident::{Standing, Substance, rounding};
+use crate::geometry::Geometry;
+use crate::ids::{MemberId, PrimitiveId};
+use crate::intersection::Crossing;
+use crate::limits::Limits;
+use crate::mesh;
+use crate::polygon::RayFrame;
+use crate::ray::Ray;
+use crate::shape::surface_point;
+use glam::DVec3;
+use radsight_ir::{ModifierHandle, Scene, Shape, SurfaceHandle, ValidScene};
+use std::cmp::Reverse;
+
+/// Surfaces whose normals have a cosine above this lie along each other.
+const ALONG: f64 = 1.0 - 1e-6;
+
+impl Geometry {
+    /// Which of hits that are about as near as the first the ray meets, of those before `farthest`.
+    #[cold]
+    pub(crate) fn choose(&self, scene: &Scene, ray: &Ray, mut hits: Vec<Crossing>, farthest: f64) -> Option<Crossing> {
+        hits.retain(|hit| hit.distance < farthest);
+        // Radiance tries those first that stand last in the scene.
+        hits.sort_unstable_by_key(|hit| Reverse(self.surface_of(self.member_of(hit.primitive).0).index()));
+        hits.into_iter().reduce(|best, next| if self.displaces(scene, ray, best, next) { next } else { best })
+    }
+
+    /// Whether `next`, which stands before `best` in the scene, takes its place.
+    fn displaces(&self, scene: &Scene, ray: &Ray, best: Crossing, next: Crossing) -> bool {
+        if !self.is_plain(self.member_of(next.primitive).0) {
+            return next.distance < best.distance - rounding(ray, best.distance);
+        }
+        if (next.distance - best.distance).abs() > self.tolerance {
+            return next.distance < best.distance;
+        }
+        self.standing(scene, ray, next) > self.standing(scene, ray, best)
+    }
+
+    /// Which surface a ray meets first of those no more than the tolerance from `distance` on it.
+    #[cold]
+    #[must_use]
+    pub fn chosen_near(
+        &self,
+        scene: &ValidScene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        distance: f64,
+    ) -> Option<PrimitiveId> {
+        let nearest = (distance - self.tolerance).max(self.nearest);
+        let limits = Limits { nearest, farthest: distance + self.tolerance };
+        let frame = RayFrame::new(ray);
+        let mut hits = Vec::new();
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            hits.extend(self.crossing(scene, MemberId(index), ray, &frame, from, &limits));
+            limits.farthest
+        });
+        self.choose(scene, ray, hits, limits.farthest).map(|crossing| crossing.primitive)
+    }
+
+    /// Hits no farther apart than this are equally near, scene units.
+    #[inline]
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Whether a surface without others in it is opaque to the rule.
+    #[must_use]
+    pub fn counts_as_opaque(&self, scene: &Scene, surface: SurfaceHandle) -> bool {
+        (self.substance_of)(scene, scene.surfaces[surface].modifier) == Substance::Opaque
+    }
+
+    /// Whether a ray that starts on the surface `from` crosses right there another one that lies on it: Radiance never meets that.
+    #[inline]
+    pub(crate) fn lies_on_start(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, met: &Crossing) -> bool {
+        met.distance <= self.tolerance && self.lies_along(scene, ray, from, met)
+    }
+
+    #[cold]
+    fn lies_along(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, met: &Crossing) -> bool {
+        let Some(from) = from.filter(|from| *from != met.primitive && from.0 < self.primitive_count()) else {
+            return false;
+        };
+        let [start, here] = [(from, ray.origin), (met.primitive, ray.at(met.distance))]
+            .map(|(primitive, point)| self.front(scene, primitive, point));
+        start.dot(here).abs() > ALONG
+    }
+
+    fn standing(&self, scene: &Scene, ray: &Ray, crossing: Crossing) -> Standing {
+        let front = self.front(scene, crossing.primitive, ray.at(crossing.distance));
+        let (substance, modifier) = self.substance(scene, crossing.primitive, 0);
+        Standing { substance, faces_the_ray: ray.direction.dot(front) < 0.0, modifier }
+    }
+
+    /// The material of a primitive, and how late its modifier is defined, `depth` scenes within another.
+    fn substance(&self, scene: &Scene, primitive: PrimitiveId, depth: u32) -> (Substance, (u32, usize)) {
+        let (member, inner) = self.member_of(primitive);
+        let surface = &scene.surfaces[self.surface_of(member)];
+        let of = |modifier: Option<ModifierHandle>, depth| {
+            ((self.substance_of)(scene, modifier), modifier.map_or((0, 0), |handle| (depth, handle.index() + 1)))
+        };
+        match surface.shape {
+            Shape::Mesh(placed) if surface.modifier.is_none() => {
+                let mesh = scene.mesh_instances[placed].mesh;
+                of(self.meshes[mesh.index()].triangle(&scene.meshes[mesh], inner).modifier, depth + 1)
+            }
+            Shape::Instance(placed) if surface.modifier.is_none() => {
+                let octree = scene.instances[placed].octree;
+                let geometry = &self.octrees[octree.index()];
+                geometry.substance(&scene.octrees[octree].scene, inner, depth + 1)
+            }
+            _ => of(surface.modifier, depth),
+        }
+    }
+
+    /// The unit normal of a primitive on its front side.
+    fn front(&self, scene: &Scene, primitive: PrimitiveId, point: DVec3) -> DVec3 {
+        let (member, inner) = self.member_of(primitive);
+        match self.shapes[member.0 as usize] {
+            Shape::Mesh(handle) => {
+                let placed = &scene.mesh_instances[handle];
+                let mesh = &scene.meshes[placed.mesh];
+                let triangle = self.meshes[placed.mesh.index()].triangle(mesh, inner);
+                placed.to_scene.direction(mesh::front(mesh, triangle))
+            }
+            Shape::Instance(handle) => {
+                let placed = &scene.instances[handle];
+                let geometry = &self.octrees[placed.octree.index()];
+                let point = placed.to_scene.inverse().point(point);
+                placed.to_scene.direction(geometry.front(&scene.octrees[placed.octree].scene, inner, point))
+            }
+            shape => surface_point(scene, shape, point).1,
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! The hierarchy of boxes: eight boxes a node, and where it holds triangles, four of them a leaf.
+//!
+//! It is in single precision about the centre of what it holds, with boxes padded by more than its rounding; what it proposes is
+//! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
+
+use crate::bounds::Bounds;
+use crate::hierarchy_block::{Block, Probe};
+use crate::hierarchy_build::{Built, build};
+use crate::hierarchy_child::{Child, Waiting};
+use crate::hierarchy_node::{Node, Slabs, WIDTH};
+use crate::hierarchy_part::Leaves;
+use crate::ray::Ray;
+use glam::DVec3;
+
+/// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
+const BOX_PADDING: f64 = 2e-6;
+
+/// Boxes in boxes around items. Items have slots, so that those of a box have slots one after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Hierarchy {
+    nodes: Vec<Node>,
+    /// The leaves, where they hold triangles; else the slots of a leaf stand in its [`Child`].
+    blocks: Vec<Block>,
+    root: Child,
+    bounds: Bounds,
+    center: DVec3,
+    radius: f64,
+}
+
+/// Children that wait, the next one last.
+struct Stack {
+    places: [Waiting; STACK],
+    count: usize,
+    overflow: Vec<Waiting>,
+}
+
+/// Children that wait before memory is asked for. More are rare: nodes below nodes to this depth and a third.
+const STACK: usize = 48;
+
+impl Default for Stack {
+    #[inline(always)]
+    fn default() -> Stack {
+        Stack { places: [Waiting::default(); STACK], count: 0, overflow: Vec::new() }
+    }
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push(&mut self, waiting: Waiting) {
+        match self.places.get_mut(self.count) {
+            Some(place) => *place = waiting,
+            None => self.overflow.push(waiting),
+        }
+        self.count += 1;
+    }
+
+    /// The next one that is entered before `farthest`.
+    #[inline(always)]
+    fn pop(&mut self, farthest: f32) -> Option<Child> {
+        while self.count > 0 {
+            self.count -= 1;
+            let next = match self.places.get(self.count) {
+                Some(place) => *place,
+                None => self.overflow.pop().unwrap_or_default(),
+            };
+            if next.entry() <= farthest {
+                return Some(next.child());
+            }
+        }
+        None
+    }
+}
+
+impl Hierarchy {
+    /// Around items that are numbered from 0, of which some may be triangles; tells also which item is in which slot.
+    pub(crate) fn build(
+        count: usize,
+        bounds_of: impl Fn(usize) -> Bounds + Sync,
+        triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
+    ) -> (Hierarchy, Vec<u32>) {
+        let all = (0..count).map(&bounds_of);
+        let bounds = all.reduce(Bounds::union).unwrap_or(Bounds::point(DVec3::ZERO));
+        let center = (bounds.min + bounds.max) * 0.5;
+        let radius = 0.5 * (bounds.max - bounds.min).length();
+        let padding = DVec3::splat(BOX_PADDING * radius);
+        let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
+        // With few triangles among other things a block would only stand in the way.
+        let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
+        let Built { nodes, root, order } = build(count, leaves, |item| {
+            let Bounds { min, max } = bounds_of(item);
+            [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
+        });
+        let mut hierarchy = Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius };
+        if leaves == Leaves::Blocks {
+            hierarchy.pack(|slot| {
+                let triangle = triangle_of(order[slot as usize] as usize)?;
+                Some(triangle.map(|corner| corner - center))
+            });
+        }
+        (hierarchy, order)
+    }
+
+    /// Puts what is in each leaf into a block.
+    fn pack(&mut self, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) {
+        let children = self.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut self.root]);
+        for child in children.filter(|child| child.is_leaf()) {
+            let slots = child.slots();
+            *child = Child::block(self.blocks.len());
+            self.blocks.push(Block::new(slots.start, slots.len() as u32, &triangle_of));
+        }
+        self.blocks.shrink_to_fit();
+    }
+
+    /// Memory of nodes and leaves.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+    }
+
+    /// The box around all items.
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Centre and radius of a sphere around all items.
+    pub(crate) fn bounding_sphere(&self) -> (DVec3, f64) {
+        (self.center, self.radius)
+    }
+
+    /// Visits the slots of items that a ray may meet before `limit`, the nearest boxes first. `visit` tells the limit from
+    /// then on; below zero ends it.
+    #[inline]
+    pub(crate) fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(u32) -> f64) {
+        let (start, skip) = self.start(ray);
+        let to_single = |distance: f64| ((distance - skip).max(0.0) as f32).next_up();
+        let (start, direction) = (start.as_vec3(), ray.direction.as_vec3());
+        let slabs = Slabs::new(start, direction);
+        let probe = Probe::new(start, direction, self.radius as f32);
+        let mut stack = Stack::default();
+        let mut farthest = to_single(limit);
+        let mut current = self.root;
+        loop {
+            if !current.is_leaf() {
+                if let Some(nearest) = self.enter(current, &slabs, farthest, &mut stack) {
+                    current = nearest;
+                    continue;
+                }
+            } else if let Some(block) = self.blocks.get(current.block_index()) {
+                let mut candidates = probe.candidates(block, farthest);
+                while candidates != 0 {
+                    let limit = visit(block.first_slot() + candidates.trailing_zeros());
+                    candidates &= candidates - 1;
+                    if limit < 0.0 {
+                        return;
+                    }
+                    farthest = to_single(limit);
+                }
+            } else {
+                for slot in current.slots() {
+                    let limit = visit(slot);
+                    if limit < 0.0 {
+                        return;
+                    }
+                    farthest = to_single(limit);
+                }
+            }
+            let Some(next) = stack.pop(farthest) else { return };
+            current = next;
+        }
+    }
+
+    /// The nearest child of a node that a ray enters; the others wait.
+    #[inline(always)]
+    fn enter(&self, node: Child, slabs: &Slabs, farthest: f32, stack: &mut Stack) -> Option<Child> {
+        let node = self.nodes.get(node.0 as usize)?;
+        let mut entered = slabs.enter(node, farthest);
+        let first = entered.next(node)?;
+        let Some(second) = entered.next(node) else { return Some(first.child()) };
+        let (near, far) = if second < first { (second, first) } else { (first, second) };
+        if entered.is_empty() {
+            self.touch(far.child());
+            stack.push(far);
+            return Some(near.child());
+        }
+        let mut places = [Waiting::default(); WIDTH];
+        let (nearest, others) = entered.sorted(node, [far, near], &mut places).split_last()?;
+        for other in others {
+            self.touch(other.child());
+            stack.push(*other);
+        }
+        Some(nearest.child())
+    }
+
+    /// Reads a word of what waits, so that it comes from memory while other things are looked at.
+    #[inline]
+    fn touch(&self, child: Child) {
+        if child.is_leaf() {
+            std::hint::black_box(self.blocks.get(child.block_index()).map(Block::first_slot));
+        } else {
+            std::hint::black_box(self.nodes.get(child.0 as usize).map(|node| node.children[0]));
+        }
+    }
+
+    /// Where the ray starts about the centre, and how far it was moved: single precision is for what is near, so a start outside
+    /// twice the bounding sphere moves up to it.
+    fn start(&self, ray: &Ray) -> (DVec3, f64) {
+        let from_center = ray.origin - self.center;
+        let skip = if from_center.length_squared() > 4.0 * self.radius * self.radius {
+            (-from_center.dot(ray.direction) - 1.5 * self.radius).max(0.0)
+        } else {
+            0.0
+        };
+        (from_center + ray.direction * skip, skip)
+    }
+}

@@ -1,0 +1,297 @@
+//! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the axes of
+//! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
+//! The cuts make a binary tree, of which [`collapse`] makes nodes of eight boxes.
+
+use crate::hierarchy_child::{Child, LARGEST_LEAF};
+use crate::hierarchy_collapse::collapse;
+use crate::hierarchy_node::Node;
+use crate::hierarchy_part::{Leaves, Part};
+use glam::{Vec3, Vec4, Vec4Swizzles};
+
+/// Nodes, and the items by slot.
+pub(crate) struct Built {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) root: Child,
+    pub(crate) order: Vec<u32>,
+}
+
+/// An item's box; the fourth number of `low` holds the bits of the item's number.
+#[derive(Clone, Copy)]
+struct Item {
+    low: Vec4,
+    high: Vec4,
+}
+
+/// A box that grows. Its fourth numbers mean nothing.
+#[derive(Clone, Copy)]
+struct Hull {
+    low: Vec4,
+    high: Vec4,
+}
+
+/// Bins along an axis; few items have fewer.
+const BINS: usize = 16;
+
+/// Of more items than this only a sample of `SAMPLE` is counted to choose a cut.
+const MOST_COUNTED: usize = 4096;
+
+const SAMPLE: usize = 1024;
+
+/// An axis along which the centres reach less than this share of the widest one is not tried.
+const NARROW: f32 = 0.25;
+
+/// What it costs to open a box, in tests.
+const OPENING: f32 = 0.5;
+
+/// More items than this are shared out between threads.
+const PARALLEL: usize = 1 << 15;
+
+/// From this depth on items are halved by number, so that no arrangement of items makes the hierarchy deep.
+const DEEPEST_CHOICE: u32 = 40;
+
+/// Builds over `count` items with the boxes that `box_of` tells, low and high corner.
+pub(crate) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
+    let mut items: Vec<Item> = (0..count)
+        .map(|index| {
+            let [low, high] = box_of(index);
+            Item { low: low.extend(f32::from_bits(index as u32)), high: high.extend(0.0) }
+        })
+        .collect();
+    let mut parts = Vec::new();
+    if count > 0 {
+        Range::of(&items).build(&mut items, 0, &mut parts, leaves, 0);
+    }
+    let order = items.iter().map(|item| item.low.w.to_bits()).collect();
+    drop(items);
+    let (nodes, root) = collapse(&parts, leaves);
+    Built { nodes, root, order }
+}
+
+/// What is known of items that stand together, before it is decided how they are cut.
+#[derive(Clone, Copy)]
+struct Range {
+    count: usize,
+    hull: Hull,
+    /// Around the sums of the corners of each item's box.
+    centers: Hull,
+}
+
+impl Range {
+    const EMPTY: Range = Range { count: 0, hull: Hull::EMPTY, centers: Hull::EMPTY };
+
+    fn of(items: &[Item]) -> Range {
+        let mut range = Range::EMPTY;
+        items.iter().for_each(|item| range.add(item));
+        range
+    }
+
+    #[inline]
+    fn add(&mut self, item: &Item) {
+        self.count += 1;
+        self.hull.add(item.low, item.high);
+        self.centers.add(item.center(), item.center());
+    }
+
+    /// Appends the tree over the items, which are all of the range and have slots from `first_slot` on.
+    fn build(self, items: &mut [Item], first_slot: usize, parts: &mut Vec<Part>, leaves: Leaves, depth: u32) {
+        let (low, high) = (self.hull.low.xyz(), self.hull.high.xyz());
+        let Some([left, right]) = self.cut(items, leaves, depth) else {
+            parts.push(Part::leaf(low, high, Child::leaf(first_slot, self.count)));
+            return;
+        };
+        let own = parts.len();
+        parts.push(Part::branch(low, high));
+        let (left_items, right_items) = items.split_at_mut(left.count);
+        let middle = first_slot + left.count;
+        if self.count < PARALLEL {
+            left.build(left_items, first_slot, parts, leaves, depth + 1);
+            let right_at = parts.len() - own;
+            parts[own].set_right(right_at);
+            right.build(right_items, middle, parts, leaves, depth + 1);
+            return;
+        }
+        let mut others = Vec::new();
+        rayon::join(
+            || left.build(left_items, first_slot, parts, leaves, depth + 1),
+            || right.build(right_items, middle, &mut others, leaves, depth + 1),
+        );
+        let right_at = parts.len() - own;
+        parts[own].set_right(right_at);
+        parts.append(&mut others);
+    }
+
+    /// Puts the items in order and cuts them; `None` where a leaf is better.
+    fn cut(&self, items: &mut [Item], leaves: Leaves, depth: u32) -> Option<[Range; 2]> {
+        let count = self.count;
+        if count < 2 {
+            return None;
+        }
+        let widest = (self.centers.high - self.centers.low).xyz().max_element();
+        if depth >= DEEPEST_CHOICE || !(BINS as f32 / widest).is_finite() {
+            return (count > LARGEST_LEAF).then(|| halves(items, count / 2));
+        }
+        let choice = match count {
+            ..=4 => self.cheapest::<4>(items, leaves),
+            5..=8 => self.cheapest::<8>(items, leaves),
+            _ => self.cheapest::<BINS>(items, leaves),
+        };
+        let area = self.hull.half_area();
+        if count <= LARGEST_LEAF && leaves.cost(count as u32) * area <= OPENING * area + choice.cost {
+            return None;
+        }
+        let is_left = |item: &Item| choice.grid.bins_of(item)[choice.axis] < choice.first_right;
+        let left = if choice.cost.is_finite() { partition(items, is_left) } else { count / 2 };
+        Some(halves(items, left))
+    }
+
+    /// The cheapest cut between bins.
+    fn cheapest<const N: usize>(&self, items: &[Item], leaves: Leaves) -> Choice {
+        let grid = Grid::over(&self.centers, N);
+        let mut bins = [[Bin::EMPTY; N]; 3];
+        let mut count = |item: &Item| {
+            for (bins, place) in bins.iter_mut().zip(grid.bins_of(item)) {
+                bins[place % N].add(item.low, item.high, 1);
+            }
+        };
+        if items.len() > MOST_COUNTED {
+            // The golden ratio, so that no regular arrangement of the items is met by the places.
+            let places = (0..SAMPLE).map(|k| (k as u32).wrapping_mul(0x9e37_79b9));
+            places.for_each(|place| count(&items[((u64::from(place) * items.len() as u64) >> 32) as usize]));
+        } else {
+            items.iter().for_each(count);
+        }
+        let mut best = Choice { grid, axis: 0, first_right: 0, cost: f32::INFINITY };
+        for (axis, bins) in bins.iter().enumerate() {
+            let (first_right, cost) = cheapest(bins, leaves);
+            if cost < best.cost {
+                best = Choice { axis, first_right, cost, ..best };
+            }
+        }
+        best
+    }
+}
+
+/// Ranges of the first `left` items and of the others.
+fn halves(items: &[Item], left: usize) -> [Range; 2] {
+    let (left, right) = items.split_at(left);
+    [Range::of(left), Range::of(right)]
+}
+
+/// Puts the items of the left side first and tells how many they are. What is left is as good as random, so nothing branches on it.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let mut left = 0;
+    for index in 0..items.len() {
+        let goes_left = is_left(&items[index]);
+        items.swap(index, left);
+        left += usize::from(goes_left);
+    }
+    left
+}
+
+/// Where to cut: items in bins of `axis` before `first_right` are on the left.
+#[derive(Clone, Copy)]
+struct Choice {
+    grid: Grid,
+    axis: usize,
+    first_right: usize,
+    /// The sum of area times cost on both sides; infinite where there is no cut.
+    cost: f32,
+}
+
+/// Bins between the outermost centres.
+#[derive(Clone, Copy)]
+struct Grid {
+    low: Vec4,
+    /// Bins a length; zero along axes that are not tried.
+    scale: Vec4,
+}
+
+impl Grid {
+    fn over(centers: &Hull, bins: usize) -> Grid {
+        let extent = (centers.high - centers.low).xyz();
+        let narrow = NARROW * extent.max_element();
+        let scale = extent.map(|extent| if extent >= narrow { bins as f32 * (1.0 - 1e-5) / extent } else { 0.0 });
+        Grid { low: centers.low, scale: scale.extend(0.0) }
+    }
+
+    /// The bins of an item along the axes.
+    #[inline]
+    fn bins_of(&self, item: &Item) -> [usize; 3] {
+        // From 128 on to twice that, the last sixteen bits of a number are what is behind the point.
+        let places = (item.center() - self.low) * self.scale + Vec4::splat(128.0);
+        let [x, y, z, _] = places.to_array().map(|place| (place.to_bits() >> 16) as usize % BINS);
+        [x, y, z]
+    }
+}
+
+/// The first bin on the right of the cheapest cut between bins, and its cost.
+fn cheapest<const N: usize>(bins: &[Bin; N], leaves: Leaves) -> (usize, f32) {
+    let mut right_cost = [f32::INFINITY; N];
+    let mut right = Bin::EMPTY;
+    for index in (1..N).rev() {
+        right.join(&bins[index]);
+        right_cost[index] = right.cost(leaves);
+    }
+    let mut best = (0, f32::INFINITY);
+    let mut left = Bin::EMPTY;
+    for index in 1..N {
+        left.join(&bins[index - 1]);
+        let cost = left.cost(leaves) + right_cost[index];
+        if cost < best.1 {
+            best = (index, cost);
+        }
+    }
+    best
+}
+
+/// What is in a bin.
+#[derive(Clone, Copy)]
+struct Bin {
+    hull: Hull,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Bin = Bin { hull: Hull::EMPTY, count: 0 };
+
+    #[inline]
+    fn add(&mut self, low: Vec4, high: Vec4, count: u32) {
+        self.hull.add(low, high);
+        self.count += count;
+    }
+
+    #[inline]
+    fn join(&mut self, other: &Bin) {
+        self.add(other.hull.low, other.hull.high, other.count);
+    }
+
+    #[inline]
+    fn cost(&self, leaves: Leaves) -> f32 {
+        if self.count == 0 { f32::INFINITY } else { self.hull.half_area() * leaves.cost(self.count) }
+    }
+}
+
+impl Item {
+    /// Twice the centre of its box; the fourth number means nothing.
+    #[inline]
+    fn center(&self) -> Vec4 {
+        self.low + self.high
+    }
+}
+
+impl Hull {
+    const EMPTY: Hull = Hull { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
+
+    #[inline]
+    fn add(&mut self, low: Vec4, high: Vec4) {
+        self.low = self.low.min(low);
+        self.high = self.high.max(high);
+    }
+
+    #[inline]
+    fn half_area(&self) -> f32 {
+        let size = self.high - self.low;
+        let products = size * size.yzxw();
+        products.x + products.y + products.z
+    }
+}

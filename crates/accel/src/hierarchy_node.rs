@@ -1,0 +1,204 @@
+//! Nodes of a hierarchy: eight boxes on a grid in two lines of cache, tested four at once (after Ylitie, Karras, Laine, "Efficient Incoherent Ray
+//! Traversal on GPUs Through Compressed Wide BVHs", High-Performance Graphics 2017, section 3.1).
+
+use crate::hierarchy_child::{Child, Waiting};
+use glam::{Vec3, Vec4};
+
+/// A grid of 256 places along each axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Grid {
+    pub(crate) origin: [f32; 3],
+    /// From one place to the next.
+    pub(crate) step: [f32; 3],
+}
+
+impl Grid {
+    /// From corner to corner; the last place is never short of the high one.
+    pub(crate) fn over(low: Vec3, high: Vec3) -> Grid {
+        let step = (high - low) * ((1.0 + 4.0 * f32::EPSILON) / 255.0);
+        Grid { origin: low.to_array(), step: step.to_array() }
+    }
+
+    /// How many steps from the origin a coordinate is, 0 to 255.
+    pub(crate) fn steps(&self, axis: usize, coordinate: f32) -> f32 {
+        let steps = (coordinate - self.origin[axis]) / self.step[axis];
+        // A grid without extent has one place.
+        if steps.is_finite() { steps.clamp(0.0, 255.0) } else { 0.0 }
+    }
+}
+
+/// Four places as numbers.
+#[inline]
+pub(crate) fn lanes(places: [u8; 4]) -> Vec4 {
+    Vec4::from_array(places.map(f32::from))
+}
+
+/// Boxes of a node.
+pub(crate) const WIDTH: usize = 8;
+
+/// Eight boxes, and what is in them.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Node {
+    /// The low sides by axis, then the high sides, in halves.
+    planes: [[[u8; 4]; WIDTH / 4]; 6],
+    grid: Grid,
+    pub(crate) children: [Child; WIDTH],
+}
+
+impl Node {
+    /// Of no boxes.
+    pub(crate) const EMPTY: Node = Node {
+        planes: [[[0; 4]; WIDTH / 4]; 6],
+        grid: Grid { origin: [0.0; 3], step: [0.0; 3] },
+        children: [Child::NONE; WIDTH],
+    };
+
+    /// Around up to eight boxes, low and high corner; the others are never entered.
+    pub(crate) fn around(boxes: &[[Vec3; 2]], children: [Child; WIDTH]) -> Node {
+        let (low, high) = boxes
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), of| (low.min(of[0]), high.max(of[1])));
+        let grid = Grid::over(low, high);
+        let mut planes = [255, 255, 255, 0, 0, 0].map(|place| [[place; 4]; WIDTH / 4]);
+        for (lane, [low, high]) in boxes.iter().enumerate() {
+            for axis in 0..3 {
+                planes[axis][lane / 4][lane % 4] = grid.steps(axis, low[axis]).floor() as u8;
+                planes[axis + 3][lane / 4][lane % 4] = grid.steps(axis, high[axis]).ceil() as u8;
+            }
+        }
+        Node { planes, grid, children }
+    }
+}
+
+/// A ray as the boxes see it.
+pub(crate) struct Slabs {
+    origin: [f32; 3],
+    /// One over the direction.
+    inverse: [f32; 3],
+    /// Which planes of a node the ray crosses first, and last.
+    first: [usize; 3],
+    last: [usize; 3],
+}
+
+/// The children whose boxes a ray enters.
+pub(crate) struct Entered {
+    /// A bit for each.
+    lanes: u32,
+    entries: [[f32; 4]; WIDTH / 4],
+}
+
+impl Slabs {
+    #[inline]
+    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Slabs {
+        // A ray along a plane of a box must not ask for zero times infinity.
+        let inverse = direction
+            .map(|component| if component.abs() < 1e-30 { 1e30_f32.copysign(component) } else { component.recip() });
+        let down = direction.to_array().map(f32::is_sign_negative);
+        let plane = |axis: usize, high: bool| axis + 3 * usize::from(high);
+        Slabs {
+            origin: origin.to_array(),
+            inverse: inverse.to_array(),
+            first: [0, 1, 2].map(|axis| plane(axis, down[axis])),
+            last: [0, 1, 2].map(|axis| plane(axis, !down[axis])),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn enter(&self, node: &Node, farthest: f32) -> Entered {
+        let mut near = [Vec4::ZERO; WIDTH / 4];
+        let mut far = [Vec4::splat(farthest); WIDTH / 4];
+        for axis in 0..3 {
+            let start = Vec4::splat((node.grid.origin[axis] - self.origin[axis]) * self.inverse[axis]);
+            let step = Vec4::splat(node.grid.step[axis] * self.inverse[axis]);
+            let (first, last) = (&node.planes[self.first[axis]], &node.planes[self.last[axis]]);
+            for half in 0..WIDTH / 4 {
+                near[half] = (lanes(first[half]) * step + start).max(near[half]);
+                far[half] = (lanes(last[half]) * step + start).min(far[half]);
+            }
+        }
+        let lanes = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
+        Entered { lanes, entries: near.map(|half| half.to_array()) }
+    }
+}
+
+impl Entered {
+    /// One that was not told yet.
+    #[inline(always)]
+    pub(crate) fn next(&mut self, node: &Node) -> Option<Waiting> {
+        if self.lanes == 0 {
+            return None;
+        }
+        let lane = self.lanes.trailing_zeros() as usize % WIDTH;
+        self.lanes &= self.lanes - 1;
+        Some(Waiting::new(node.children[lane], self.entries[lane / 4][lane % 4]))
+    }
+
+    /// Two that were told already and all others, the nearest last.
+    pub(crate) fn sorted<'p>(
+        mut self,
+        node: &Node,
+        two: [Waiting; 2],
+        places: &'p mut [Waiting; WIDTH],
+    ) -> &'p [Waiting] {
+        places[..2].copy_from_slice(&two);
+        let mut count = 2;
+        while let Some(next) = self.next(node) {
+            let mut place = count % WIDTH;
+            while place > 0 && places[place - 1] < next {
+                places[place] = places[place - 1];
+                place -= 1;
+            }
+            places[place] = next;
+            count += 1;
+        }
+        &places[..count.min(WIDTH)]
+    }
+
+    /// Whether all were told.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.lanes == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_fills_two_lines_of_cache() {
+        assert_eq!(size_of::<Node>(), 128);
+    }
+
+    #[test]
+    fn boxes_on_the_grid_hold_the_boxes_that_were_given() {
+        let of =
+            |x: f32, y: f32, z: f32, size: f32| [Vec3::new(x, y, z), Vec3::new(x + size, y + 2.0 * size, z + 1e-6)];
+        let boxes = [of(0.0, -1.0, 0.3, 0.37), of(0.11, 0.7, 0.3, 1e-4), of(-2.3, 0.2, 0.3, 3.1)];
+        let node = Node::around(&boxes, [Child::NONE; WIDTH]);
+        for (lane, [low, high]) in boxes.iter().enumerate() {
+            for axis in 0..3 {
+                let place = |plane: usize| {
+                    node.grid.origin[axis] + f32::from(node.planes[plane][lane / 4][lane % 4]) * node.grid.step[axis]
+                };
+                assert!(place(axis) <= low[axis] + 1e-6 && place(axis + 3) >= high[axis] - 1e-6, "{lane} {axis}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_ray_enters_stands_with_the_nearest_last() {
+        let of = |z: f32| [Vec3::new(-1.0, -1.0, z), Vec3::new(1.0, 1.0, z + 0.5)];
+        let mut children = [Child::NONE; WIDTH];
+        children[..3].copy_from_slice(&[Child::node(4), Child::node(1), Child::node(2)]);
+        let node = Node::around(&[of(4.0), of(1.0), of(2.0)], children);
+        let mut entered = Slabs::new(Vec3::ZERO, Vec3::Z).enter(&node, 5.0);
+        let [first, second] = [(); 2].map(|()| entered.next(&node).unwrap());
+        assert_eq!((first.child(), second.child()), (Child::node(4), Child::node(1)));
+        let mut places = [Waiting::default(); WIDTH];
+        let sorted = entered.sorted(&node, [first, second], &mut places);
+        let children: Vec<Child> = sorted.iter().map(|waiting| waiting.child()).collect();
+        assert_eq!(children, [Child::node(4), Child::node(2), Child::node(1)]);
+    }
+}

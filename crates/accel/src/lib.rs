@@ -1,0 +1,60 @@
+//! Finds where rays meet the surfaces of a scene: exact intersection under bounding volume hierarchies.
+//!
+//! Each mesh and each scene that is placed in another has one hierarchy, in its own coordinates, which all its copies share: a ray
+//! that meets the box of a copy goes on in there. [`PrimitiveId`]s number what a ray can hit through all copies: first the members,
+//! then the content of each mesh and instance, one after the other.
+//!
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a ray that starts on a flat surface never meets it; no ray passes between
+//! polygons that share an edge; of surfaces that lie on each other Radiance's rule chooses one. Knows ids, not materials: what shades
+//! a surface is a [`ShaderId`] to it, and what a material is to the rule ([`Substance`]) it asks the caller.
+//!
+//! ```
+//! use glam::DVec3;
+//! use radsight_accel::{Geometry, Ray, ShaderId, ShaderTable, Substance};
+//! use radsight_ir::{Facing, Scene, Shape, Sphere, Surface};
+//! let mut scene = Scene::default();
+//! let name = scene.names.add("ball");
+//! let ball = scene.spheres.add(Sphere { center: DVec3::ZERO, radius: 1.0, facing: Facing::Outward });
+//! scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Sphere(ball) });
+//! let scene = scene.validate().unwrap().scene;
+//! let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true).unwrap();
+//! let shaders = ShaderTable::new(vec![ShaderId(7)], Vec::new());
+//! let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z).unwrap();
+//! let hit = geometry.first_hit(&scene, &shaders, &ray, None).unwrap();
+//! assert_eq!((hit.distance, hit.front, hit.shader), (2.0, DVec3::Z, ShaderId(7)));
+//! ```
+#![forbid(unsafe_code)]
+
+mod bounds;
+mod choice;
+mod coincident;
+mod cone;
+mod description;
+mod disk;
+mod geometry;
+mod hierarchy;
+mod hierarchy_block;
+mod hierarchy_build;
+mod hierarchy_child;
+mod hierarchy_collapse;
+mod hierarchy_node;
+mod hierarchy_part;
+mod ids;
+mod intersection;
+mod limits;
+mod mesh;
+mod polygon;
+mod ray;
+mod shape;
+mod sphere;
+mod traversal;
+
+pub use bounds::Bounds;
+pub use coincident::{Substance, SubstanceOf};
+pub use description::Identity;
+pub use geometry::Geometry;
+pub use ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
+pub use intersection::{Crossing, Intersection, Placed};
+pub use polygon::RayFrame;
+pub use ray::Ray;
+pub use shape::{flat_normal, is_flat, polygon_normal};

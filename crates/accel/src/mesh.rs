@@ -1,0 +1,159 @@
+//! Triangle meshes, in their own coordinates.
+
+use crate::bounds::Bounds;
+use crate::coincident;
+use crate::hierarchy::Hierarchy;
+use crate::ids::PrimitiveId;
+use crate::intersection::Crossing;
+use crate::limits::{Limits, SELF_HIT};
+use crate::polygon::{self, RayFrame};
+use crate::ray::Ray;
+use glam::DVec3;
+use radsight_ir::{Mesh, MeshTriangle};
+
+/// The hierarchy of a mesh, shared by all its copies.
+#[derive(Debug)]
+pub(crate) struct MeshGeometry {
+    hierarchy: Hierarchy,
+    /// The corners by slot, and the index of the triangle there.
+    slots: Vec<([u32; 3], u32)>,
+    nearest: f64,
+}
+
+/// Where a mesh is hit: unit normals and local coordinates.
+pub(crate) struct MeshPoint {
+    /// Of the triangle, counter-clockwise seen from the front.
+    pub(crate) front: DVec3,
+    /// Interpolated between the vertices, where they have normals.
+    pub(crate) smooth: Option<DVec3>,
+    pub(crate) uv: [f64; 2],
+}
+
+impl MeshGeometry {
+    pub(crate) fn build(mesh: &Mesh) -> MeshGeometry {
+        let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
+        let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
+        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of);
+        let slots = order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
+        let nearest = SELF_HIT * hierarchy.bounds().reach();
+        MeshGeometry { hierarchy, slots, nearest }
+    }
+
+    /// Which triangle a primitive is.
+    pub(crate) fn triangle<'m>(&self, mesh: &'m Mesh, primitive: PrimitiveId) -> &'m MeshTriangle {
+        &mesh.triangles[self.slots[primitive.0 as usize].1 as usize]
+    }
+
+    /// Memory of the hierarchy and its slots.
+    pub(crate) fn bytes(&self) -> usize {
+        self.hierarchy.bytes() + size_of_val(&*self.slots)
+    }
+
+    pub(crate) fn bounds(&self) -> Bounds {
+        self.hierarchy.bounds()
+    }
+
+    /// The first triangle along the ray, `from` excluded; primitives are triangles, by slot.
+    pub(crate) fn first(&self, mesh: &Mesh, ray: &Ray, from: Option<PrimitiveId>, limits: Limits) -> Option<Crossing> {
+        let frame = RayFrame::new(ray);
+        let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
+        let mut best: Option<Crossing> = None;
+        self.hierarchy.visit(ray, limits.farthest, |slot| {
+            if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits)
+                && best.is_none_or(|best| self.displaces(best, crossing, ray))
+            {
+                limits.farthest = crossing.distance + coincident::rounding(ray, crossing.distance);
+                best = Some(crossing);
+            }
+            limits.farthest
+        });
+        best
+    }
+
+    /// Whether a triangle is nearer than the best one so far: of those that lie on each other the last one in the mesh is met.
+    fn displaces(&self, best: Crossing, next: Crossing, ray: &Ray) -> bool {
+        let order = |crossing: Crossing| self.slots[crossing.primitive.0 as usize].1;
+        if (next.distance - best.distance).abs() > coincident::rounding(ray, best.distance) {
+            return next.distance < best.distance;
+        }
+        order(next) > order(best)
+    }
+
+    /// Calls `block` for each triangle within the limits, until it returns true; tells whether it did.
+    pub(crate) fn any(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let frame = RayFrame::new(ray);
+        let limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
+        let mut blocked = false;
+        self.hierarchy.visit(ray, limits.farthest, |slot| {
+            blocked = blocked || self.crossing(mesh, slot, ray, &frame, from, &limits).is_some_and(&mut *block);
+            if blocked { -1.0 } else { limits.farthest }
+        });
+        blocked
+    }
+
+    #[inline]
+    fn crossing(
+        &self,
+        mesh: &Mesh,
+        slot: u32,
+        ray: &Ray,
+        frame: &RayFrame,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let primitive = PrimitiveId(u64::from(slot));
+        let corners = corners(mesh, self.slots[slot as usize].0);
+        let distance = polygon::intersect_triangle(&corners, ray, frame, limits.range())?;
+        (from != Some(primitive)).then_some(Crossing { distance, primitive })
+    }
+}
+
+#[inline]
+fn corners(mesh: &Mesh, vertices: [u32; 3]) -> [DVec3; 3] {
+    vertices.map(|vertex| mesh.vertices[vertex as usize])
+}
+
+fn bounds(mesh: &Mesh, vertices: [u32; 3]) -> Bounds {
+    let [a, b, c] = corners(mesh, vertices);
+    Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
+
+/// The unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+pub(crate) fn front(mesh: &Mesh, triangle: &MeshTriangle) -> DVec3 {
+    polygon::normal(&corners(mesh, triangle.vertices))
+}
+
+/// What a mesh is like at a point of a triangle.
+pub(crate) fn mesh_point(mesh: &Mesh, triangle: &MeshTriangle, point: DVec3) -> MeshPoint {
+    let corners = corners(mesh, triangle.vertices);
+    let area = polygon::area_vector(&corners);
+    let front = area.normalize_or(DVec3::Z);
+    let mut found = MeshPoint { front, smooth: None, uv: [0.0; 2] };
+    let weights = barycentric(&corners, area, point);
+    if triangle.smooth {
+        let normals = triangle.vertices.map(|vertex| mesh.normals[vertex as usize]);
+        let sum = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        found.smooth = sum.try_normalize();
+    }
+    if triangle.textured {
+        let uvs = triangle.vertices.map(|vertex| mesh.uvs[vertex as usize]);
+        let mix = |axis: usize| (0..3).map(|corner| weights[corner] * uvs[corner][axis]).sum();
+        found.uv = [mix(0), mix(1)];
+    }
+    found
+}
+
+/// The weights of the three corners at a point in their plane; `area` is twice the vector area.
+fn barycentric(corners: &[DVec3; 3], area: DVec3, point: DVec3) -> [f64; 3] {
+    let squared = area.length_squared();
+    let share = |a: DVec3, b: DVec3| (a - point).cross(b - point).dot(area) / squared;
+    let (first, second) = (share(corners[1], corners[2]), share(corners[2], corners[0]));
+    if first.is_finite() && second.is_finite() { [first, second, 1.0 - first - second] } else { [1.0, 0.0, 0.0] }
+}

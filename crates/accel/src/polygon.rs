@@ -1,0 +1,108 @@
+//! Flat polygons: convex, concave, and with holes that are joined by seams.
+
+use crate::ray::Ray;
+use glam::DVec3;
+use std::ops::Range;
+
+/// A shear that takes the ray to the z axis, so that "does the ray pass through the polygon" is asked in two dimensions.
+///
+/// Two polygons that share an edge project its ends to the same numbers, so no ray passes between them, nor through both
+/// (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013).
+#[derive(Clone, Copy, Debug)]
+pub struct RayFrame {
+    u: DVec3,
+    v: DVec3,
+}
+
+impl RayFrame {
+    /// The shear of a ray.
+    #[inline]
+    #[must_use]
+    pub fn new(ray: &Ray) -> RayFrame {
+        let size = ray.direction.abs();
+        let d = ray.direction;
+        let (u, v) = if size.x > size.y && size.x > size.z {
+            (DVec3::new(-d.y / d.x, 1.0, 0.0), DVec3::new(-d.z / d.x, 0.0, 1.0))
+        } else if size.y > size.z {
+            (DVec3::new(0.0, -d.z / d.y, 1.0), DVec3::new(1.0, -d.x / d.y, 0.0))
+        } else {
+            (DVec3::new(1.0, 0.0, -d.x / d.z), DVec3::new(0.0, 1.0, -d.y / d.z))
+        };
+        RayFrame { u, v }
+    }
+
+    #[inline]
+    fn project(&self, point: DVec3) -> (f64, f64) {
+        (self.u.dot(point), self.v.dot(point))
+    }
+}
+
+/// Distance along the ray to the polygon's plane, where the ray passes through the polygon.
+#[inline]
+pub(crate) fn intersect(vertices: &[DVec3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    if !passes_through(vertices, ray.origin, frame) {
+        return None;
+    }
+    let normal = area_vector(vertices);
+    let distance = normal.dot(vertices[0] - ray.origin) / normal.dot(ray.direction);
+    (distance > range.start && distance < range.end).then_some(distance)
+}
+
+/// [`intersect`] for three vertices.
+#[inline]
+pub(crate) fn intersect_triangle(vertices: &[DVec3; 3], ray: &Ray, frame: &RayFrame, range: Range<f64>) -> Option<f64> {
+    let from_origin = vertices[0] - ray.origin;
+    let a = frame.project(from_origin);
+    let b = frame.project(vertices[1] - ray.origin);
+    let c = frame.project(vertices[2] - ray.origin);
+    if !(crosses(c, a) ^ crosses(a, b) ^ crosses(b, c)) {
+        return None;
+    }
+    let normal = (vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]);
+    let distance = normal.dot(from_origin) / normal.dot(ray.direction);
+    (distance > range.start && distance < range.end).then_some(distance)
+}
+
+/// Whether the line of the ray crosses the polygon: the parity of edges that cross the positive half axis.
+#[inline]
+fn passes_through(vertices: &[DVec3], origin: DVec3, frame: &RayFrame) -> bool {
+    let mut inside = false;
+    let mut previous = frame.project(vertices[vertices.len() - 1] - origin);
+    for vertex in vertices {
+        let next = frame.project(*vertex - origin);
+        inside ^= crosses(previous, next);
+        previous = next;
+    }
+    inside
+}
+
+/// Whether an edge crosses the positive half of the u axis.
+#[inline]
+fn crosses((u0, v0): (f64, f64), (u1, v1): (f64, f64)) -> bool {
+    // The sign of the crossing's u is that of this determinant over v1 − v0; swapping the ends changes both, and a crossing at
+    // zero counts for neither of the polygons that share the edge.
+    let determinant = u0 * v1 - u1 * v0;
+    let rises = v1 > v0;
+    // Nothing branches on what is as good as random.
+    ((v0 >= 0.0) != (v1 >= 0.0)) & ((rises & (determinant > 0.0)) | (!rises & (determinant < 0.0)))
+}
+
+/// Twice the vector area, taken about the first vertex to keep digits far from the origin (Newell).
+#[inline]
+pub(crate) fn area_vector(vertices: &[DVec3]) -> DVec3 {
+    let first = vertices[0];
+    let mut sum = DVec3::ZERO;
+    let mut previous = vertices[1] - first;
+    for vertex in &vertices[2..] {
+        let next = *vertex - first;
+        sum += previous.cross(next);
+        previous = next;
+    }
+    sum
+}
+
+/// Unit normal on the side from which the vertices run counter-clockwise.
+#[inline]
+pub(crate) fn normal(vertices: &[DVec3]) -> DVec3 {
+    area_vector(vertices).normalize_or(DVec3::Z)
+}

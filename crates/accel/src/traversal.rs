@@ -1,0 +1,267 @@
+//! Rays through the hierarchy: the first surface, and any that is in the way.
+
+use crate::geometry::Geometry;
+use crate::ids::{MemberId, PrimitiveId, ShaderTable};
+use crate::intersection::{Crossing, Intersection};
+use crate::limits::Limits;
+use crate::polygon::{self, RayFrame};
+use crate::ray::Ray;
+use crate::{coincident, cone, disk, sphere};
+use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
+
+impl Geometry {
+    /// The first surface along the ray, `from` excluded where it is flat.
+    #[must_use]
+    pub fn first_hit(
+        &self,
+        scene: &ValidScene,
+        shaders: &ShaderTable,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+    ) -> Option<Intersection> {
+        let crossing = self.first_off(scene, ray, from)?;
+        Some(self.hit(scene, shaders, ray, crossing))
+    }
+
+    /// How far away the first surface along the ray is.
+    #[must_use]
+    pub fn distance(&self, scene: &Scene, ray: &Ray) -> Option<f64> {
+        self.first_off(scene, ray, None).map(|crossing| crossing.distance)
+    }
+
+    /// The first surface along the ray that does not lie on the one where it starts.
+    fn first_off(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>) -> Option<Crossing> {
+        let mut limits = Limits { nearest: self.nearest, farthest: f64::INFINITY };
+        loop {
+            let crossing = self.first(scene, ray, from, limits)?;
+            if !self.lies_on_start(scene, ray, from, &crossing) {
+                return Some(crossing);
+            }
+            limits.nearest = crossing.distance * (1.0 + 1e-12) + self.nearest;
+        }
+    }
+
+    fn first(&self, scene: &Scene, ray: &Ray, from: Option<PrimitiveId>, mut limits: Limits) -> Option<Crossing> {
+        let frame = RayFrame::new(ray);
+        let mut best: Option<Crossing> = None;
+        let mut ties = Vec::new();
+        // What is farther than the best hit by less than the tolerance is looked at still.
+        let mut tied_from = f64::INFINITY;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
+                if crossing.distance < tied_from {
+                    ties.clear();
+                } else {
+                    coincident::note(&mut ties, best, crossing);
+                }
+                if crossing.distance < best.map_or(f64::INFINITY, |best| best.distance) {
+                    best = Some(crossing);
+                    tied_from = crossing.distance - self.tolerance;
+                    limits.farthest = crossing.distance + self.tolerance;
+                }
+            }
+            limits.farthest
+        });
+        if ties.is_empty() { best } else { self.choose(scene, ray, ties, limits.farthest) }
+    }
+
+    /// Where a ray first crosses a member before `farthest`.
+    #[inline]
+    #[must_use]
+    pub fn intersect(
+        &self,
+        scene: &ValidScene,
+        member: MemberId,
+        ray: &Ray,
+        frame: &RayFrame,
+        from: Option<PrimitiveId>,
+        farthest: f64,
+    ) -> Option<Crossing> {
+        self.crossing(scene, member, ray, frame, from, &Limits { nearest: self.nearest, farthest })
+    }
+
+    #[inline]
+    pub(crate) fn crossing(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        frame: &RayFrame,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let range = limits.range();
+        let from_here = from == Some(member.primitive());
+        let distance = match self.shapes[member.0 as usize] {
+            // A flat surface is never met again by a ray that starts on it.
+            Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
+            Shape::Polygon { start, count } => {
+                let vertices = &scene.vertices[start as usize..][..count as usize];
+                match vertices.try_into() {
+                    Ok(triangle) => polygon::intersect_triangle(triangle, ray, frame, range),
+                    Err(_) => polygon::intersect(vertices, ray, frame, range),
+                }
+            }
+            Shape::Sphere(handle) => sphere::intersect(&scene.spheres[handle], ray, range),
+            Shape::Cone(handle) => cone::intersect(&scene.cones[handle], ray, range),
+            Shape::Ring(handle) => disk::intersect(&scene.rings[handle], ray, range),
+            Shape::Source(_) => None,
+            Shape::Mesh(_) | Shape::Instance(_) => return self.first_within(scene, member, ray, from, limits),
+        }?;
+        Some(Crossing { distance, primitive: member.primitive() })
+    }
+
+    /// The first primitive of a mesh or an instance along the ray.
+    #[cold]
+    fn first_within(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+    ) -> Option<Crossing> {
+        let primitives = self.primitives_of(member);
+        let from = Geometry::within(&primitives, from);
+        let (scale, found) = match self.shapes[member.0 as usize] {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                let local = limits.seen_from(to_scene.scale);
+                let ray = ray.seen_from(to_scene);
+                (to_scene.scale, self.meshes[mesh.index()].first(&scene.meshes[*mesh], &ray, from, local))
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                let inner = &self.octrees[octree.index()];
+                let mut local = limits.seen_from(to_scene.scale);
+                local.nearest = local.nearest.max(inner.nearest);
+                let ray = ray.seen_from(to_scene);
+                (to_scene.scale, inner.first(&scene.octrees[*octree].scene, &ray, from, local))
+            }
+            _ => return None,
+        };
+        let Crossing { distance, primitive } = found?;
+        let distance = distance * scale;
+        let primitive = PrimitiveId(primitives.start + primitive.0);
+        (distance < limits.farthest).then_some(Crossing { distance, primitive })
+    }
+
+    /// Calls `block` for each crossing between `origin` and `origin + direction·distance`, until it returns true.
+    pub fn any_between(
+        &self,
+        scene: &ValidScene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        distance: f64,
+        mut block: impl FnMut(Crossing) -> bool,
+    ) -> bool {
+        let mut block = |crossing: Crossing| !self.lies_on_start(scene, ray, from, &crossing) && block(crossing);
+        self.any(scene, ray, from, &Limits { nearest: self.nearest, farthest: distance }, &mut block)
+    }
+
+    fn any(
+        &self,
+        scene: &Scene,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let frame = RayFrame::new(ray);
+        let mut blocked = false;
+        self.hierarchy.visit(ray, limits.farthest, |index| {
+            let member = MemberId(index);
+            if !blocked {
+                blocked = if self.is_plain(member) {
+                    self.any_crossing(scene, member, (ray, &frame), from, limits, block)
+                } else {
+                    self.any_within(scene, member, ray, from, limits, block)
+                };
+            }
+            if blocked { -1.0 } else { limits.farthest }
+        });
+        blocked
+    }
+
+    /// Calls `block` for each crossing of one member before `distance`, until it returns true.
+    pub fn any_of_member(
+        &self,
+        scene: &ValidScene,
+        member: MemberId,
+        (ray, frame): (&Ray, &RayFrame),
+        from: Option<PrimitiveId>,
+        distance: f64,
+        mut block: impl FnMut(Crossing) -> bool,
+    ) -> bool {
+        let limits = Limits { nearest: self.nearest, farthest: distance };
+        let mut block = |crossing: Crossing| !self.lies_on_start(scene, ray, from, &crossing) && block(crossing);
+        if self.is_plain(member) {
+            self.any_crossing(scene, member, (ray, frame), from, &limits, &mut block)
+        } else {
+            self.any_within(scene, member, ray, from, &limits, &mut block)
+        }
+    }
+
+    /// Calls `block` for each crossing of a plain member: a curved one may be in the way twice.
+    fn any_crossing(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        (ray, frame): (&Ray, &RayFrame),
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let curved = matches!(self.shapes[member.0 as usize], Shape::Sphere(_) | Shape::Cone(_));
+        let mut range = *limits;
+        while let Some(crossing) = self.crossing(scene, member, ray, frame, from, &range) {
+            if block(crossing) {
+                return true;
+            }
+            range.nearest = crossing.distance * (1.0 + 1e-12) + self.nearest;
+            if !curved {
+                break;
+            }
+        }
+        false
+    }
+
+    #[cold]
+    fn any_within(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        from: Option<PrimitiveId>,
+        limits: &Limits,
+        block: &mut dyn FnMut(Crossing) -> bool,
+    ) -> bool {
+        let primitives = self.primitives_of(member);
+        let from = Geometry::within(&primitives, from);
+        let first = primitives.start;
+        match self.shapes[member.0 as usize] {
+            Shape::Mesh(handle) => {
+                let MeshInstance { mesh, to_scene } = &scene.mesh_instances[handle];
+                let (local, ray) = (limits.seen_from(to_scene.scale), ray.seen_from(to_scene));
+                let geometry = &self.meshes[mesh.index()];
+                geometry.any(&scene.meshes[*mesh], &ray, from, local, &mut shifted(block, first, to_scene.scale))
+            }
+            Shape::Instance(handle) => {
+                let Instance { octree, to_scene } = &scene.instances[handle];
+                let inner = &self.octrees[octree.index()];
+                let mut local = limits.seen_from(to_scene.scale);
+                local.nearest = local.nearest.max(inner.nearest);
+                let ray = ray.seen_from(to_scene);
+                inner.any(&scene.octrees[*octree].scene, &ray, from, &local, &mut shifted(block, first, to_scene.scale))
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Tells `block` of crossings in a member whose first primitive is `first` and that is placed with this scale.
+fn shifted(block: &mut dyn FnMut(Crossing) -> bool, first: u64, scale: f64) -> impl FnMut(Crossing) -> bool + use<'_> {
+    move |Crossing { distance, primitive }| {
+        block(Crossing { distance: distance * scale, primitive: PrimitiveId(first + primitive.0) })
+    }
+}

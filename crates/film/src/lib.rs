@@ -1,0 +1,18 @@
+//! Renders the picture of a view: what `rpict` computes, and the rays that `vwrays` sends.
+//!
+//! A [`ViewCamera`] turns places in pixels into rays, with Radiance's pixel jitter, aperture and motion. A [`Film`] traces as many of
+//! them as each pixel needs and gives rows of pixels, top row first.
+//!
+//! Guarantees: a pixel is the unbiased mean of rays over its area, never interpolated; it is a function of the plan, the lens, the
+//! effort and the seed, so neither threads nor an interruption that is resumed at a row change it. Knows neither files nor picture
+//! headers.
+#![forbid(unsafe_code)]
+
+mod adaptive;
+mod sample_allocation;
+mod single;
+mod view_camera;
+
+pub use adaptive::{Estimate, Film, MAX_SAMPLES, SamplingBudget};
+pub use single::average;
+pub use view_camera::{CameraRay, ViewCamera};

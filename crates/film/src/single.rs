@@ -1,0 +1,62 @@
+//! One ray, traced as often as it needs.
+
+use crate::SamplingBudget;
+use crate::adaptive::{MAX_SAMPLES, SEQUENCE_LOG2};
+use radsight_render::{Ray, RayWorker, Traced};
+
+/// Samples of a ray before anything is decided: no neighbour helps to tell its error.
+const FIRST_SAMPLES: u32 = 16;
+
+/// The mean of what a ray brings over many samples of the light that it meets. `number` is the ray's number in its stream; where
+/// the ray ends is that of the first sample.
+///
+/// With one sample this is the ray as [`RayWorker::trace`] gives it, with the same random numbers.
+#[must_use]
+pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: SamplingBudget) -> Traced {
+    if budget == SamplingBudget::Samples(1) {
+        return worker.trace(number, ray);
+    }
+    let first = number << SEQUENCE_LOG2;
+    let mut traced = worker.trace(first, ray);
+    let mut sum = traced.value;
+    let mut spectrum = traced.spectrum;
+    let mut sum_up = |sum: &mut [f64; 3], samples: std::ops::Range<u32>| {
+        for sample in samples {
+            let more = worker.trace(first | u64::from(sample), ray);
+            *sum = std::array::from_fn(|band| sum[band] + more.value[band]);
+            if let (Some(spectrum), Some(more)) = (&mut spectrum, &more.spectrum) {
+                spectrum.add(more);
+            }
+        }
+    };
+    let mut samples = 1;
+    match budget {
+        SamplingBudget::Samples(wanted) => {
+            samples = wanted.clamp(1, MAX_SAMPLES);
+            sum_up(&mut sum, 1..samples);
+        }
+        SamplingBudget::Error { error, most } => {
+            let mut before = f64::INFINITY;
+            while samples < most.min(MAX_SAMPLES) {
+                let mut second_half = [0.0; 3];
+                sum_up(&mut second_half, samples..2 * samples);
+                samples *= 2;
+                let whole: f64 = sum.iter().chain(&second_half).sum();
+                let difference = (second_half.iter().sum::<f64>() - sum.iter().sum::<f64>()).abs();
+                sum = std::array::from_fn(|band| sum[band] + second_half[band]);
+                let is_good = difference <= error * whole && before <= 2.0 * error * whole;
+                if samples >= FIRST_SAMPLES && is_good {
+                    break;
+                }
+                // The same difference would be twice as large in a sum of twice as many.
+                before = 2.0 * difference;
+            }
+        }
+    }
+    traced.value = sum.map(|sum| sum / f64::from(samples));
+    if let Some(spectrum) = &mut spectrum {
+        spectrum.scale(f64::from(samples).recip());
+    }
+    traced.spectrum = spectrum;
+    traced
+}

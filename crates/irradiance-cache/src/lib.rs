@@ -1,0 +1,41 @@
+//! Irradiance caching: the indirect irradiance of a few points, from which that of all others is interpolated.
+//!
+//! A [`Hemisphere`] says in which directions to look from a point; what is seen there makes a [`Record`]: the irradiance, how it changes
+//! when the point moves or turns, and how far that may be trusted. A [`Cache`] keeps records by place, makes a [`Fit`] of each one's
+//! neighbourhood and interpolates between those.
+//!
+//! Ward, Rubinstein, Clear: A Ray Tracing Solution for Diffuse Interreflection, SIGGRAPH 1988. Ward, Heckbert: Irradiance
+//! Gradients, EGWR 1992. Křivánek, Bouatouch, Pattanaik, Žára: Making Radiance and Irradiance Caching Practical, EGSR 2006.
+//!
+//! Guarantees: no state but the records, so equal records in equal order give equal answers. Knows neither scenes nor rays: lengths are in whatever
+//! unit the caller uses, irradiance in that of radiance times steradian.
+//!
+//! ```
+//! use glam::DVec3;
+//! use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
+//! // A point in the middle of a large white box.
+//! let hemisphere = Hemisphere::with_divisions(256);
+//! let seen = vec![GatheredRadiance { radiance: [2.0], distance: 5.0 }; hemisphere.len()];
+//! let limits = Limits { accuracy: 0.1, least: 0.1, most: 100.0, explained: 1.0 };
+//! let record = Record::new(DVec3::ZERO, DVec3::Z, &hemisphere, &seen, &limits);
+//! let mut cache = Cache::new(limits);
+//! cache.insert(record, 0);
+//! let [irradiance] = cache.irradiance(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z).unwrap();
+//! assert!((irradiance - 2.0 * std::f64::consts::PI).abs() < 1e-9);
+//! assert!(cache.irradiance(DVec3::new(3.0, 0.0, 0.0), DVec3::Z, DVec3::Z).is_none());
+//! ```
+#![forbid(unsafe_code)]
+
+mod cache;
+mod emitter;
+mod fit;
+mod gradient;
+mod grid;
+mod hemisphere;
+mod record;
+
+pub use cache::{Cache, STRATA};
+pub use emitter::GatherHit;
+pub use fit::Fit;
+pub use hemisphere::{GatheredRadiance, Hemisphere};
+pub use record::{Limits, Record};

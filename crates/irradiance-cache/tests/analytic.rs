@@ -1,0 +1,267 @@
+//! Records against scenes whose irradiance is known.
+
+use glam::DVec3;
+use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, STRATA};
+use radsight_sampling::{DimensionSet, RaySampler};
+use std::f64::consts::PI;
+
+const LIMITS: Limits = Limits { accuracy: 0.2, least: 1e-3, most: 10.0, explained: 1.0 };
+
+/// A record of a world in which a ray meets radiance and distance.
+fn record(at: DVec3, normal: DVec3, divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Record<1> {
+    let hemisphere = Hemisphere::with_divisions(divisions);
+    let [x, y, z] = Record::<1>::frame(normal);
+    let seen: Vec<GatheredRadiance<1>> = (0..hemisphere.len())
+        .map(|cell| {
+            let u = RaySampler::new(1, cell as u64).take(DimensionSet::CAMERA);
+            let local = hemisphere.direction(cell, [u[0], u[1]]);
+            let (radiance, distance) = world(at, x * local.x + y * local.y + z * local.z);
+            GatheredRadiance { radiance: [radiance], distance }
+        })
+        .collect();
+    Record::new(at, normal, &hemisphere, &seen, &LIMITS)
+}
+
+/// A glowing disk of radius 1 above the origin at height 1, seen from a point on the plane z = 0 on its axis or off it.
+fn disk(at: DVec3, direction: DVec3) -> (f64, f64) {
+    let distance = (1.0 - at.z) / direction.z;
+    let hit = at + direction * distance;
+    if direction.z > 0.0 && hit.x.hypot(hit.y) < 1.0 { (1.0, distance) } else { (0.0, 100.0) }
+}
+
+/// Irradiance of a horizontal point at distance `a` from the axis of that disk: π times the view factor from a small plane to a parallel
+/// disk (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-13).
+fn disk_irradiance(a: f64) -> f64 {
+    let z = 1.0 + 1.0 + a * a;
+    0.5 * PI * (1.0 - (1.0 + a * a - 1.0) / (z * z - 4.0 * a * a).sqrt())
+}
+
+fn at(record: Record<1>, position: DVec3, normal: DVec3) -> f64 {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record, 0);
+    cache.irradiance(position, normal, normal).expect("the record reaches")[0]
+}
+
+#[test]
+fn irradiance_of_a_disk() {
+    for a in [0.0, 0.3, 0.9] {
+        let place = DVec3::new(a, 0.0, 0.0);
+        let found = at(record(place, DVec3::Z, 20_000, disk), place, DVec3::Z);
+        assert!((found / disk_irradiance(a) - 1.0).abs() < 5e-3, "{found} against {}", disk_irradiance(a));
+    }
+}
+
+#[test]
+fn a_small_move_follows_the_gradient() {
+    let place = DVec3::new(0.5, 0.2, 0.0);
+    let record = record(place, DVec3::Z, 20_000, disk);
+    for step in [DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.0, 0.03, 0.0), DVec3::new(-0.02, 0.01, 0.0)] {
+        let found = at(record, place + step, DVec3::Z) - at(record, place, DVec3::Z);
+        let right = disk_irradiance((place + step).length()) - disk_irradiance(place.length());
+        assert!((found - right).abs() < 0.1 * right.abs() + 2e-4, "{step}: {found} against {right}");
+    }
+}
+
+/// A world that is bright to one side: the irradiance follows the turned normal.
+#[test]
+fn a_small_turn_follows_the_gradient() {
+    let sky = |_: DVec3, direction: DVec3| (1.0 + 0.5 * direction.x, 50.0);
+    let before = record(DVec3::ZERO, DVec3::Z, 20_000, sky);
+    let turned = DVec3::new(0.1, 0.05, 1.0).normalize();
+    let found = at(before, DVec3::ZERO, turned);
+    // ∫(1 + n·x/2) cos θ dω = π (1 + ⅓ n_x).
+    let right = PI * (1.0 + turned.x / 3.0);
+    assert!((found / right - 1.0).abs() < 3e-3, "{found} against {right}");
+}
+
+#[test]
+fn a_record_does_not_reach_round_an_edge() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::X, DVec3::X).is_none());
+    assert!(cache.irradiance(DVec3::new(0.05, 0.0, -0.1), DVec3::Z, DVec3::Z).is_none());
+}
+
+#[test]
+fn irradiance_is_fine_where_records_reach_less_far() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 1.0)), 0);
+    let within = |reach: f64| cache.fine_irradiance(DVec3::new(0.05, 0.0, 0.0), DVec3::Z, DVec3::Z, reach);
+    let reach = LIMITS.accuracy;
+    assert_eq!(within(0.9 * reach), None);
+    let fine = within(1.1 * reach).expect("the record reaches less far");
+    assert!((fine[0] / PI - 1.0).abs() < 1e-9, "{fine:?}");
+}
+
+#[test]
+fn records_that_were_sorted_in_give_the_same() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
+    cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (2.0, 0.1)), 0);
+    let mut sorted = cache.clone();
+    sorted.sort_in();
+    for x in -20..40 {
+        let place = DVec3::new(0.01 * f64::from(x), 0.0, 0.0);
+        let of = |cache: &Cache<1>| cache.irradiance(place, DVec3::Z, DVec3::Z);
+        assert_eq!(of(&cache), of(&sorted), "at {place}");
+    }
+}
+
+#[test]
+fn a_near_neighbour_shortens_the_reach() {
+    let mut cache = Cache::new(LIMITS);
+    cache.insert(record(DVec3::ZERO, DVec3::Z, 256, |_, _| (1.0, 10.0)), 0);
+    let far = DVec3::new(0.5, 0.0, 0.0);
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_some());
+    cache.insert(record(DVec3::new(-0.1, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 0.1)), 0);
+    assert!(cache.irradiance(far, DVec3::Z, DVec3::Z).is_none());
+}
+
+/// Records on a square grid over part of the plane below the disk.
+fn field(divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<1> {
+    field_within(LIMITS, divisions, world)
+}
+
+fn field_within(limits: Limits, divisions: usize, world: impl Fn(DVec3, DVec3) -> (f64, f64)) -> Cache<1> {
+    let mut cache = Cache::new(limits);
+    let mut strata = [0; STRATA];
+    for row in -5..=5 {
+        for column in -5..=5 {
+            let place = DVec3::new(0.1 * f64::from(column), 0.1 * f64::from(row), 0.0);
+            // Another place of the same numbers in each hemisphere.
+            let turned = |at: DVec3, direction: DVec3| {
+                let angle = 2.4 * f64::from(11 * row + column);
+                let (sin, cos) = angle.sin_cos();
+                let DVec3 { x, y, z } = direction;
+                world(at, DVec3::new(cos * x - sin * y, sin * x + cos * y, z))
+            };
+            let look = cache.next_gather(place, DVec3::Z);
+            strata[look % STRATA] += 1;
+            cache.insert(record(place, DVec3::Z, divisions, turned), look);
+        }
+    }
+    // Fits reach so many neighbours that together they look through all strata, at the rim of the field too, if less evenly there.
+    assert!(strata.iter().all(|looks| 2 * STRATA * looks >= 11 * 11), "looks through each stratum: {strata:?}");
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
+    cache.shorten_reaches();
+    assert!(cache.stale().is_empty());
+    cache
+}
+
+#[test]
+fn neighbours_lend_each_other_their_rays() {
+    // Bright and dark in patches that are finer than the cells: noise around an irradiance of π.
+    let patches = |_: DVec3, direction: DVec3| (1.0 + (400.0 * direction.x).sin() * (500.0 * direction.y).sin(), 1.0);
+    let cache = field(48, patches);
+    let (mut alone, mut together) = (0.0, 0.0);
+    for index in 0..cache.len() {
+        let (record, fit) = cache.fitted(index);
+        assert!(fit.rays() > 3.0 * record.rays(), "{} of {}", fit.rays(), record.rays());
+        let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+        alone += (record.irradiance_on(DVec3::Z)[0] - PI).powi(2);
+        together += (cache.irradiance(place, DVec3::Z, DVec3::Z).expect("a record is here")[0] - PI).powi(2);
+    }
+    assert!(together < 0.4 * alone, "squared error {together} together, {alone} alone");
+}
+
+#[test]
+fn what_is_in_shadow_counts_most() {
+    // An irradiance of π, and half of the plane gets three times as much from a lamp.
+    let even = |_: DVec3, _: DVec3| (1.0, 1.0);
+    let mut cache = Cache::new(LIMITS);
+    for column in -5..=5 {
+        let place = DVec3::new(0.1 * f64::from(column), 0.0, 0.0);
+        let from_lamp = if column > 0 { 3.0 * PI } else { 0.0 };
+        cache.insert(record(place, DVec3::Z, 48, even).beside(from_lamp), cache.next_gather(place, DVec3::Z));
+    }
+    let fits: Vec<_> = cache.stale().into_iter().map(|index| (index, cache.fit(index))).collect();
+    fits.into_iter().for_each(|(index, fit)| cache.adopt(index, fit));
+    let brightness = |index: usize| cache.fitted(index).1.brightness() / PI;
+    assert!((brightness(0) - 1.0).abs() < 1e-6, "in the shadow {}", brightness(0));
+    assert!((brightness(10) - 4.0).abs() < 1e-6, "in the light {}", brightness(10));
+    // Half of each: 2 / (1 + 1/4) is the harmonic mean, 2.5 the other one.
+    assert!((1.2..2.0).contains(&brightness(5)), "on the border {}", brightness(5));
+}
+
+#[test]
+fn records_are_trusted_less_far_where_the_irradiance_jumps() {
+    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 2.0 }, 1.0);
+    let cache = field(48, step);
+    let between = |x: f64| cache.irradiance(DVec3::new(x, 0.05, 0.0), DVec3::Z, DVec3::Z);
+    assert!(between(-0.45).is_some_and(|found| (found[0] / PI - 1.0).abs() < 0.02), "{:?}", between(-0.45));
+    assert!(between(0.45).is_some_and(|found| (found[0] / PI - 2.0).abs() < 0.02), "{:?}", between(0.45));
+    let in_gap = cache
+        .trusted_irradiance(DVec3::new(0.05, 0.05, 0.0), DVec3::Z, DVec3::Z, f64::INFINITY)
+        .expect("records are near");
+    assert!((PI..2.0 * PI).contains(&in_gap[0]), "{in_gap:?}");
+    assert!(between(0.05).is_none(), "on the step something new is needed, found {:?}", between(0.05));
+}
+
+#[test]
+fn small_bends_are_found_where_less_of_the_noise_explains_them() {
+    // What comes from above changes with the direction, which rays take for noise, and is the same for all places but for a step of a quarter.
+    let small_step = |at: DVec3, direction: DVec3| {
+        let step = if at.x < 0.05 { 1.0 } else { 1.25 };
+        (step * (1.0 + 0.9 * (9.0 * direction.z).sin()), 1.0)
+    };
+    let reached = |explained: f64| {
+        let cache = field_within(Limits { explained, ..LIMITS }, 48, small_step);
+        (-4..5).filter(|row| cache.reaches(DVec3::new(0.05, 0.1 * f64::from(*row) + 0.05, 0.0), DVec3::Z)).count()
+    };
+    let [hidden, found] = [1.0, 0.02].map(reached);
+    assert!(hidden == 9 && found < 5, "of 9 places on the step records reach {hidden} and {found}");
+}
+
+#[test]
+fn what_bends_too_much_is_not_trusted() {
+    let step = |at: DVec3, _: DVec3| (if at.x < 0.05 { 1.0 } else { 10.0 }, 1.0);
+    let cache = field(48, step);
+    let [beside, far] = [0.0, -0.4].map(|x| DVec3::new(x, 0.0, 0.0));
+    assert!(
+        cache.irradiance(beside, DVec3::Z, DVec3::Z).is_some() && cache.irradiance(far, DVec3::Z, DVec3::Z).is_some()
+    );
+    let trusted = |place: DVec3| cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, 0.2);
+    assert_eq!(trusted(beside), None);
+    assert_eq!(trusted(far), cache.irradiance(far, DVec3::Z, DVec3::Z));
+    let in_gap = DVec3::new(0.05, 0.05, 0.0);
+    let anyhow = cache.trusted_irradiance(in_gap, DVec3::Z, DVec3::Z, f64::INFINITY);
+    assert!(cache.irradiance(in_gap, DVec3::Z, DVec3::Z).is_none() && anyhow.is_some() && trusted(in_gap).is_none());
+}
+
+#[test]
+fn shares_say_which_records_give_the_irradiance() {
+    let cache = field(48, |at, _| (1.0 + at.x, 1.0));
+    let place = DVec3::new(0.13, 0.02, 0.0);
+    let mut shares = vec![(7, 0.25)];
+    cache.shares(place, DVec3::Z, &mut shares);
+    assert_eq!(shares[0], (7, 0.25), "what was there stays");
+    let total: f64 = shares[1..].iter().map(|(_, share)| share).sum();
+    assert!((total - 1.0).abs() < 1e-12 && shares.len() > 1);
+    let before = shares.len();
+    cache.shares(DVec3::Z * 1e3, DVec3::Z, &mut shares);
+    assert_eq!(shares.len(), before, "nothing reaches there");
+}
+
+/// Most places meet none of the few bright rays by themselves: what neighbours met is theirs as well.
+#[test]
+fn rare_bright_rays_leave_the_mean_as_it_is() {
+    let (mut sum, mut own, mut count) = (0.0, 0.0, 0.0);
+    for turn in 0..20 {
+        let sparks = |at: DVec3, direction: DVec3| {
+            let key = direction.dot(DVec3::new(127.1, 311.7, 74.7)) + at.dot(DVec3::new(269.5, 183.3, 1.0));
+            let by_chance = ((key + f64::from(turn)).sin() * 43_758.545_3).rem_euclid(1.0);
+            (if by_chance < 0.01 { 100.0 } else { 0.0 }, 1.0)
+        };
+        let cache = field(48, sparks);
+        for index in 0..cache.len() {
+            let place = DVec3::new(0.1 * (index % 11) as f64 - 0.5, 0.1 * (index / 11) as f64 - 0.5, 0.0);
+            own += cache.fitted(index).0.irradiance_on(DVec3::Z)[0] / PI;
+            let shared = cache.trusted_irradiance(place, DVec3::Z, DVec3::Z, f64::INFINITY);
+            sum += shared.expect("a record is here")[0] / PI;
+            count += 1.0;
+        }
+    }
+    assert!((sum / own - 1.0).abs() < 0.05, "the mean is {} where places found {}", sum / count, own / count);
+}

@@ -1,0 +1,581 @@
+//! Gathering irradiance before the picture is made, where its rays will want it.
+
+use crate::gather::{CachePoint, CacheQuery, Caches, HemisphereGather};
+use crate::guiding::GuidingRecords;
+use crate::hemisphere_sampling::HemisphereSamples;
+use crate::options::Gathering;
+use crate::plan::RenderPlan;
+use crate::ray_spacing::RaySpacing;
+use crate::trace::PathIntegrator;
+use radsight_accel::Ray;
+use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Rays that are surveyed together at first; later more, as fewer of them find something missing.
+const FIRST_BATCH: usize = 64;
+const LARGEST_BATCH: usize = 4096;
+
+/// Places from which is looked around at once: few, since they do not know of each other.
+const GROUP: usize = 16;
+
+/// Looking around takes at most so many rays for each that is surveyed, and in small pictures at most so many in all: beyond that drawing
+/// single rays is the better use of time, and places that no record reaches do that.
+const MOST_RAYS: usize = 64;
+const MOST_RAYS_OF_FEW: usize = 1 << 23;
+
+/// A place looks around with this share of the rays on which its irradiance shall rest, since those of its neighbours count too.
+const FIRST_SHARE: usize = 16;
+
+/// The first places do so with more, this share of them, to know what is bright.
+const FIRST_PLACES_SHARE: usize = 2;
+
+/// But with at least so many, which say how far away things are.
+const FEWEST_RAYS: usize = 32;
+
+/// Irradiance rests on at most so many times the rays that are asked for, where they leave too much noise; on more where the noise may be less than
+/// is usual, as many times as that is less. It rests on fewer, this share of them at least, where more noise is allowed than this.
+const MOST_FURTHER: f64 = 4.0;
+const LEAST_RAYS: f64 = 0.25;
+const SPARING_NOISE: f64 = 0.01;
+const USUAL_NOISE: f64 = 0.03;
+const GREATEST_RIGOUR: f64 = 16.0;
+
+/// Where less noise is allowed than this, what bends in caustics must not remain either: less of the noise explains it, but this share at least.
+const COARSE_NOISE: f64 = 0.02;
+const LEAST_EXPLAINED: f64 = 0.02;
+
+/// What is darker than this share of the typical irradiance need not be more exact than that is.
+const DARK: f64 = 0.03;
+
+/// What records serve is counted over no more surveyed rays.
+const MOST_COUNTED: usize = 1 << 16;
+
+/// How often the rays are surveyed: where the irradiance bends, records are trusted less far than they seemed at first.
+const PREPASSES: usize = 3;
+
+/// The edges of caustics are approached in more steps, each with less noise.
+const PREPASSES_FOR_CAUSTICS: usize = 6;
+
+/// Where records are farther apart than this makes them, too few are near each other to tell that they disagree.
+const ACCURACY_FOR_CAUSTICS: f64 = 0.1;
+
+/// Rounds of further rays where there are too few neighbours.
+const FURTHER_ROUNDS: usize = 3;
+
+/// What places see is surveyed from no more than so many of them, by so many rays from each.
+const MOST_SAMPLE_PLACES: usize = 1024;
+const SAMPLE_LOOKS: usize = 16;
+
+/// With fewer rays than this it is not: their own paths cost less.
+const FEWEST_TO_GO_BEYOND: usize = 256;
+
+/// There the error may be so many times as large, and the noise.
+const COARSER: f64 = 2.0;
+const NOISIER: f64 = 8.0;
+
+/// The share, one in so many, of the rays that may be spent on it.
+const SHARE_BEYOND: usize = 4;
+
+/// So many points are few: each gets so many times the rays that are asked for, as paths of one ray a bounce. Radiance
+/// takes about as long, since it sends as many rays on from every place that these find. More points share as many rays.
+const FEW_POINTS: f64 = 16.0;
+const RAYS_OF_A_SENSOR: f64 = 8.0;
+
+/// Looks there are numbered apart.
+const FIRST_LOOK_BEYOND: u64 = 1 << 40;
+
+impl RenderPlan {
+    /// Whether irradiance is shared between points at all.
+    pub(crate) fn caches_irradiance(&self) -> bool {
+        self.options.ambient_bounces > 0 && self.options.gathering.accuracy > 0.0 && self.options.gathering.rays() > 1
+    }
+
+    /// By what share records may disagree around a point and still be trusted there.
+    pub(crate) fn max_interpolation_error(&self) -> f64 {
+        if self.has_caustics { self.options.gathering.caustic_error } else { Gathering::MAX_INTERPOLATION_ERROR }
+    }
+
+    /// How near and how far records are trusted: as Radiance does, from the scene's size.
+    pub(crate) fn gathering_limits(&self) -> Limits {
+        let gathering = &self.options.gathering;
+        let size = 2.0 * self.bounding_sphere().1.max(f64::MIN_POSITIVE) / 3f64.sqrt();
+        let most = 0.5 * size;
+        let accuracy = if gathering.accuracy > 0.0 { gathering.accuracy } else { 1.0 };
+        let accuracy = if self.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
+        let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
+        let least = if gathering.resolution > 0 && resolved < most { resolved } else { most / 64.0 };
+        let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(LEAST_EXPLAINED, 1.0);
+        let explained = if self.has_caustics { explained } else { 1.0 };
+        Limits { accuracy, least, most, explained }
+    }
+}
+
+/// Gathers for these rays, and says how many places are new. The result is a function of the plan and all rays so far: threads only share the
+/// work of a group.
+pub(crate) fn gather<const BANDS: usize>(
+    plan: &RenderPlan,
+    gathered: &mut Option<GatheredIrradiance<BANDS>>,
+    rays: &[Option<Ray>],
+    spread: RaySpacing,
+) -> usize {
+    let GatheredIrradiance { seen, beyond, bright } = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
+        let looks = SecondaryGathers::new(plan, &seen.cache, rays, spread);
+        beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
+        beyond.gather(plan, ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
+            looks.cache_query(plan, cache, order, asked)
+        });
+    }
+    let before = seen.cache.len();
+    seen.budget = seen.rays + seen.allowance(rays);
+    let caches = [None, Some(&beyond.cache)];
+    seen.gather(plan, (caches, bright), (rays.len(), spread), |cache, order, asked| {
+        cache_query(plan, cache, rays, order, asked)
+    });
+    seen.cache.len() - before
+}
+
+/// Irradiance that is shared: at places that are seen from the eye, and at those which they see.
+#[derive(Debug)]
+pub(crate) struct GatheredIrradiance<const BANDS: usize> {
+    seen: Level<BANDS>,
+    /// Coarser, since it counts only as a mean over many places. Paths from these places are followed ray by ray.
+    beyond: Level<BANDS>,
+    /// What was found bright from either.
+    bright: GuidingRecords,
+}
+
+/// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
+#[derive(Debug)]
+struct Level<const BANDS: usize> {
+    cache: Cache<BANDS>,
+    /// Standard error that may remain, as a share.
+    noise: f64,
+    /// Where each record looked around.
+    places: Vec<CachePoint<BANDS>>,
+    /// The hemisphere of a look, and that of the first places.
+    hemisphere: Hemisphere,
+    first_hemisphere: Hemisphere,
+    /// Rays spent so far, and how many may be.
+    rays: usize,
+    budget: usize,
+    /// Looks so far: each has random numbers of its own.
+    looks: u64,
+    /// Rays that each of the newest records traces by itself at least, whatever its neighbours have traced.
+    least_own_rays: f64,
+    /// How many times as many rays as others each of the newest records deserves ([`favours`]).
+    favours: Vec<f64>,
+}
+
+impl<const BANDS: usize> GatheredIrradiance<BANDS> {
+    fn new(plan: &RenderPlan) -> Self {
+        let (limits, noise) = (plan.gathering_limits(), plan.options.gathering.noise);
+        let coarse =
+            Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, explained: 1.0, ..limits };
+        GatheredIrradiance {
+            seen: Level::new(plan, limits, noise, 0),
+            beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
+            bright: GuidingRecords::default(),
+        }
+    }
+
+    /// The standard error that rays leave in it, as a share of all light that the places get: rms over all records.
+    pub(crate) fn noise(&self) -> f64 {
+        let cache = &self.seen.cache;
+        let typical = cache.typical();
+        let share = |index: usize| {
+            let fit = cache.fitted(index).1;
+            fit.standard_error() / weighed_against(fit, typical).max(f64::MIN_POSITIVE)
+        };
+        let squares: f64 = (0..cache.len()).map(|index| share(index).powi(2)).sum();
+        (squares / cache.len().max(1) as f64).sqrt()
+    }
+
+    /// Where the eye has seen diffuse surfaces, and where these have.
+    pub(crate) fn caches(&self) -> Caches<'_, BANDS> {
+        [Some(&self.seen.cache), Some(&self.beyond.cache)]
+    }
+}
+
+impl<const BANDS: usize> Level<BANDS> {
+    fn new(plan: &RenderPlan, limits: Limits, noise: f64, first_look: u64) -> Self {
+        let wanted = plan.options.gathering.rays();
+        let divided = |share: usize| Hemisphere::with_divisions((wanted / share).max(FEWEST_RAYS.min(wanted)));
+        let (hemisphere, first_hemisphere) = (divided(FIRST_SHARE), divided(FIRST_PLACES_SHARE));
+        let cache = Cache::new(limits);
+        Level {
+            cache,
+            noise,
+            places: Vec::new(),
+            hemisphere,
+            first_hemisphere,
+            rays: 0,
+            budget: 0,
+            looks: first_look,
+            least_own_rays: 0.0,
+            favours: Vec::new(),
+        }
+    }
+
+    /// How many rays may look around for these.
+    fn allowance(&self, rays: &[Option<Ray>]) -> usize {
+        let usual = MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
+        (usual as f64 * self.rigour()) as usize
+    }
+
+    /// How many times as small as usual the noise shall be, at least one.
+    fn rigour(&self) -> f64 {
+        (USUAL_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(1.0, GREATEST_RIGOUR)
+    }
+
+    /// Fills the cache for `count` surveyed rays; `cache_query` says what some of them want of it.
+    fn gather(
+        &mut self,
+        plan: &RenderPlan,
+        (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
+        (count, spread): (usize, RaySpacing),
+        cache_query: impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
+    ) {
+        let before = self.cache.len();
+        self.least_own_rays = least_own_rays(plan.options.gathering.rays(), count);
+        let surveys = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
+        for round in 0..surveys {
+            if round > 0 {
+                self.cache.shorten_reaches();
+            }
+            let known = self.cache.len();
+            self.fill(plan, (caches, bright), (count, spread), &cache_query);
+            if self.cache.len() == known {
+                break;
+            }
+            self.settle();
+            if plan.has_caustics {
+                self.count_served(plan, before, count, &cache_query);
+                if self.gather_again(plan, (caches, bright), before) > 0 {
+                    self.settle();
+                }
+            }
+        }
+        if self.cache.len() == before {
+            return;
+        }
+        self.count_served(plan, before, count, &cache_query);
+        for _ in 0..FURTHER_ROUNDS {
+            if self.gather_again(plan, (caches, bright), before) == 0 {
+                break;
+            }
+            self.settle();
+        }
+        self.cache.sort_in();
+    }
+
+    /// Looks around where surveyed rays want irradiance that is not there.
+    fn fill(
+        &mut self,
+        plan: &RenderPlan,
+        (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
+        (count, spread): (usize, RaySpacing),
+        cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
+    ) {
+        let order = scattered(count);
+        let (mut first, mut batch) = (0, FIRST_BATCH);
+        while first < order.len() && self.rays < self.budget {
+            let end = (first + batch).min(order.len());
+            let surveys = cache_query(&self.cache, &order[first..end], &CacheQuery::Missing(Vec::new(), spread));
+            let missing: Vec<_> = surveys.into_iter().flat_map(CacheQuery::missing).collect();
+            for group in missing.chunks(GROUP) {
+                let uncovered: Vec<_> = group
+                    .iter()
+                    .filter(|place| !place.is_covered(&self.cache))
+                    .map(|place| (place.clone(), place.next_gather(&self.cache)))
+                    .collect();
+                let knew_nothing = self.knows_nothing(bright);
+                let mut records = self.gather_at(plan, (caches, bright), &uncovered);
+                if knew_nothing && !bright.is_empty() {
+                    // By chance these saw more or less of what is bright: now that it is known they see it again.
+                    records = self.gather_at(plan, (caches, bright), &uncovered);
+                }
+                for ((place, look), record) in uncovered.into_iter().zip(records) {
+                    self.cache.insert(record, look);
+                    self.places.push(place);
+                }
+            }
+            first = end;
+            batch = (2 * batch).min(LARGEST_BATCH);
+        }
+    }
+
+    /// Finds out how much of what is surveyed each record from `first` on gives, and so how many rays it deserves.
+    fn count_served(
+        &mut self,
+        plan: &RenderPlan,
+        first: usize,
+        count: usize,
+        cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
+    ) {
+        let mut served = vec![0.0; self.cache.len() - first];
+        for some in scattered(count)[..count.min(MOST_COUNTED)].chunks(LARGEST_BATCH) {
+            let surveys = cache_query(&self.cache, some, &CacheQuery::Served(Vec::new()));
+            for (record, share) in surveys.into_iter().flat_map(CacheQuery::served) {
+                if let Some(served) = (record as usize).checked_sub(first).and_then(|index| served.get_mut(index)) {
+                    *served += share;
+                }
+            }
+        }
+        self.favours = favours(&served, plan.options.gathering.evenness);
+    }
+
+    /// Looks again from where irradiance rests on too few rays, and says from how many places.
+    fn gather_again(
+        &mut self,
+        plan: &RenderPlan,
+        known: (Caches<'_, BANDS>, &mut GuidingRecords),
+        first: usize,
+    ) -> usize {
+        let typical = self.cache.typical();
+        let missing: Vec<usize> = (first..)
+            .zip(&self.favours)
+            .map(|(index, pdf_ratio)| self.gathers_missing(plan, index, typical, *pdf_ratio))
+            .collect();
+        let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
+        // Where there is not enough for all, all get the same share.
+        let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
+        let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
+        for (index, looks) in (first..).zip(missing) {
+            due += looks as f64 * share;
+            while due >= 1.0 {
+                due -= 1.0;
+                weak.push(index);
+                again.push((self.places[index].clone(), self.cache.take_gather(index)));
+            }
+        }
+        let records = self.gather_at(plan, known, &again);
+        for (index, record) in weak.iter().zip(records) {
+            self.cache.add(*index, &record);
+        }
+        weak.len()
+    }
+
+    /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
+    fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, pdf_ratio: f64) -> usize {
+        let (record, fit) = self.cache.fitted(index);
+        let wanted = plan.options.gathering.rays() as f64;
+        let allowed = self.noise * weighed_against(fit, typical);
+        let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
+        let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
+        let wanted = pdf_ratio * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
+        let missing = record.rays() * (wanted / fit.rays() - 1.0);
+        let missing = missing.max(self.least_own_rays - record.rays());
+        (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
+    }
+
+    /// Whether nobody has looked around yet, nor found anything bright.
+    fn knows_nothing(&self, bright: &GuidingRecords) -> bool {
+        self.places.is_empty() && bright.is_empty()
+    }
+
+    fn gather_at(
+        &mut self,
+        plan: &RenderPlan,
+        (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
+        places: &[(CachePoint<BANDS>, usize)],
+    ) -> Vec<Record<BANDS>> {
+        let hemisphere = if self.knows_nothing(bright) { &self.first_hemisphere } else { &self.hemisphere };
+        let (first, limits, known) = (self.looks, self.cache.limits(), &*bright);
+        let looked: Vec<_> = places
+            .par_iter()
+            .enumerate()
+            .map_init(
+                || PathIntegrator::new(plan, caches),
+                |tracer, (index, (place, sample))| {
+                    let number = first + index as u64;
+                    let look = HemisphereGather { hemisphere, sample: Some(*sample), number, bright: Some(known) };
+                    let (record, around) = tracer.gather_at(place, &look, limits);
+                    // What is seen in each cell is in the record: of a million looks it would fill the memory.
+                    let HemisphereSamples { bright, rays, .. } = around;
+                    (record.beside(tracer.direct_irradiance(place, number)), bright, rays)
+                },
+            )
+            .collect();
+        self.looks += places.len() as u64;
+        let mut records = Vec::with_capacity(looked.len());
+        for ((place, _), (record, found, rays)) in places.iter().zip(looked) {
+            bright.note(place.point, place.normal, found);
+            self.rays += rays;
+            records.push(record);
+        }
+        bright.settle();
+        records
+    }
+
+    /// Fits the irradiance to what is known by now.
+    fn settle(&mut self) {
+        let stale = self.cache.stale();
+        let fits: Vec<_> = stale.par_iter().map(|index| self.cache.fit(*index)).collect();
+        for (index, fit) in stale.into_iter().zip(fits) {
+            self.cache.adopt(index, fit);
+        }
+    }
+}
+
+/// What an error of irradiance is taken relative to: all that comes to a place, since that is seen of it.
+fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
+    fit.brightness().max(DARK * typical)
+}
+
+/// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
+/// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
+/// as much is seen as with equal noise.
+fn favours(served: &[f64], evenness: f64) -> Vec<f64> {
+    let least = evenness * served.iter().sum::<f64>() / served.len().max(1) as f64;
+    let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
+    let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
+    roots().map(|root| scale * root).collect()
+}
+
+/// Rays that a record traces by itself at least, where so many rays are asked for (`-ad`, `-as`) and so many points in all want
+/// irradiance. Few points are sensors, whose values are read one by one and which have hardly a neighbour to share with.
+fn least_own_rays(asked: usize, points: usize) -> f64 {
+    RAYS_OF_A_SENSOR * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
+}
+
+/// What these rays want of the irradiance in the cache, of what is asked.
+fn cache_query<const BANDS: usize>(
+    plan: &RenderPlan,
+    cache: &Cache<BANDS>,
+    rays: &[Option<Ray>],
+    order: &[usize],
+    asked: &CacheQuery<BANDS>,
+) -> Vec<CacheQuery<BANDS>> {
+    order
+        .par_iter()
+        .map_init(
+            || PathIntegrator::new(plan, [Some(cache), None]),
+            |tracer, index| {
+                tracer.cache_query = Some(asked.clone());
+                if let Some(ray) = &rays[*index] {
+                    let _ = tracer.trace(*index as u64, ray);
+                }
+                tracer.cache_query.take()
+            },
+        )
+        .flatten_iter()
+        .collect()
+}
+
+/// Rays like those that will look around from places where irradiance is wanted.
+struct SecondaryGathers<const BANDS: usize> {
+    from: Vec<CachePoint<BANDS>>,
+    hemisphere: Hemisphere,
+    /// Of the rays that places rest on in the end.
+    spread: RaySpacing,
+}
+
+impl<const BANDS: usize> SecondaryGathers<BANDS> {
+    /// From where some of these rays want irradiance that is not there.
+    fn new(plan: &RenderPlan, cache: &Cache<BANDS>, rays: &[Option<Ray>], spread: RaySpacing) -> Self {
+        let order = scattered(rays.len());
+        let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
+        let surveys = cache_query(plan, cache, rays, some, &CacheQuery::Missing(Vec::new(), spread));
+        let from = surveys.into_iter().flat_map(CacheQuery::missing).collect();
+        let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
+        SecondaryGathers {
+            from,
+            hemisphere: Hemisphere::with_divisions(SAMPLE_LOOKS),
+            spread: RaySpacing { width: 0.0, angle },
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.from.len() * self.hemisphere.len()
+    }
+
+    /// What some of them want of the irradiance in the cache, of what is asked.
+    fn cache_query(
+        &self,
+        plan: &RenderPlan,
+        cache: &Cache<BANDS>,
+        order: &[usize],
+        asked: &CacheQuery<BANDS>,
+    ) -> Vec<CacheQuery<BANDS>> {
+        let cells = self.hemisphere.len();
+        order
+            .par_iter()
+            .map_init(
+                || PathIntegrator::new(plan, [None, Some(cache)]),
+                |tracer, index| {
+                    tracer.cache_query = Some(asked.clone());
+                    let number = (index / cells) as u64;
+                    let look = HemisphereGather { hemisphere: &self.hemisphere, sample: None, number, bright: None };
+                    let way = tracer.way(&self.from[index / cells], &look, index % cells);
+                    let _ = tracer.look(&self.from[index / cells], way.direction, way.sampler);
+                    tracer.cache_query.take()
+                },
+            )
+            .flatten_iter()
+            .collect()
+    }
+}
+
+/// All indices, so that any first part of them is spread evenly: steps by the golden section (made coprime to the count).
+fn scattered(count: usize) -> Vec<usize> {
+    let common = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let golden = (count as f64 * 0.618_033_988_749_895) as usize;
+    let step = (golden.max(1)..).find(|step| common(*step, count) == 1).unwrap_or(1);
+    (0..count)
+        .scan(0usize, |at, _| {
+            let this = *at;
+            *at = (*at + step) % count.max(1);
+            Some(this)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{favours, least_own_rays, scattered};
+
+    #[test]
+    fn sensors_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
+        for points in [1, 9, 16] {
+            assert!(least_own_rays(2304, points) > 2304.0, "{points} points");
+        }
+        assert!(least_own_rays(1000, 100_000) < 2.0);
+        // However many points there are, the rays of all of them are no more than those of a few.
+        assert!((1..1000).all(|points| points as f64 * least_own_rays(100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
+    }
+
+    #[test]
+    fn scattered_indices_are_all_there_and_spread() {
+        for count in [0, 1, 2, 7, 100, 4096] {
+            let mut order = scattered(count);
+            if count == 4096 {
+                let mut first: Vec<usize> = order[..64].to_vec();
+                first.sort_unstable();
+                assert!(first.windows(2).all(|pair| pair[1] - pair[0] < 200), "{first:?}");
+            }
+            order.sort_unstable();
+            assert_eq!(order, (0..count).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn as_little_noise_is_seen_for_fewer_rays() {
+        let served: Vec<f64> = (0..1000).map(|index| f64::from(index % 10).powi(2)).collect();
+        let favours = favours(&served, 0.1);
+        let (rays, pixels) = (favours.iter().sum::<f64>(), served.iter().sum::<f64>());
+        let seen: f64 = served.iter().zip(&favours).map(|(served, pdf_ratio)| served / pdf_ratio).sum();
+        // Even noise takes a ray each and shows as much as there are pixels.
+        assert!((0.79..0.81).contains(&(rays / served.len() as f64)), "{rays} rays");
+        assert!((0.9..1.01).contains(&(seen / pixels)), "{seen} of {pixels}");
+        assert!(favours.iter().all(|pdf_ratio| *pdf_ratio > 0.1));
+        assert_eq!(super::favours(&[0.0; 3], 0.5), [1.0; 3]);
+        assert_eq!(super::favours(&[], 0.5), [0.0; 0]);
+    }
+}

@@ -1,0 +1,238 @@
+//! Sending rays that look for diffuse surroundings to where light is expected.
+
+use crate::bsdf::{Bsdf, BsdfSample};
+use crate::gather::{CachePoint, GatherDirection, HemisphereGather};
+use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
+use crate::plan::RenderPlan;
+use crate::portals::VisiblePortals;
+use crate::trace::PathIntegrator;
+use crate::transmission_lobe::luminance;
+use glam::DVec3;
+use radsight_brdf::Density;
+use radsight_irradiance_cache::{GatherHit, GatheredRadiance, Record};
+use radsight_sampling::{DimensionSet, RaySampler};
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// Of rays that look around together, so many more are sent towards openings.
+const OUTWARD_SHARE: f64 = 0.25;
+
+/// Rays towards openings are numbered apart from the others.
+const OUTWARD_SEED: u64 = 0x6f75_7477_6172;
+const BRIGHT_SEED: u64 = 0x6272_6967_6874;
+const SHIFT_SEED: u64 = 0x7368_6966_7400;
+
+/// What is seen at less than this cosine is not told from what is seen at it.
+const GRAZING: f64 = 0.05;
+
+/// So many numbers are kept for each look's rays towards bright places.
+const MOST_BRIGHT: u64 = 1 << 12;
+
+impl VisiblePortals<'_> {
+    /// The density of a single ray that is drawn by the cosine, with `diffuse_pdf`, or towards an opening, 1/sr.
+    pub(crate) fn mixed_pdf(&self, direction: DVec3, diffuse_pdf: f64) -> f64 {
+        self.chance * self.pdf(direction) + (1.0 - self.chance) * diffuse_pdf
+    }
+}
+
+impl<const BANDS: usize> Bsdf<'_, BANDS> {
+    /// What the diffuse component sees of openings, where it can be sent there.
+    pub(crate) fn visible_portals<'p>(&self, plan: &'p RenderPlan, at: DVec3) -> Option<VisiblePortals<'p>> {
+        let is_simple = self.transmission.is_none() && !self.is_retroreflector();
+        if is_simple { plan.portals.seen_from(at, self.diffuse_normal) } else { None }
+    }
+
+    /// Draws from the diffuse component or towards an opening.
+    pub(crate) fn sample_outward(
+        &self,
+        visible_portals: &VisiblePortals<'_>,
+        u: [f64; 4],
+    ) -> Option<BsdfSample<BANDS>> {
+        let direction = if u[0] < visible_portals.chance {
+            visible_portals.draw([u[0] / visible_portals.chance, u[2], u[3]])?
+        } else {
+            self.sample_diffuse(u[2], u[3])?.direction
+        };
+        let by_cosine = self.diffuse_normal.dot(direction) * FRAC_1_PI;
+        if by_cosine <= 0.0 || !self.is_sampled_towards(direction, self.diffuse_normal) {
+            return None;
+        }
+        let pdf = visible_portals.mixed_pdf(direction, by_cosine);
+        let pdf_ratio = pdf / by_cosine;
+        let weight = self.reflectance_of_surroundings().map(|band| band / pdf_ratio);
+        let pdf = Density::Continuous(if self.diffuse_finds_lights() { pdf } else { 0.0 });
+        Some(BsdfSample { direction, weight, pdf, pdf_ratio })
+    }
+}
+
+/// The directions by which rays are sent from a place to look around, and how many go each.
+struct GatherTechniques<'p> {
+    /// By the cosine.
+    around: f64,
+    /// Towards openings.
+    outward: f64,
+    visible_portals: Option<VisiblePortals<'p>>,
+    bright: Option<GuidingDistribution<'p>>,
+}
+
+impl GatherTechniques<'_> {
+    /// The share of a ray's own density, of rays by the cosine, in that of all rays that go its way.
+    fn balance(&self, way: &GatherDirection) -> f64 {
+        let by_cosine = self.around * FRAC_1_PI;
+        let visible_portals = self
+            .visible_portals
+            .as_ref()
+            .map_or(0.0, |visible_portals| visible_portals.pdf(way.direction) / way.local.z);
+        let bright = self.bright.as_ref().map_or(0.0, |bright| bright.pdf(way.local));
+        by_cosine / (by_cosine + self.outward * visible_portals + bright)
+    }
+}
+
+/// A ray that has looked.
+#[derive(Clone, Copy, Debug)]
+struct GatherRay<const BANDS: usize> {
+    cell: usize,
+    way: GatherDirection,
+    /// With which its radiance counts in its cell.
+    weight: f64,
+    found: GatheredRadiance<BANDS>,
+    /// How far away what it found appears.
+    distance: f64,
+    /// Where what it found comes from: how far away, and the unit normal there if it is known.
+    source: (f64, Option<DVec3>),
+}
+
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
+    /// What is seen from a place in each cell of the hemisphere, and what was bright. Rays go through each cell, and others where light is expected; each counts in the cell
+    /// into which it goes.
+    pub(crate) fn sample_hemisphere(
+        &mut self,
+        place: &CachePoint<BANDS>,
+        look: &HemisphereGather<'_>,
+    ) -> HemisphereSamples<BANDS> {
+        let around = look.hemisphere.len();
+        let visible_portals = self.plan.portals.seen_from(place.point, place.normal);
+        let aims = GatherTechniques {
+            around: around as f64,
+            outward: if visible_portals.is_some() { (OUTWARD_SHARE * around as f64).ceil() } else { 0.0 },
+            visible_portals,
+            bright: look.bright.and_then(|bright| bright.seen_from(place.point, place.normal, around as f64)),
+        };
+        let directions: Vec<GatherDirection> = (0..around).map(|cell| self.way(place, look, cell)).collect();
+        let mut gather_rays: Vec<GatherRay<BANDS>> =
+            directions.iter().enumerate().map(|(cell, way)| self.gather_ray(place, (cell, way), &aims)).collect();
+        for way in self.further_directions(place, look, &aims) {
+            let cell = look.hemisphere.cell(way.local);
+            gather_rays.push(self.gather_ray(place, (cell, &way), &aims));
+        }
+        HemisphereSamples::new(place, around, &gather_rays)
+    }
+
+    /// The directions that lead towards where light is expected.
+    fn further_directions(
+        &self,
+        place: &CachePoint<BANDS>,
+        look: &HemisphereGather<'_>,
+        aims: &GatherTechniques<'_>,
+    ) -> Vec<GatherDirection> {
+        let [x, y, z] = Record::<BANDS>::frame(place.normal);
+        let sampler = |seed: u64, most: u64, draw: u64| {
+            RaySampler::new(self.plan.options.seed ^ seed, look.number.wrapping_mul(most).wrapping_add(draw))
+        };
+        let outward = aims.visible_portals.iter().flat_map(|visible_portals| {
+            (0..aims.outward as u64).filter_map(|draw| {
+                let sampler = sampler(OUTWARD_SEED, aims.outward as u64, draw);
+                let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
+                let direction = visible_portals.draw([choice, u, v])?;
+                let local = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
+                (local.z > 0.0).then_some(GatherDirection { local, direction, sampler })
+            })
+        });
+        let bright = aims.bright.iter().flat_map(|bright| {
+            let [shift, ..] = sampler(SHIFT_SEED, 1, 0).take(DimensionSet::CAMERA);
+            (0..bright.rays()).map(move |draw| {
+                let sampler = sampler(BRIGHT_SEED, MOST_BRIGHT, u64::from(draw));
+                let [u, v, ..] = sampler.take(DimensionSet::CAMERA);
+                let local = bright.draw(draw, shift, [u, v]);
+                let direction = (x * local.x + y * local.y + z * local.z).normalize();
+                GatherDirection { local, direction, sampler }
+            })
+        });
+        outward.chain(bright).collect()
+    }
+
+    fn gather_ray(
+        &mut self,
+        place: &CachePoint<BANDS>,
+        (cell, way): (usize, &GatherDirection),
+        aims: &GatherTechniques<'_>,
+    ) -> GatherRay<BANDS> {
+        let found = self.look(place, way.direction, way.sampler);
+        let seen = self.effective_distance();
+        // The sky appears where the way to it is free.
+        let distance = if seen.is_finite() { seen } else { found.distance };
+        GatherRay {
+            cell,
+            way: *way,
+            weight: aims.balance(way),
+            found,
+            distance,
+            source: self.source(way, distance, aims),
+        }
+    }
+
+    /// Where light comes from that appears at a distance: through an opening it changes from place to place as if the opening
+    /// itself emitted it.
+    fn source(&self, way: &GatherDirection, distance: f64, aims: &GatherTechniques<'_>) -> (f64, Option<DVec3>) {
+        let portal = aims.visible_portals.as_ref().and_then(|visible_portals| visible_portals.crossed(way.direction));
+        match portal {
+            Some((before, normal)) if before < distance => (before, Some(normal)),
+            _ => (distance, self.first_normal(way.direction).filter(|_| distance == self.first_distance())),
+        }
+    }
+}
+
+/// What is seen around a place.
+#[derive(Debug)]
+pub(crate) struct HemisphereSamples<const BANDS: usize> {
+    /// One a cell of the hemisphere.
+    pub(crate) cells: Vec<GatheredRadiance<BANDS>>,
+    pub(crate) bright: Vec<GuidingSample>,
+    pub(crate) hits: Vec<GatherHit<BANDS>>,
+    /// Rays that looked.
+    pub(crate) rays: usize,
+}
+
+impl<const BANDS: usize> HemisphereSamples<BANDS> {
+    /// The first `around` gather_rays are one a cell.
+    fn new(place: &CachePoint<BANDS>, around: usize, gather_rays: &[GatherRay<BANDS>]) -> Self {
+        let mut cells: Vec<_> = gather_rays[..around].iter().map(|gather_ray| gather_ray.found).collect();
+        cells.iter_mut().for_each(|cell| cell.radiance = [0.0; BANDS]);
+        for gather_ray in gather_rays {
+            for (sum, radiance) in cells[gather_ray.cell].radiance.iter_mut().zip(gather_ray.found.radiance) {
+                *sum += gather_ray.weight * radiance;
+            }
+        }
+        let total: f64 = cells.iter().map(|cell| luminance(&cell.radiance)).sum();
+        let bright = |gather_ray: &GatherRay<BANDS>| {
+            let radiance = luminance(&gather_ray.found.radiance);
+            let is_bright = radiance * around as f64 > BRIGHT * total && gather_ray.distance.is_finite();
+            let squared = gather_ray.distance * gather_ray.distance;
+            is_bright.then(|| GuidingSample {
+                position: place.point + gather_ray.way.direction * gather_ray.distance,
+                power: radiance * gather_ray.weight / total * squared / gather_ray.way.local.z.max(GRAZING),
+            })
+        };
+        let hit = |gather_ray: &GatherRay<BANDS>| GatherHit {
+            direction: gather_ray.way.direction,
+            distance: gather_ray.source.0,
+            normal: gather_ray.source.1,
+            irradiance: gather_ray.found.radiance.map(|band| band * gather_ray.weight * PI / around as f64),
+        };
+        HemisphereSamples {
+            bright: gather_rays.iter().filter_map(bright).collect(),
+            hits: gather_rays.iter().map(hit).collect(),
+            rays: gather_rays.len(),
+            cells,
+        }
+    }
+}

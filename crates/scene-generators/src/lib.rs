@@ -1,0 +1,273 @@
+//! In-process replacements of the commands that Radiance scenes call.
+//!
+//! A scene line such as `!genbox wood crate 1 1 1 | xform -t 0 0 2` runs here, without a shell, a disk or a second process:
+//! [`pipeline`] splits the line as `sh` would in the plain cases ([`shell_words`]) and hands each command to [`run`].
+//! The output is the text that the real program prints; numbers are rounded as C's `printf` rounds them.
+//!
+//! Guarantees: no panic on any argument; time and memory are bounded ([`MAX_OUTPUT_BYTES`]); the same arguments give the
+//! same bytes. An [`Error`] knows which argument it is about, and [`PipelineError`] where that argument stands in the line.
+//!
+//! `mksource` and `genskyvec` need a renderer, so they are functions of their own, [`mksource()`] and [`genskyvec()`], for the caller to offer.
+//!
+//! This crate may not know the scene, the disk, the clock or the environment: files come from a
+//! [`Loader`], and `xform`, which needs the scene parser, comes from the caller as `extra`.
+//!
+//! ```
+//! use radsight_loader::MemoryLoader;
+//! let loader = MemoryLoader::default().with("corners", "0 0  1 0  0 1");
+//! let output = radsight_scene_generators::pipeline("cat corners | genprism wood wedge - -l 0 0 2", &loader, &|_, _| None).unwrap();
+//! assert!(String::from_utf8(output.standard_output).unwrap().contains("wood polygon wedge.b"));
+//! ```
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod cat;
+mod cie;
+mod cnt;
+mod echo;
+mod epw2wea;
+mod error;
+mod ev;
+mod facets;
+mod functions;
+mod genbeads;
+mod genblinds;
+mod genbox;
+mod genclock;
+mod gendaylit;
+mod gendaymtx;
+mod genprism;
+mod genrev;
+mod gensky;
+mod genskyvec;
+mod gensurf;
+mod genworm;
+mod grid_data;
+mod histo;
+mod ies2rad;
+mod lamps;
+mod matching;
+mod mgf;
+mod mgf2rad;
+mod mksource;
+mod number_text;
+mod obj2rad;
+mod perez;
+mod pipeline;
+mod pkgbsdf;
+mod rcalc;
+mod rcollate;
+mod record_format;
+mod record_output;
+mod records;
+mod replmarks;
+mod rlam;
+mod scene_words;
+pub mod shell_words;
+mod sky_patches;
+mod sun;
+mod supply;
+mod tabfunc;
+mod text;
+mod total;
+mod wavefront_mesh;
+mod weather;
+mod zcat;
+
+pub use error::Error;
+pub use genskyvec::{OpenSky, genskyvec};
+pub use lamps::lamp_color;
+pub use mksource::{OpenSurrounding, Surrounding, mksource};
+pub use pipeline::{PipelineError, pipeline};
+pub use text::{General, MAX_OUTPUT_BYTES, Sink, padded};
+pub use wavefront_mesh::{WavefrontMesh, WavefrontTriangle};
+
+use radsight_loader::{FileKind, LoadError, Loader};
+use std::borrow::Cow;
+use std::io::Read;
+use supply::Supply;
+use text::Text;
+
+/// What a command gave.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Output {
+    /// What the program prints; for a generator, scene text.
+    pub standard_output: Vec<u8>,
+    /// What the program says on standard error without failing, one message each, without the program's name.
+    pub warnings: Vec<String>,
+    /// Files that the program writes, by name; whoever reads the standard output must be able to load them.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+/// Runs a command that this crate lacks (`xform`); `None` when the caller lacks it too.
+pub type Extra<'a> = dyn Fn(&[String], Option<&[u8]>) -> Option<Result<Output, Error>> + 'a;
+
+/// Standard input, empty when there is none. Only programs that read it ask: in a shell's loop it holds what the next turns need.
+pub trait StandardInput {
+    /// All of it; the same whenever it is asked for.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    fn bytes(&self) -> Result<&[u8], LoadError>;
+
+    /// What was not read of it yet, to be read as it comes.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    fn reader(&self) -> Result<Box<dyn Read + '_>, LoadError> {
+        Ok(Box::new(self.bytes()?))
+    }
+}
+
+impl<T: AsRef<[u8]>> StandardInput for T {
+    fn bytes(&self) -> Result<&[u8], LoadError> {
+        Ok(self.as_ref())
+    }
+}
+
+/// All that a program is given.
+pub(crate) struct Invocation<'a> {
+    pub(crate) argv: &'a [String],
+    standard_input: &'a dyn StandardInput,
+    pub(crate) loader: &'a dyn Loader,
+    pub(crate) extra: &'a Extra<'a>,
+    sink: Option<Sink>,
+}
+
+/// What a word that names an input is called in messages.
+#[must_use]
+pub fn source_name(name: &str) -> &str {
+    if name == "-" { "standard input" } else { name }
+}
+
+impl<'a> Invocation<'a> {
+    /// Standard input, empty when there is none.
+    pub(crate) fn standard_input(&self) -> Result<&'a [u8], Error> {
+        Ok(self.standard_input.bytes()?)
+    }
+
+    /// What a word names: standard input (`-`) or a file.
+    pub(crate) fn input(&self, name: &str, kind: FileKind) -> Result<Cow<'a, [u8]>, Error> {
+        match name {
+            "-" => self.standard_input().map(Cow::Borrowed),
+            name => Ok(Cow::Owned(self.loader.load(name, kind)?.bytes)),
+        }
+    }
+
+    /// The same, read as it comes.
+    pub(crate) fn supply(&self, name: &str, kind: FileKind) -> Result<Supply<'a>, Error> {
+        let source = match name {
+            "-" => self.standard_input.reader()?,
+            name => self.loader.open(name, kind)?,
+        };
+        Ok(Supply::new(name, source))
+    }
+
+    /// The program's output, which is sent on while it runs if the caller wants that.
+    pub(crate) fn text(&self) -> Text {
+        Text::to(self.sink.clone())
+    }
+}
+
+type Program = fn(&Invocation<'_>) -> Result<Output, Error>;
+
+/// Sorted by name.
+const PROGRAMS: &[(&str, Program)] = &[
+    ("cat", cat::run),
+    ("cnt", cnt::run),
+    ("echo", echo::run),
+    ("epw2wea", epw2wea::run),
+    ("ev", ev::run),
+    ("genbeads", genbeads::run),
+    ("genblinds", genblinds::run),
+    ("genbox", genbox::run),
+    ("genclock", genclock::run),
+    ("gendaylit", gendaylit::run),
+    ("gendaymtx", gendaymtx::run),
+    ("genprism", genprism::run),
+    ("genrev", genrev::run),
+    ("gensky", gensky::run),
+    ("gensurf", gensurf::run),
+    ("genworm", genworm::run),
+    ("histo", histo::run),
+    ("ies2rad", ies2rad::run),
+    ("mgf2rad", mgf2rad::run),
+    ("obj2rad", obj2rad::run),
+    ("pkgBSDF", pkgbsdf::run),
+    ("rcalc", rcalc::run),
+    ("rcollate", rcollate::run),
+    ("replmarks", replmarks::run),
+    ("rlam", rlam::run),
+    ("tabfunc", tabfunc::run),
+    ("total", total::run),
+    ("zcat", zcat::run),
+];
+
+/// The names of all programs that [`run`] has, sorted.
+#[must_use]
+pub fn names() -> &'static [&'static str] {
+    const NAMES: [&str; PROGRAMS.len()] = {
+        let mut names = [""; PROGRAMS.len()];
+        let mut index = 0;
+        while index < names.len() {
+            names[index] = PROGRAMS[index].0;
+            index += 1;
+        }
+        names
+    };
+    &NAMES
+}
+
+/// Whether [`run`] has the program; a leading directory is ignored, as in `/usr/local/bin/genbox`.
+#[must_use]
+pub fn knows(program: &str) -> bool {
+    find(program).is_some()
+}
+
+/// Runs one command. `argv[0]` is the program's name.
+///
+/// # Errors
+/// When the program is unknown, its arguments or input are wrong, a file or standard input cannot be read, or the output would be too large.
+pub fn run(argv: &[String], standard_input: &dyn StandardInput, loader: &dyn Loader) -> Result<Output, Error> {
+    run_with(argv, standard_input, loader, &|_, _| None)
+}
+
+/// Runs one command and sends on its output while it runs, for the programs that answer line by
+/// line (`cnt`, `rcalc`, `rcollate`, `rlam`, `total`): they take memory for one record. What was
+/// answered before an error is sent on before it is returned.
+///
+/// [`Output::standard_output`] is what was not sent on: all of it from other programs.
+///
+/// # Errors
+/// As [`run`], and [`Error::OutputTooLarge`] when the sink fails, which knows why.
+pub fn run_to(
+    sink: Sink,
+    argv: &[String],
+    standard_input: &dyn StandardInput,
+    loader: &dyn Loader,
+) -> Result<Output, Error> {
+    run_invocation(&Invocation { argv, standard_input, loader, extra: &|_, _| None, sink: Some(sink) })
+}
+
+pub(crate) fn run_with(
+    argv: &[String],
+    standard_input: &dyn StandardInput,
+    loader: &dyn Loader,
+    extra: &Extra<'_>,
+) -> Result<Output, Error> {
+    run_invocation(&Invocation { argv, standard_input, loader, extra, sink: None })
+}
+
+fn run_invocation(invocation: &Invocation<'_>) -> Result<Output, Error> {
+    let name = invocation.argv.first().map_or("", String::as_str);
+    match find(name) {
+        Some(program) => program(invocation),
+        None => Err(Error::UnknownProgram { program: name.to_owned() }),
+    }
+}
+
+fn find(program: &str) -> Option<Program> {
+    let name = program.rsplit('/').next().unwrap_or(program);
+    let index = PROGRAMS.binary_search_by_key(&name, |entry| entry.0).ok()?;
+    Some(PROGRAMS[index].1)
+}

@@ -1,0 +1,371 @@
+//! mgf2rad, pkgBSDF, ies2rad and obj2rad against the real programs.
+
+mod oracle;
+
+use oracle::{Radiance, TestLoader, ours, words};
+
+const MGF: &str = "# all of the format
+c red = 
+	cxy .6 .3
+c dark = red
+c bb =
+cct 3000
+c mixed =
+cmix .3 red .7 dark
+c spec =
+cspec 400 700 .1 .5 .9 .2
+m plastic_red =
+c red
+rd .5
+c
+rs .04 .02
+sides 2
+m m_spec =
+c spec
+rd .3
+m copper =
+c red
+rs .7 .1
+rd .1
+m green_gloss =
+c
+cxy .25 .6
+rd .4
+c red
+rs .3 .05
+m pane =
+ir 1.52 0
+c
+rs .08 0
+ts .7 0
+m solid_glass = pane
+sides 1
+m trans1 =
+c mixed
+rd .2
+td .3
+rs .03 .01
+ts .1 .01
+m lamp =
+c bb
+ed 1000
+m two_rough =
+c
+rs .1 0
+ts .3 .2
+o top
+v v0 =
+p 0 0 0
+v v1 =
+p 1 0 0
+v v2 =
+p 1 1 .1
+v v3 =
+p 0 1 .1
+v n0 =
+p 0 0 1
+n 0 .1 1
+v n1 =
+p 1 0 1
+n .2 0 1
+v n2 =
+p 1 1 1
+n 0 0 1
+v h0 =
+p .2 .2 .02
+v h1 =
+p .4 .2 .02
+v h2 =
+p .4 .4 .04
+m plastic_red
+f v0 v1 v2 v3
+fh v0 v1 v2 v3 - h0 h1 h2
+m m_spec
+sph v1 .3
+sph v1 -.2
+m copper
+cyl v0 .1 v2
+cyl v0 -.1 v1
+cone v0 .1 v1 .2
+cone v0 0 v1 -.2
+m pane
+ring n0 0 .5
+ring n1 .1 .5
+m solid_glass
+prism v0 v1 v2 v3 .5
+prism n0 n1 n2 -.5
+m trans1
+torus n2 .2 .6
+m lamp
+xf -t 1 2 3 -rz 30 -a 2 -t 0 0 1 -a 3 -mx
+o in
+f v0 v1 v2
+sph v3 .1
+o
+xf
+m green_gloss
+f v2 v1 v0
+m two_rough
+f v0 v1 v3
+m plastic_red
+rd .6
+f v0 v1 v2
+m
+f v0 v1 v2
+o
+nonsense 1 2
+";
+
+#[test]
+fn the_whole_of_mgf_equals_the_real_translation() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir();
+    std::fs::write(folder.join("radsight-scene-generators.mgf"), MGF).unwrap();
+    let loader = TestLoader { folders: vec![folder], ..TestLoader::default() };
+    for line in ["mgf2rad radsight-scene-generators.mgf", "mgf2rad -g 2 -e .5 radsight-scene-generators.mgf"] {
+        let real = radiance.run(&words(line), b"", loader.folders.first().map(|folder| folder.as_path()));
+        let mine = String::from_utf8(ours(&words(line), b"", &loader).unwrap().standard_output).unwrap();
+        let (mine, real): (Vec<&str>, Vec<&str>) =
+            (mine.split_whitespace().collect(), real.standard_output.split_whitespace().collect());
+        assert_eq!(mine.len(), real.len(), "{line}");
+        for (place, (a, b)) in mine.iter().zip(&real).enumerate() {
+            // The real program names a modifier that it does not define, and rounds spectra to whole numbers by chance.
+            let close = |a: &f64, b: &f64| (a - b).abs() <= 5e-4 * a.abs().max(1e-2);
+            let both = a.parse().ok().zip(b.parse().ok());
+            let same = a == b || (*a, *b) == ("Phong", "T-nor");
+            let context = || mine[place.saturating_sub(12)..place].join(" ");
+            assert!(same || both.is_some_and(|(a, b)| close(&a, &b)), "{line}: ours {a}, real {b} after {}", context());
+        }
+    }
+}
+
+#[test]
+fn spectra_keep_their_luminance() {
+    let loader = TestLoader::default();
+    let text = ours(&words("mgf2rad -s"), MGF.as_bytes(), &loader).unwrap().standard_output;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("\nvoid spectrum spec*\n0\n0\n33 400 700\t") && text.contains("\nspec* plastic m_spec\n"));
+    assert!(text.contains("\nvoid spectrum bb*\n") && text.contains("\nbb* light lamp\n"), "{text}");
+}
+
+#[test]
+fn smoothed_faces_have_their_texture_as_modifier() {
+    let text = "v a =\np 0 0 0\nn 0 .3 1\nv b =\np 1 0 0\nn .3 0 1\nv c =\np 0 1 0\nn 0 0 1\nf a b c\n";
+    let text = ours(&words("mgf2rad"), text.as_bytes(), &TestLoader::default()).unwrap().standard_output;
+    let text = String::from_utf8(text).unwrap();
+    assert!(
+        text.contains("\nmat texfunc Phong\n4 dx dy dz tmesh.cal\n") && text.contains("\nPhong polygon t1\n"),
+        "{text}"
+    );
+}
+
+#[test]
+fn bad_geometry_is_an_error_with_its_line() {
+    let message =
+        |text: &str| ours(&words("mgf2rad"), text.as_bytes(), &TestLoader::default()).unwrap_err().to_string();
+    assert_eq!(message("m\nf a b c"), "mgf2rad: standard input: line 2: vertex \"a\" is not defined");
+    assert_eq!(message("o 1x"), "mgf2rad: standard input: line 1: \"1x\" is not a name: names begin with a letter");
+    assert_eq!(message("xf"), "mgf2rad: standard input: line 1: no transform is open");
+    assert_eq!(message("rd 2"), "mgf2rad: standard input: line 1: 2 is not a share between 0 and 1");
+    assert!(message("xf -a 1000000000\nxf").contains("more than 2000000 statements"));
+    let mut loader = TestLoader::default();
+    loader.files.insert("loop.mgf".into(), b"i loop.mgf".to_vec());
+    let message = ours(&words("mgf2rad loop.mgf"), b"", &loader).unwrap_err().to_string();
+    assert!(message.contains("more than 32 deep"), "{message}");
+}
+
+fn bsdf(geometry: &str, reflection: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\"?><WindowElement xmlns=\"x\"><FileType>BSDF</FileType><Optical><Layer><Material>\
+         <Name>N</Name><Manufacturer>M</Manufacturer><Thickness unit=\"meter\">.05</Thickness>\
+         <Width unit=\"foot\">3</Width><Height unit=\"meter\">2</Height></Material>{geometry}<WavelengthData><WavelengthDataBlock>\
+         <WavelengthDataDirection>Reflection Front</WavelengthDataDirection><ScatteringData>{reflection}</ScatteringData>\
+         </WavelengthDataBlock></WavelengthData></Layer></Optical></WindowElement>"
+    )
+}
+
+#[test]
+fn a_bsdf_becomes_its_surfaces() {
+    let geometry = "<Geometry format=\"MGF\"><MGFblock unit=\"inch\">v a =\np 0 0 0\nv b =\np 1 0 0\nv c =\np 0 1 0\nf a b c\n</MGFblock></Geometry>";
+    let mut loader = TestLoader::default();
+    loader.files.insert("x/flat.xml".into(), bsdf("", "1, 1").into_bytes());
+    loader.files.insert("both.xml".into(), bsdf(geometry, "1, 2").into_bytes());
+    let text = |line: &str| String::from_utf8(ours(&words(line), b"", &loader).unwrap().standard_output).unwrap();
+    let flat = text("pkgBSDF -s x/flat.xml");
+    assert!(flat.contains("void BSDF m_flat\n6 0 flat.xml 0 1 0 .\n") && !flat.contains("_b"));
+    assert!(flat.contains("\t4.572000e-01\t1.000000e+00\t0.000000e+00\n"), "{flat}");
+    let both = text("pkgBSDF -s both.xml");
+    assert!(both.contains("m_both_f polygon both_f") && both.contains("m_both_b polygon both_b"));
+    assert!(both.contains("\n            0.0254                  0                  0\n"), "{both}");
+    loader.files.insert("bomb.xml".into(), b"<!DOCTYPE a [<!ENTITY b \"c\">]><WindowElement/>".to_vec());
+    assert!(ours(&words("pkgBSDF -s bomb.xml"), b"", &loader).is_err());
+}
+
+/// A luminaire file with the given first line, tilt section, angles and opening.
+fn ies(version: &str, tilt: &str, horizontal: &[f64], vertical: &[f64], opening: &str, kind: &str) -> String {
+    let words = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    let candela: Vec<f64> = (0..horizontal.len() * vertical.len()).map(|i| 1000.0 + 37.5 * (i % 7) as f64).collect();
+    format!(
+        "{version}\r\n[TEST] 12\r\n[LAMP] two warm-white tubes\r\n{tilt}\r\n2 1000. 1.5 {} {} {kind} {opening}\r\n.9 .95 60\r\n{}\r\n{}\r\n{}\r\n",
+        vertical.len(),
+        horizontal.len(),
+        words(vertical),
+        words(horizontal),
+        words(&candela)
+    )
+}
+
+const DOWN: &[f64] = &[0.0, 30.0, 60.0, 90.0];
+const ALL: &[f64] = &[0.0, 45.0, 90.0, 120.0, 180.0];
+
+fn luminaires() -> Vec<String> {
+    let none = "TILT=NONE";
+    let mut files = Vec::new();
+    for (horizontal, kind) in [
+        (&[0.0][..], "1 2"),
+        (&[0.0, 45.0, 90.0], "1 1"),
+        (&[0.0, 90.0, 180.0], "1 2"),
+        (&[90.0, 180.0, 270.0], "1 2"),
+        (&[0.0, 120.0, 240.0, 360.0], "1 2"),
+        (&[0.0, 45.0, 90.0], "2 2"),
+        (&[-90.0, 0.0, 90.0], "2 2"),
+    ] {
+        for vertical in [DOWN, ALL] {
+            files.push(ies("IESNA:LM-63-2002", none, horizontal, vertical, ".2 .6 .1", kind));
+        }
+    }
+    for version in ["old luminaire", "IESNA91", "IESNA:LM-63-1995", "IESNA:LM-63-2002", "IES:LM-63-2019"] {
+        for l in [".3", "0", "-.3"] {
+            for w in [".3", "0", "-.3", "-1.2"] {
+                for h in [".3", "0", "-.3", "2"] {
+                    files.push(ies(version, none, &[0.0], ALL, &format!("{w} {l} {h}"), "1 2"));
+                }
+            }
+        }
+    }
+    for tilt in [
+        "TILT=INCLUDE\r\n1\r\n3\r\n0 45 90\r\n1 .9 .8",
+        "TILT=INCLUDE\n2 4 0 45 100 180 1 .9 .8,.7",
+        "TILT=INCLUDE\n3 2 0 90 1 .9",
+        "TILT=INCLUDE\n4 2 0 90 1 .9",
+        "TILT=INCLUDE\n1 x",
+    ] {
+        files.push(ies("IESNA91", tilt, &[0.0], DOWN, "0 0 0", "1 2"));
+    }
+    files.push(ies("IESNA91", none, &[0.0], DOWN, "0 0 0", "3 2"));
+    files.push("IESNA91\nno tilt\n".to_owned());
+    files
+}
+
+#[test]
+fn luminaires_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir().join("radsight-generate-ies");
+    std::fs::create_dir_all(&folder).unwrap();
+    let options =
+        ["", "-dm", "-di/2", "-dc -m .5", "-t default -c 1 .5 .2", "-i .25", "-t mercury", "-u xenon", "-p sub"];
+    std::fs::create_dir_all(folder.join("sub")).unwrap();
+    let (mut same, mut refused) = (0, 0);
+    for (number, text) in luminaires().into_iter().enumerate() {
+        let options = if number % 3 == 0 { options[number / 3 % options.len()] } else { "" };
+        let argv = words(&format!("ies2rad {options} -o out in.ies"));
+        std::fs::write(folder.join("in.ies"), &text).unwrap();
+        let prefix = if options.contains("-p") { "sub/" } else { "" };
+        let names = ["out.rad", "out.dat", "out%.dat"].map(|name| format!("{prefix}{name}"));
+        names.iter().for_each(|name| drop(std::fs::remove_file(folder.join(name))));
+        let real = radiance.run(&argv, b"", Some(&folder));
+        let loader = TestLoader { folders: vec![folder.clone()], ..TestLoader::default() };
+        let output = match ours(&argv, b"", &loader) {
+            Ok(output) if real.succeeded => output,
+            Ok(_) => panic!("{argv:?}: real fails with {}\n{text}", real.standard_error),
+            Err(error) => {
+                assert!(!real.succeeded, "{argv:?}: {error}\n{text}");
+                refused += 1;
+                continue;
+            }
+        };
+        for name in &names {
+            let real = std::fs::read_to_string(folder.join(name)).ok();
+            let mine = output.files.iter().find(|file| file.0 == *name);
+            let mine = mine.map(|file| String::from_utf8(file.1.clone()).unwrap());
+            assert_eq!(mine.is_some(), real.is_some(), "{argv:?} {name}\n{text}");
+            let (Some(mine), Some(real)) = (mine, real) else { continue };
+            match oracle::compare(&mine, &real) {
+                oracle::Likeness::Different(what) => panic!("{argv:?} {name}: {what}\n{mine}\n---\n{real}\n{text}"),
+                likeness => same += usize::from(likeness == oracle::Likeness::Identical),
+            }
+        }
+    }
+    println!("ies2rad: {same} files are the same bytes, {refused} luminaires are refused by both");
+}
+
+/// Wavefront text with flat, bent, smooth, degenerate and many-cornered faces under changing names.
+fn wavefront(numbers: &mut oracle::Numbers) -> String {
+    let mut text = String::from("# made for a test\n#tight comment\nmtllib none.mtl\n");
+    let points = 24;
+    for index in 0..points {
+        let z = if numbers.chance(2) { 0.0 } else { numbers.between(-0.5, 0.5) };
+        text += &format!("v {:.4} {:.4} {z:.4}\n", (index % 6) as f64, (index / 6) as f64);
+        text += &format!("vn {:.3} {:.3} 1\nvt .5 .{index}\n", numbers.between(-0.6, 0.6), numbers.between(-0.6, 0.6));
+    }
+    text += "vn 0 0 0\nvn 0 0 1\nvn 0 0 -1\nvt x\n";
+    for _ in 0..40 {
+        text += match numbers.below(12) {
+            0 => "usemtl red\n",
+            1 => "usemtl blue\n",
+            2 => "g left wheel\n",
+            3 => "g\n",
+            4 => "o body\n",
+            5 => "usemap wood\nusemap off\n",
+            6 => "s 1\n\n",
+            _ => "",
+        };
+        let count = 3 + numbers.below(4);
+        let start = numbers.below(points - 8);
+        let order: &[usize] = if numbers.chance(4) { &[0, 6, 7, 1, 2, 2] } else { &[0, 1, 7, 6, 6, 0] };
+        text += "f";
+        let style = numbers.below(5);
+        for corner in &order[..count] {
+            let index = 1 + start + corner;
+            text += &match style {
+                0 => format!(" {index}"),
+                1 => format!(" {index}/{index}/{index}"),
+                2 => format!(" {index}//26"),
+                3 => format!(" {index}//27"),
+                _ => format!(" {}/{}/-1", index as i64 - points as i64 - 1, index),
+            };
+        }
+        text += if numbers.chance(6) { " \\\n" } else { "\n" };
+        if text.ends_with("\\\n") {
+            text += "\n";
+        }
+    }
+    text
+}
+
+#[test]
+fn wavefront_scenes_equal_real_ones() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = std::env::temp_dir();
+    let mapping = "# rules\nwood (Material \"red\") ;\npaint (Group \"wheel\") (Face [3 : 30] ) ;\nvoid (Face 7) ;\nmetal (Object \"body\");";
+    std::fs::write(folder.join("radsight-scene-generators.map"), mapping).unwrap();
+    let loader = TestLoader { folders: vec![folder], ..TestLoader::default() };
+    let mut numbers = oracle::Numbers(31);
+    for _ in 0..60 {
+        let text = wavefront(&mut numbers);
+        for line in
+            ["obj2rad", "obj2rad -f", "obj2rad -o thing", "obj2rad -n", "obj2rad -m radsight-scene-generators.map"]
+        {
+            oracle::expect_same(&radiance, &words(line), text.as_bytes(), &loader);
+        }
+    }
+}
+
+#[test]
+fn broken_wavefront_text_is_an_error_with_its_line() {
+    let message =
+        |text: &str| ours(&words("obj2rad"), text.as_bytes(), &TestLoader::default()).unwrap_err().to_string();
+    assert_eq!(message("v 1 2 3\nf 1 2 3"), "obj2rad: <stdin>: line 2: \"2\" names point 2, of 1 so far");
+    assert_eq!(message("v 1 2"), "obj2rad: <stdin>: line 1: v is followed by 2 numbers, expected 3");
+    assert_eq!(message("f 1"), "obj2rad: <stdin>: line 1: \"1\" names point 1, of 0 so far");
+}
