@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Sensor(Sensor),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
+    /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0
+    Target(Target),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),
     /// BRDF plugins: start one, list them, check one, draw its lobe
@@ -114,6 +116,9 @@ pub(crate) struct Capture {
     /// Also writes the colours behind a mosaic of colour filters, demosaiced
     #[arg(long, value_name = "OUT.png", requires = "output")]
     pub(crate) color: Option<String>,
+    /// Also writes where the parts of this specimen are, as [alignment] of a camera file, where there are [tolerances]
+    #[arg(long, value_name = "OUT.toml")]
+    pub(crate) specimen: Option<String>,
     /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
     #[arg(long, value_name = "FILE")]
     pub(crate) exposure: Option<String>,
@@ -239,6 +244,33 @@ pub(crate) struct Rig {
     /// Camera file with a `[rig]` table
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
+}
+
+/// What is drawn on a target.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(crate) enum TargetKind {
+    /// For OpenCV's findChessboardCorners
+    Chessboard,
+    /// For OpenCV's findCirclesGrid
+    Dots,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Target {
+    /// What is drawn
+    pub(crate) kind: TargetKind,
+    /// Inner corners or dots in a row
+    #[arg(long, default_value_t = 9)]
+    pub(crate) columns: u32,
+    /// Inner corners or dots in a column
+    #[arg(long, default_value_t = 6)]
+    pub(crate) rows: u32,
+    /// From one to the next, scene units
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.025)]
+    pub(crate) spacing: f64,
+    /// Let the target shine by itself: radiance of its white, W/(sr·m²)
+    #[arg(long, value_name = "L")]
+    pub(crate) radiance: Option<f64>,
 }
 
 #[derive(Args, Debug)]

@@ -103,11 +103,12 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
     let (center, _) = plan.bounding_sphere();
     let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
     if camera.pinhole_model() == PinholeModel::Finite
+        && camera.lens().is_none()
         && let Some(number) = fresnel_number(camera, distance)
         && number < DIFFRACTION_MATTERS
     {
         say(&format!(
-            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction widens the image more than geometry says\n"
+            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction changes the image; pinhole_model = \"diffraction\" computes it\n"
         ));
     }
 }
@@ -139,6 +140,13 @@ fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, expo
     let mut header = history();
     if exposure.is_partial {
         header.push_variable("PARTIAL", &format!(" {}", partial(exposure, arguments)));
+    }
+    if let Some(alignment) = &camera.alignment {
+        // One line of the header, as the file would say it in several.
+        header.push_variable("ALIGNMENT", &format!(" {}", alignment.to_toml().trim_end().replace('\n', "; ")));
+    }
+    if let (Some(path), Some(alignment)) = (&arguments.specimen, &camera.alignment) {
+        write_file(path, alignment.to_toml().as_bytes())?;
     }
     let image = exposure_image(&camera.camera, &exposure.values)?;
     if let Some(path) = &arguments.exposure {

@@ -43,6 +43,7 @@ fn read_keys(
         led_diameter_m: led_mm? * 1e-3,
         led_intensity_w_per_sr: intensity?,
         emission: emission?,
+        alignment: None,
     };
     if !rig.axial_radiance().is_finite() {
         let span = section.span_of("led_diameter_mm", sources);

@@ -152,11 +152,6 @@ fn an_unknown_response_is_shown_once() {
 }
 
 #[test]
-fn diffraction_says_that_it_is_not_available_yet() {
-    insta::assert_snapshot!(errors(&CAMERA.replace("= \"finite\"", "= \"diffraction\"")));
-}
-
-#[test]
 fn up_along_direction_is_shown_at_up() {
     insta::assert_snapshot!(errors(&CAMERA.replace("[0.0, 1.0, 0.0]", "[0.0, 0.0, 3.0]")));
 }
@@ -285,4 +280,85 @@ fn a_mosaic_has_its_filters_in_the_band_weights() {
     assert!(errors.contains("unknown mosaic \"RGBG\""), "{errors}");
     let errors = read(&format!("{CAMERA}{LINEAR}filter_red = [1, 0, 0]\n")).unwrap_err();
     assert!(errors.contains("unknown key \"filter_red\""), "{errors}");
+}
+
+#[test]
+fn diffraction_takes_its_wavelength_and_distance() {
+    let text = CAMERA.replace("\"finite\" ", "\"diffraction\" ");
+    let (file, _) = read(&format!("{text}object_distance_m = 0.48\nband_wavelengths_nm = [620, 540, 460]\n")).unwrap();
+    assert_eq!(file.camera.pinhole_model(), PinholeModel::Diffraction);
+    let errors = read(&text.replace("wavelength_nm = 650.0", "")).unwrap_err();
+    assert!(errors.contains("needs the wavelength") && errors.contains("hint: for example"), "{errors}");
+    let errors = read(&format!("{CAMERA}object_distance_m = 0.48\n")).unwrap_err();
+    assert!(errors.contains("unknown key \"object_distance_m\""), "{errors}");
+}
+
+#[test]
+fn a_lens_stands_in_the_place_of_the_hole() {
+    let without = CAMERA.replace("focal_distance_mm = 6.75\npinhole_diameter_mm = 0.1\n", "");
+    let without = without.lines().filter(|line| !line.starts_with("pinhole_model")).collect::<Vec<_>>().join("\n");
+    let lens = "\nlens_focal_length_mm = 8.0\nf_number = 2.0\nfocus_distance_m = 0.48\n";
+    let (file, _) = read(&format!("{without}{lens}front_stop_mm = [20.0, 6.0]\n")).unwrap();
+    let lens_read = file.camera.lens().unwrap();
+    assert!((lens_read.aperture_m - 4e-3).abs() < 1e-15 && lens_read.front_stop.is_some());
+    assert!((file.camera.focal_distance_m() - 1.0 / (1.0 / 8e-3 - 1.0 / 0.48)).abs() < 1e-12);
+    let errors = read(&format!("{without}{}", lens.replace("0.48", "0.005"))).unwrap_err();
+    assert!(errors.contains("nothing sharp at 0.005 m"), "{errors}");
+    let errors = read(&format!("{CAMERA}{lens}")).unwrap_err();
+    assert!(errors.contains("unknown key \"pinhole_diameter_mm\""), "{errors}");
+}
+
+#[test]
+fn a_calibrated_camera_gives_size_pitch_and_distortion() {
+    let matrix = "image_width: 320\nimage_height: 240\ncamera_matrix: {data: [500, 0, 160, 0, 510, 121, 0, 0, 1]}\n\
+                  distortion_coefficients: {data: [-0.1, 0.02, 0, 0, 0]}\n";
+    let loader = MemoryLoader::default().with("rigs/calibrated.yaml", matrix);
+    let text = CAMERA
+        .replace("pixels = [192, 165]\npixel_pitch_um = [13.75, 16.0]\n", "camera_matrix = \"calibrated.yaml\"\n");
+    let (file, warnings) = read_with(&text, &loader).unwrap();
+    assert_eq!((file.camera.columns(), file.camera.rows(), warnings.as_str()), (320, 240, ""));
+    assert!((file.camera.pixel_pitch_m()[0] - 6.75e-3 / 500.0).abs() < 1e-15);
+    let (_, warnings) = read_with(&format!("{text}pixels = [100, 100]\n"), &loader).unwrap();
+    assert!(warnings.contains("of a picture of 320 x 240 pixels"), "{warnings}");
+    let broken = MemoryLoader::default().with("rigs/calibrated.yaml", "camera_matrix: [1, 2]\n");
+    assert!(read_with(&text, &broken).unwrap_err().contains("has 2 numbers, expected 9"));
+}
+
+const TOLERANCES: &str = "\n[tolerances]\nspecimen = 4\ncamera_shift_mm = 0.5\ncamera_turn_deg = 0.3\nsensor_shift_um = 40\n\
+                          sensor_tilt_deg = 0.5\nring_shift_mm = 0.2\nring_turn_deg = 0.4\nled_shift_mm = 0.1\n\
+                          led_tilt_deg = 1.0\nled_intensity_percent = 8\n";
+
+#[test]
+fn what_was_drawn_can_be_read_back_and_is_the_same_specimen() {
+    let (drawn, _) = read(&format!("{CAMERA}{RIG}{TOLERANCES}")).unwrap();
+    let (again, _) = read(&format!("{CAMERA}{RIG}\n{}", drawn.alignment.as_ref().unwrap().to_toml())).unwrap();
+    assert_eq!(drawn, again);
+    assert_eq!(drawn.rig.as_ref().unwrap().scene_text(), again.rig.unwrap().scene_text());
+    let (other, _) = read(&format!("{CAMERA}{RIG}{}", TOLERANCES.replace("specimen = 4", "specimen = 5"))).unwrap();
+    assert_ne!(other.camera, drawn.camera);
+}
+
+#[test]
+fn misalignment_moves_camera_ring_and_leds_as_it_says() {
+    let (nominal, _) = read(&format!("{CAMERA}{RIG}")).unwrap();
+    let stated = |text: &str| read(&format!("{CAMERA}{RIG}\n[alignment]\n{text}\n")).unwrap().0;
+    // Moved to the picture's right, ring and all; turned about up to the left of the direction.
+    let moved = stated("camera_shift_mm = [1.0, 0.0, 0.0]");
+    assert!((moved.camera.position_m() - nominal.camera.position_m() - glam::DVec3::X * 1e-3).length() < 1e-12);
+    let led = |file: &CameraFile, index| file.rig.as_ref().unwrap().led_centre_m(index);
+    assert!((led(&moved, 3) - led(&nominal, 3) - glam::DVec3::X * 1e-3).length() < 1e-12);
+    let turned = stated("camera_turn_deg = [0.0, 2.0, 0.0]");
+    let angle = turned.camera.direction().dot(nominal.camera.direction()).acos().to_degrees();
+    assert!((angle - 2.0).abs() < 1e-6, "{angle}");
+    assert!((turned.camera.up() - nominal.camera.up()).length() < 1e-12);
+    // A ring that is turned about the direction by 30 degrees has its LEDs one place on.
+    let on = stated("ring_turn_deg = [0.0, 0.0, -30.0]");
+    assert!((led(&on, 0) - led(&nominal, 1)).length() < 1e-12);
+    assert_eq!(on.camera, nominal.camera);
+    let dim = stated("led_intensity = [1, 1, 0.5, 1, 1, 1, 1, 1, 1, 1, 1, 1]").rig.unwrap().scene_text();
+    let full = nominal.rig.as_ref().unwrap().axial_radiance();
+    assert!(dim.contains(&format!("3 {0} {0} {0}", full)) || dim.contains(&format!("7 {0} {0} {0}", full)));
+    assert!(dim.contains(&format!(" {0} {0} {0}\n", 0.5 * full)), "{dim}");
+    let errors = read(&format!("{CAMERA}{RIG}\n[alignment]\nled_intensity = [1, 1]\n")).unwrap_err();
+    assert!(errors.contains("must be a list of 12 numbers, not of 2"), "{errors}");
 }
