@@ -5,6 +5,7 @@ use crate::commands::capture::{color_png, grey_png};
 use crate::failure::{Failure, Outcome};
 use crate::input::{history, read_camera, read_standard_input};
 use crate::output::{check_writable, write_file, write_standard_output};
+use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
 use radsight_picture::read_image;
 use radsight_sensor::characterise::{Series, evaluate, html, measure, table};
@@ -14,9 +15,9 @@ use radsight_sensor::{EvenLight, Sensor as SensorModel};
 const MOST_PIXELS_A_SIDE: u32 = 256;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Sensor) -> Outcome {
+pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
     for path in [&arguments.report, &arguments.color].into_iter().flatten() {
-        check_writable(path)?;
+        check_writable(&trust.output(path, Existing::Kept)?)?;
     }
     let file = read_camera(&arguments.camera)?;
     if arguments.characterise {

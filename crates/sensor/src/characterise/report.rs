@@ -127,7 +127,9 @@ fn plots(series: &PhotonTransfer, found: &Characterisation) -> [Plot; 5] {
     let off = light().filter(|step| step.mean - dark < 0.98 * top);
     let deviation =
         off.map(|step| [step.photons, 100.0 * (step.mean - dark - response * step.photons) / top]).collect();
-    let snr = light().map(|step| [step.photons, (step.mean - dark) / step.variance.sqrt()]).collect();
+    // What no longer fluctuates is no signal without noise.
+    let unsaturated = light().filter(|step| step.mean - dark < 0.98 * top);
+    let snr = unsaturated.map(|step| [step.photons, (step.mean - dark) / step.variance.sqrt()]).collect();
     let ideal = light().map(|step| [step.photons, step.photons.sqrt()]).collect();
     let model = light().map(|step| {
         let electrons = found.quantum_efficiency.value * step.photons;
