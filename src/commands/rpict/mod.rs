@@ -36,7 +36,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
+        let side = options.survey_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -46,7 +47,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
+        let side = options.survey_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
@@ -99,7 +101,7 @@ impl Picture {
             )));
         }
         let mut lens = ViewCamera::new(view, columns, rows);
-        lens.jitter = options.pixel_jitter;
+        lens.jitter = options.jitter();
         lens.aperture = options.aperture;
         if options.motion > 0.0 {
             lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
@@ -157,6 +159,7 @@ impl Picture {
 fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
     let of_each = match options.pixel_effort() {
         SamplingBudget::Samples(samples) => f64::from(samples),
+        SamplingBudget::Interpolated(_) => 1.0,
         SamplingBudget::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
     };
     of_each * pixels as f64
