@@ -3,6 +3,9 @@
 use radsight_sensor::characterise::{Characterisation, Series, evaluate, measure};
 use radsight_sensor::{BitDepth, Emva1288, Emva1288Description, Estimate, EvenLight, NonUniformity, SpatialDeviation};
 
+/// One of the quantities that were found.
+type Quantity = fn(&Characterisation) -> Estimate;
+
 const PIXELS: [u32; 2] = [48, 40];
 const DSNU: SpatialDeviation = SpatialDeviation { pixel: 5.0, row: 2.5, column: 3.5 };
 const PRNU: SpatialDeviation = SpatialDeviation { pixel: 0.01, row: 0.004, column: 0.006 };
@@ -38,7 +41,7 @@ fn half(estimate: Estimate) -> Estimate {
 #[test]
 fn what_is_recovered_lies_in_its_interval_in_95_of_100_seeds() {
     let asked = description();
-    let quantities: [(&str, f64, fn(&Characterisation) -> Estimate); 12] = [
+    let quantities: [(&str, f64, Quantity); 12] = [
         ("K", asked.gain_dn_per_e, |found| found.gain_dn_per_e),
         ("QE", asked.quantum_efficiency, |found| found.quantum_efficiency),
         ("dark noise", 9f64.hypot(3.0), |found| found.dark_noise_e),
