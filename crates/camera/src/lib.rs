@@ -110,8 +110,16 @@ impl CameraFile {
     /// The weights for radiances of `bands` bands: those of the file, or equal ones.
     ///
     /// # Errors
-    /// When the file gives weights for another number of bands.
+    /// When the file gives weights or wavelengths for another number of bands.
     pub fn band_weights_for(&self, bands: usize) -> Result<BandWeights, BandWeightsError> {
+        let wavelengths = self.camera.band_wavelengths_m().len();
+        let is_even = self.band_weights.as_ref().is_none_or(|weights| {
+            let weights = weights.as_slice();
+            weights.len() == wavelengths && weights.iter().all(|weight| *weight == weights[0])
+        });
+        if wavelengths > 0 && wavelengths != bands && !(bands == 1 && is_even) {
+            return Err(BandWeightsError::Wavelengths { bands, wavelengths });
+        }
         self.band_weights.as_ref().map_or_else(|| Ok(BandWeights::equal(bands)), |weights| weights.for_bands(bands))
     }
 }

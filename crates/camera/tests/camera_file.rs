@@ -362,3 +362,48 @@ fn misalignment_moves_camera_ring_and_leds_as_it_says() {
     let errors = read(&format!("{CAMERA}{RIG}\n[alignment]\nled_intensity = [1, 1]\n")).unwrap_err();
     assert!(errors.contains("must be a list of 12 numbers, not of 2"), "{errors}");
 }
+
+#[test]
+fn wavelengths_of_bands_must_be_those_of_the_scene() {
+    let text = CAMERA.replace("\"finite\" ", "\"diffraction\" ");
+    let with = |bands: &str, sensor: &str| read(&format!("{text}band_wavelengths_nm = {bands}\n{sensor}"));
+    let (file, _) = with("[620, 540, 460]", "").unwrap();
+    assert!(file.band_weights_for(3).is_ok() && file.band_weights_for(1).is_ok());
+    let message = file.band_weights_for(20).unwrap_err().to_string();
+    assert_eq!(message, "20 band(s) but band_wavelengths_nm of 3");
+    // A grey scene whose bands weigh differently would need each band's own pattern.
+    let (file, _) = with("[620, 540, 460]", &format!("{LINEAR}band_weights = [2, 1, 1]\n")).unwrap();
+    assert!(file.band_weights_for(3).is_ok() && file.band_weights_for(1).is_err());
+    let errors = with("[100, 540, 460]", "").unwrap_err();
+    assert!(errors.contains("expected a ratio of at most 4"), "{errors}");
+}
+
+#[test]
+fn hostile_calibrations_end_in_errors_or_in_cameras_that_have_rays() {
+    let good = "%YAML:1.0\nimage_width: 320\nimage_height: 240\ncamera_matrix: !!opencv-matrix\n  data: [500, 0, 160, 0, 510, 121, 0, 0, 1]\n\
+                distortion_model: plumb_bob\ndistortion_coefficients: {data: [-0.1, 0.02, 0, 0, 0]}\n";
+    let text = CAMERA.replace("pixels = [192, 165]\npixel_pitch_um = [13.75, 16.0]\n", "camera_matrix = \"m\"\n");
+    let alphabet = b"0123456789.-e[]{},:# \n&*!%\"'|>\xff\x00nainf";
+    let (mut state, mut read_well) = (1u64, 0);
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..4000 {
+        let mut bytes = good.as_bytes().to_vec();
+        for _ in 0..1 + next(4) {
+            let at = next(bytes.len());
+            bytes[at] = alphabet[next(alphabet.len())];
+        }
+        let loader = MemoryLoader::default().with("rigs/m", bytes);
+        if let Ok((file, _)) = read_with(&text, &loader) {
+            read_well += 1;
+            let rays = radsight_pinhole::Rays::new(&file.camera, 1, 0);
+            for pixel in [0, file.camera.pixel_count() - 1, file.camera.pixel_count() / 2] {
+                let ray = rays.of_sample(pixel, 0);
+                assert!(ray.cos4.is_finite() && ray.cos4 >= 0.0 && ray.direction.is_finite(), "{ray:?}");
+            }
+        }
+    }
+    assert!(read_well > 300, "{read_well}");
+}

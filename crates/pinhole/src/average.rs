@@ -54,6 +54,14 @@ pub enum BandWeightsError {
     /// Nothing would be seen.
     #[error("the band weights add up to 0")]
     AllZero,
+    /// Diffraction was asked for by the wavelengths of another number of bands. A grey scene is white light of equal weights.
+    #[error("{bands} band(s) but band_wavelengths_nm of {wavelengths}")]
+    Wavelengths {
+        /// Bands of the radiances.
+        bands: usize,
+        /// Wavelengths given.
+        wavelengths: usize,
+    },
     /// The radiances have another number of bands than there are weights.
     #[error("{bands} bands but {weights} band weights")]
     Count {

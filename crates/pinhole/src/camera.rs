@@ -10,6 +10,9 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
 const SMALLEST_UP_SINE: f64 = 1e-6;
 
+/// The longest wavelength of a scene's bands over the shortest.
+const LARGEST_BAND_RATIO: f64 = 4.0;
+
 /// How the finite hole is treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -80,6 +83,14 @@ pub enum CameraError {
         focus_distance_m: f64,
         /// The focal length, metres.
         focal_length_m: f64,
+    },
+    /// Bands whose diffraction patterns cannot be drawn together.
+    #[error("the wavelengths of the bands reach from {shortest_m:e} to {longest_m:e} m: expected a ratio of at most 4")]
+    BandsApart {
+        /// The shortest, metres.
+        shortest_m: f64,
+        /// The longest, metres.
+        longest_m: f64,
     },
     /// A diffraction pattern without a wavelength.
     #[error("pinhole model \"diffraction\" needs the wavelength")]
@@ -187,9 +198,14 @@ impl PinholeCamera {
     /// The same camera with a diffraction pattern for each band of a coloured scene, by its wavelength in metres.
     ///
     /// # Errors
-    /// When one is not positive.
+    /// When one is not positive, or the longest is over four times the shortest: their patterns have too little in common.
     pub fn with_band_wavelengths(mut self, wavelengths_m: Vec<f64>) -> Result<Self, CameraError> {
         wavelengths_m.iter().try_for_each(|wavelength| positive("wavelength", *wavelength))?;
+        let shortest = wavelengths_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = wavelengths_m.iter().copied().fold(0.0, f64::max);
+        if longest > LARGEST_BAND_RATIO * shortest {
+            return Err(CameraError::BandsApart { shortest_m: shortest, longest_m: longest });
+        }
         self.optics.band_wavelengths_m = wavelengths_m;
         Ok(self)
     }
@@ -243,6 +259,12 @@ impl PinholeCamera {
         self.right = (turned * self.right).reject_from_normalized(self.direction).normalize();
         self.up = self.right.cross(self.direction);
         Ok(self)
+    }
+
+    /// Wavelengths of the bands, metres, where diffraction has them.
+    #[must_use]
+    pub fn band_wavelengths_m(&self) -> &[f64] {
+        &self.optics.band_wavelengths_m
     }
 
     /// Whether this is a hole before an upright, centred sensor, without diffraction.

@@ -11,11 +11,11 @@
 
 use std::f64::consts::PI;
 
-/// Above this Fresnel number the geometric disk is taken: less than 2·10⁻⁴ of the energy is outside of it by more than its tenth.
+/// The pattern of this Fresnel number stands for those of larger ones, too, which are nearer still to the geometric disk.
 pub(crate) const LARGEST_FRESNEL_NUMBER: f64 = 1000.0;
 
 /// Cells of the table to one interference fringe.
-const CELLS_A_FRINGE: f64 = 24.0;
+const CELLS_A_FRINGE: f64 = 12.0;
 
 /// The relative irradiance I(v), 1 at the middle of a small hole: Lommel's series (Born and Wolf, eqs. 8.8.15, 17 and 20).
 #[must_use]
