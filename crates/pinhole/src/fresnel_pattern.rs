@@ -16,6 +16,8 @@ pub(crate) const LARGEST_FRESNEL_NUMBER: f64 = 1000.0;
 
 /// Cells of the table to one interference fringe.
 const CELLS_A_FRINGE: f64 = 12.0;
+/// The fewest cells.
+const FEWEST_CELLS: f64 = 2048.0;
 
 /// The relative irradiance I(v), 1 at the middle of a small hole: Lommel's series (Born and Wolf, eqs. 8.8.15, 17 and 20).
 #[must_use]
@@ -97,7 +99,7 @@ impl FresnelPattern {
         let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
         let most = numbers.iter().copied().fold(0.0, f64::max);
         let end = 1.0 + 10.0 / least + 4.0 / least.sqrt();
-        let cells = (end * 2.0 * most * CELLS_A_FRINGE).ceil().max(64.0) as usize;
+        let cells = (end * 2.0 * most * CELLS_A_FRINGE).ceil().max(FEWEST_CELLS) as usize;
         let nodes: Vec<f64> = (0..=cells).map(|node| end * node as f64 / cells as f64).collect();
         let of_bands: Vec<Vec<f64>> = numbers.iter().map(|&number| cell_energies(number, &nodes)).collect();
         let share = (numbers.len() as f64).recip();
