@@ -36,7 +36,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        let side = options.survey_spacing();
+        let side = options.prepass_spacing();
         renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
@@ -47,7 +47,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        let side = options.survey_spacing();
+        let side = options.prepass_spacing();
         renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
@@ -122,7 +122,7 @@ impl Picture {
             return writer.finish();
         }
         let mut report = Report::new(options.report);
-        let mut frame = Film::new(renderer, self.lens, options.pixel_effort());
+        let mut frame = Film::new(renderer, self.lens, options.pixels);
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
@@ -157,7 +157,7 @@ impl Picture {
 
 /// How many rays went through so many pixels that are done.
 fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
-    let of_each = match options.pixel_effort() {
+    let of_each = match options.pixels {
         SamplingBudget::Samples(samples) => f64::from(samples),
         SamplingBudget::Interpolated(_) => 1.0,
         SamplingBudget::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),

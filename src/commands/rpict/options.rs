@@ -14,40 +14,10 @@ use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
-use radsight_film::{Interpolation, MAX_SAMPLES, SamplingBudget};
+use radsight::{ErrorBudget, Interpolation, SamplingBudget};
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, LightDivision, RenderOptions, Uncached};
-
-/// Rays that no pixel exceeds for an asked error, from this error on; for less error so many more as that takes.
-const MOST_SAMPLES: u32 = 1024;
-const COARSE_ERROR: f64 = 0.02;
-
-/// What of an error goes to the noise and the reach of shared irradiance, and to pixels; values that reach no farther than this are good enough for
-/// any error.
-const NOISE_SHARE: f64 = 1.5;
-const REACH_SHARE: f64 = 0.5;
-const NEAR_ENOUGH: f64 = 0.1;
-const PIXEL_SHARE: f64 = 0.8;
-
-/// Relative noise of the irradiance that N rays find, times √N: what Radiance's records have.
-const NOISE_OF_A_RAY: f64 = 1.5;
-
-/// Rays that a record traces in the mean where no error is asked for, as a share of those that Radiance's records do: neighbours share them.
-const RECORD_SHARE: f64 = 0.75;
-
-/// Radiance's default of `-pj`; a picture of which an error is asked averages whole pixels.
-const USUAL_JITTER: f64 = 0.67;
-
-/// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
-const EVENNESS: f64 = 0.1;
-
-/// For errors below the coarse one places look around along more rays, in proportion to what noise needs: many places with few rays each come to no less noise,
-/// for more time.
-const MOST_THOROUGH: f64 = 16.0;
-
-/// Caustics are shared where records disagree by less than so many times the noise; elsewhere pixels have as many rays as the asked error needs.
-const CAUSTIC_BEND: f64 = 2.0;
+use radsight_render::{Gathering, RenderOptions, Uncached};
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -76,6 +46,8 @@ pub(super) struct Options {
     pub(super) contrast: f64,
     /// How many rays a pixel gets, where that is said.
     pub(super) effort: Option<SamplingBudget>,
+    /// What is left to the pixels of that.
+    pub(super) pixels: SamplingBudget,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
     pub(super) report: u64,
@@ -123,6 +95,7 @@ impl Default for Options {
             sample_spacing: 4.0,
             contrast: 0.05,
             effort: None,
+            pixels: SamplingBudget::Samples(1),
             threads: None,
             report: 0,
             first_frame: 0,
@@ -163,7 +136,7 @@ impl Options {
         {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
-        options.share_error();
+        options.pixels = options.budget().apply(&mut options.render);
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
         }
@@ -181,59 +154,20 @@ impl Options {
         Ok(options)
     }
 
-    /// Gives the irradiance cache its part of the error that is asked for, or else of the rays that Radiance would trace. A value's noise may be more than
-    /// the error, since a pixel sees several values; interpolation bias grows as the square of the distance that records reach.
-    fn share_error(&mut self) {
-        let gathering = &mut self.render.gathering;
-        match self.effort {
-            Some(SamplingBudget::Error { error, .. }) => {
-                gathering.noise = NOISE_SHARE * error;
-                gathering.evenness = EVENNESS;
-                if gathering.accuracy > 0.0 && gathering.divisions > 1 {
-                    let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
-                    gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;
-                }
-                gathering.caustic_error = (CAUSTIC_BEND * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
-                gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
-            }
-            Some(_) => {}
-            None => {
-                let rays = f64::from(gathering.divisions + gathering.super_samples);
-                gathering.noise = NOISE_OF_A_RAY / rays.max(1.0).sqrt();
-                gathering.record_share = RECORD_SHARE;
-                gathering.most_residual = f64::INFINITY;
-                self.render.light_division = LightDivision::BySize;
-            }
-        }
+    /// How good the picture is to be: as `--error` or `--samples` say, or else as Radiance's options do.
+    fn budget(&self) -> ErrorBudget {
+        let preview = Interpolation { spacing: self.sample_spacing, contrast: self.contrast };
+        self.effort.map_or(ErrorBudget::preview(preview), ErrorBudget::of)
     }
 
     /// Side of the square in a pixel over which its rays are spread, in pixels.
     pub(super) fn jitter(&self) -> f64 {
-        self.pixel_jitter.unwrap_or(if self.effort.is_some() { 1.0 } else { USUAL_JITTER })
+        self.pixel_jitter.unwrap_or(self.budget().pixel_jitter())
     }
 
     /// The side in pixels of the squares that have one ray of the cache's pre-pass.
-    pub(super) fn survey_spacing(&self) -> usize {
-        if self.effort.is_some() { 1 } else { (0.5 * self.sample_spacing).max(1.0) as usize }
-    }
-
-    /// How many rays a pixel gets: where irradiance is shared, as many as the pixels' part of the error allows. Where nothing is said, what is smooth is
-    /// interpolated as Radiance's options ask.
-    pub(super) fn pixel_effort(&self) -> SamplingBudget {
-        match self.effort {
-            Some(SamplingBudget::Error { error, most }) => {
-                let share = if self.render.ambient_bounces == 0 { 1.0 } else { PIXEL_SHARE };
-                let finer = (COARSE_ERROR / error).max(1.0).powi(2);
-                SamplingBudget::Error {
-                    error: share * error,
-                    most: (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32,
-                }
-            }
-            Some(samples) => samples,
-            None => {
-                SamplingBudget::Interpolated(Interpolation { spacing: self.sample_spacing, contrast: self.contrast })
-            }
-        }
+    pub(super) fn prepass_spacing(&self) -> usize {
+        self.budget().prepass_spacing()
     }
 
     /// Takes one option; gives how many words it used.
@@ -242,7 +176,7 @@ impl Options {
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
-            |options, words| effort_args::take_one(words, MOST_SAMPLES, &mut options.effort),
+            |options, words| effort_args::take_one(words, ErrorBudget::MOST_SAMPLES, &mut options.effort),
             |options, words| Ok(take_irradiance(words, &mut options.render)),
             |options, words| take_definition(words, &mut options.reading),
             Options::take_sampling,
@@ -364,10 +298,10 @@ mod tests {
             [("rpict a.oct", 4.0, 0.05), ("rpict -ps 1 -pt 0 a.oct", 1.0, 0.0), ("rpict -ps 8 -pt .2 a.oct", 8.0, 0.2)]
         {
             let expected = SamplingBudget::Interpolated(Interpolation { spacing, contrast });
-            assert_eq!(parsed(words).pixel_effort(), expected, "{words}");
+            assert_eq!(parsed(words).pixels, expected, "{words}");
         }
-        assert_eq!(parsed("rpict --samples 9 -ps 8 a.oct").pixel_effort(), SamplingBudget::Samples(9));
-        assert!(matches!(parsed("rpict -ps 8 --error .1 a.oct").pixel_effort(), SamplingBudget::Error { .. }));
+        assert_eq!(parsed("rpict --samples 9 -ps 8 a.oct").pixels, SamplingBudget::Samples(9));
+        assert!(matches!(parsed("rpict -ps 8 --error .1 a.oct").pixels, SamplingBudget::Error { .. }));
     }
 
     #[test]
