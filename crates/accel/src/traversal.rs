@@ -13,6 +13,7 @@ use std::ops::Range;
 
 impl Geometry {
     /// The first surface along the ray, `from` excluded where it is flat.
+    #[inline]
     #[must_use]
     pub fn first_hit(
         &self,

@@ -192,6 +192,7 @@ impl RenderPlan {
     }
 
     /// The shader of a surface.
+    #[inline]
     pub fn shader(&self, surface: SurfaceHandle) -> &Shader {
         self.shader_at(self.shader_table.of(self.scene.surfaces[surface].modifier))
     }
@@ -221,11 +222,13 @@ impl RenderPlan {
     }
 
     /// The shader of this number.
+    #[inline]
     pub fn shader_at(&self, id: ShaderId) -> &Shader {
         &self.shaders[id.0 as usize]
     }
 
     /// The shader by which a surface relays lights: an illum's is that of its stand-in.
+    #[inline]
     pub fn virtual_source_shader(&self, surface: SurfaceHandle) -> &Shader {
         virtual_source_shader(&self.shaders, self.shader(surface))
     }
@@ -237,6 +240,7 @@ impl RenderPlan {
     }
 
     /// Whether diffuse interreflection is left out on the surfaces of a shader.
+    #[inline]
     pub fn excludes_indirect(&self, shader: ShaderId) -> bool {
         self.excluded.get(shader.0 as usize).copied().unwrap_or(false)
     }
@@ -266,6 +270,7 @@ impl RenderPlan {
     }
 
     /// What is known of the light at a primitive; `None` where it was not looked for.
+    #[inline]
     pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         self.reach.receiver(primitive)
     }

@@ -132,6 +132,7 @@ impl Emitter {
 
 impl Kind {
     /// What it emits.
+    #[inline]
     pub fn emitter(&self) -> Option<&Emitter> {
         match self {
             Kind::Emitter(emitter) | Kind::Illum { emitter, .. } => Some(emitter),

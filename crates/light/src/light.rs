@@ -76,6 +76,7 @@ impl Light {
     }
 
     /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
+    #[inline]
     pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
         let gradient = self.gradient(receiver, peak);
         if let Some(mixture) = self.profile_near(receiver) {
@@ -197,6 +198,7 @@ impl Light {
     }
 
     /// Whether a prism relays it, so that only following a ray tells what it brings.
+    #[inline]
     pub fn is_redirected(&self) -> bool {
         self.virtual_sources.iter().any(|virtual_source| virtual_source.redirection.is_some())
     }

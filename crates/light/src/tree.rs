@@ -1,8 +1,8 @@
-//! A hierarchy of lights, from which a few of many are drawn by what they promise to give at a point.
+//! A hierarchy of lights, from which a few of many are drawn by their importance at a point.
 //!
 //! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018: each node knows a sphere around its
 //! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`TreeCut`]: nodes that are seen
-//! under a wide angle are opened first, so that the promises from which is drawn are good ones; the rest of the way down is a choice between two.
+//! under a wide angle are opened first, so that the importances are tight; the rest of the way down is a choice between two.
 //! Distant lights have a tree of their own, over their directions.
 //!
 //! Guarantees: a light that can give something at a point has a chance there; nothing is allocated after the tree is built.
@@ -64,7 +64,7 @@ pub struct Choice {
     pub chance: f64,
 }
 
-/// Nodes that together hold all lights, none twice, with what they promise at a point.
+/// Nodes that together hold all lights, none twice, with their importance at a point.
 #[derive(Debug)]
 pub struct TreeCut<'t> {
     tree: &'t LightTree,
@@ -100,6 +100,7 @@ impl Reception {
     };
 
     /// How many places on a light are sampled at a point where each light is.
+    #[inline]
     pub fn places_on(&self, light: &Light, point: DVec3) -> u32 {
         if self.places == LightSampleCount::ONE {
             return 1;

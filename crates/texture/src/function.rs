@@ -40,6 +40,7 @@ impl Function {
     }
 
     /// What the function sees of a ray.
+    #[inline]
     #[must_use]
     pub fn view<'a>(&'a self, interaction: &'a SurfaceInteraction) -> FunctionView<'a> {
         FunctionView::new(interaction, self.to_function.as_ref())

@@ -26,6 +26,7 @@ pub struct SurfaceInteraction {
 
 impl SurfaceInteraction {
     /// With a surface that is neither a mesh nor within an instance.
+    #[inline]
     pub fn new(ray: &Ray, point: DVec3, front: DVec3, distance: f64, total_distance: f64) -> SurfaceInteraction {
         let cosine = -ray.direction.dot(front);
         let behind = cosine < 0.0;
@@ -44,6 +45,7 @@ impl SurfaceInteraction {
     }
 
     /// Where a ray hits.
+    #[inline]
     pub fn at(ray: &Ray, hit: &Intersection, total_distance: f64) -> SurfaceInteraction {
         let placed = hit.placed;
         SurfaceInteraction {
@@ -67,28 +69,33 @@ impl SurfaceInteraction {
     }
 
     /// The perturbation with which textures start.
+    #[inline]
     pub fn perturbation(&self) -> DVec3 {
         self.placed.map_or(DVec3::ZERO, |placed| placed.perturbation)
     }
 
     /// The point in the coordinates in which the modifiers stand.
+    #[inline]
     pub fn object_point(&self) -> DVec3 {
         let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         to_object.map_or(self.point, |transform| transform.point(self.point))
     }
 
     /// A direction in the coordinates in which the modifiers stand, in the scene's.
+    #[inline]
     pub fn direction_to_scene(&self, direction: DVec3) -> DVec3 {
         let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         to_object.map_or(direction, |transform| transform.rotation.transpose() * direction)
     }
 
     /// The same, as if the surface faced the viewer.
+    #[inline]
     pub fn turned(&self) -> SurfaceInteraction {
         SurfaceInteraction { behind: false, ..*self }
     }
 
     /// Whether its normal is interpolated.
+    #[inline]
     pub fn is_smoothed(&self) -> bool {
         self.perturbation() != DVec3::ZERO
     }

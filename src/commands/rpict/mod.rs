@@ -169,7 +169,7 @@ fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
 fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
     let Estimate { error, uncertainty, rays } = estimate;
     let shared = renderer.irradiance_noise().map_or(String::new(), |noise| {
-        format!("; places of shared irradiance have {:.2} %, and what sharing bends", 100.0 * noise)
+        format!("; irradiance cache: {:.2} % noise, interpolation bias not counted", 100.0 * noise)
     });
     format!(
         "rpict: note: the error of pixels is {:.2} % ± {:.2} % (95 %) with {rays:.1} rays each{shared}\n",
