@@ -118,3 +118,12 @@ impl fmt::Display for RenderReport {
         self.skipped.iter().try_for_each(|skipped| writeln!(formatter, "skipped: {skipped}"))
     }
 }
+
+/// The bytes of a PNG file of 8 bits a component: red, green and blue of each pixel, top row first; `None` where their number does not
+/// fit the columns. For showing pictures that were mapped to a display.
+#[must_use]
+pub fn png_rgb8(columns: usize, values: Vec<u8>) -> Option<Vec<u8>> {
+    let rows = values.len().checked_div(3 * columns)?;
+    let image = radsight_picture::Image::new(columns, rows, 3, values).ok()?;
+    radsight_picture::write_png_rgb8(&image, None).ok()
+}

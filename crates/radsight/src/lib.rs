@@ -44,7 +44,7 @@ pub use capture::{Capture, CapturedImage};
 pub use error::{Error, Report};
 pub use error_budget::ErrorBudget;
 pub use file_loader::FileLoader;
-pub use image::{Image, RenderReport};
+pub use image::{Image, RenderReport, png_rgb8};
 pub use material::Material;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
 pub use radsight_diag::{Diagnostic, Severity};
