@@ -3,9 +3,9 @@
 //! A [`ViewCamera`] turns places in pixels into rays, with Radiance's pixel jitter, aperture and motion. A [`Film`] traces as many of
 //! them as each pixel needs and gives rows of pixels, top row first.
 //!
-//! Guarantees: a pixel is the unbiased mean of rays over its area, never interpolated; it is a function of the plan, the lens, the
-//! effort and the seed, so neither threads nor an interruption that is resumed at a row change it. Knows neither files nor picture
-//! headers.
+//! Guarantees: with an asked error or number of samples a pixel is the unbiased mean of rays over its area; only
+//! [`SamplingBudget::Interpolated`] interpolates. A pixel is a function of the plan, the camera, the budget and the seed, so neither
+//! threads nor an interruption that is resumed at a row change it. Knows neither files nor picture headers.
 #![forbid(unsafe_code)]
 
 mod adaptive;
