@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Capture(Capture),
     /// Pictures of many scenes: time to an error beside real Radiance and Mitsuba 3, as a table, a CSV file and a page
     Race(Race),
+    /// Other people's rpict commands beside real Radiance: processor time, and how near the pictures are to the truth
+    Commands(Commands),
     /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
     Rays(Rays),
     /// How time and memory grow with triangles, lights, pixels and threads, beside the other programs
@@ -44,6 +46,17 @@ pub(crate) enum Command {
     },
     /// What a reflectance model costs in a plugin, beside the same model in the program
     Plugin(Plugin),
+}
+
+/// `radsight-bench commands`.
+#[derive(Debug, Args)]
+pub(crate) struct Commands {
+    /// Folders with a script run.sh, which makes its files in $OUT and finds Radiance's function files in $RADLIB
+    #[arg(required = true, value_name = "FOLDER")]
+    pub(crate) folders: Vec<PathBuf>,
+    /// Rays a pixel of the truth
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub(crate) truth: u32,
 }
 
 /// `radsight-bench race`.

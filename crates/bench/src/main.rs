@@ -6,6 +6,8 @@
 //!
 //! `radsight-bench race` renders many scenes with radsight, real Radiance and Mitsuba 3, and says how long each takes to an error.
 //!
+//! `radsight-bench commands` runs other people's `rpict` commands as they stand with both programs: time, and distance from the truth.
+//!
 //! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
 //!
 //! `radsight-bench scaling` says how time and memory grow with triangles, lights, pixels and threads.
@@ -21,6 +23,7 @@
 mod accuracy;
 mod args;
 mod capture;
+mod commands;
 mod cost;
 mod curve;
 mod equal_error;
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         args::Command::Rays(arguments) => rays::run(&arguments),
         args::Command::Scaling(arguments) => scaling::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),
+        args::Command::Commands(arguments) => commands::run(&arguments),
         args::Command::Cost { limit, input, output, words } => {
             taken::cost(&words, limit, input.as_deref(), output.as_deref())
         }
