@@ -12,7 +12,7 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use radsight_measured::{Bsdf, Side};
+//! use radsight_measured::{MeasuredBsdf, Side};
 //! let data = vec!["0.1"; 145 * 145].join(", ");
 //! let xml = format!(
 //!     "<WindowElement><FileType>BSDF</FileType><Optical><Layer>
@@ -22,7 +22,7 @@
 //!      <ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Full</RowAngleBasis>
 //!      <ScatteringData>{data}</ScatteringData></WavelengthDataBlock></WavelengthData></Layer></Optical></WindowElement>"
 //! );
-//! let bsdf = Bsdf::read(xml.as_bytes()).unwrap().bsdf;
+//! let bsdf = MeasuredBsdf::read(xml.as_bytes()).unwrap().bsdf;
 //! let oblique = DVec3::new(0.6, 0.0, 0.8);
 //! assert!((bsdf.value(DVec3::Z, oblique)[1] - 0.1).abs() < 1e-6);
 //! assert!((bsdf.diffuse_reflectance(Side::Front)[1] - 0.1 * std::f64::consts::PI).abs() < 1e-6);
