@@ -268,16 +268,24 @@ fn valid_scene(
     }
 }
 
-/// Sets the number of threads for everything that follows.
+/// More threads than this are not started, however many processors there are.
+const MOST_THREADS: usize = 4096;
+
+/// Sets the number of threads for everything that follows: one for each processor where nothing is said.
 pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {
-    let Some(threads) = threads else { return Ok(()) };
-    if threads == 0 {
+    if threads == Some(0) {
         return Err(Failure::usage("option \"--threads\" is 0, expected at least 1"));
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()
-        .map_err(|error| Failure::fault(format!("cannot start {threads} threads: {error}")))
+    if let Some(threads) = threads.filter(|threads| *threads > MOST_THREADS) {
+        return Err(Failure::fault(format!("cannot start {threads} threads: the limit is {MOST_THREADS}")));
+    }
+    // Zero is one for each processor.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    pool.build_global().map_err(|error| {
+        let number =
+            threads.map_or_else(|| "a thread for each processor".to_owned(), |n| format!("threads ({n} asked for)"));
+        Failure::fault(format!("cannot start {number}: {error}"))
+    })
 }
 
 /// The header of what a program of Radiance's makes of a scene: how the octree was made, the words of the command up to the scene,

@@ -221,6 +221,9 @@ const MAX_NESTING: u32 = 64;
 /// More mixtures than this, each counted wherever it is used, are not compiled.
 const MAX_MIXTURES: usize = 1 << 17;
 
+/// More mixtures than this are not evaluated at one hit: a ray would take longer than a picture should.
+const MAX_MIXTURES_OF_A_HIT: usize = 1 << 12;
+
 fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
     at(span, format!("{what} is read but not rendered yet"))
 }
@@ -337,7 +340,37 @@ impl Compiler<'_> {
             let shader = &self.shaders[arm.0 as usize];
             matches!(shader.kind, Kind::Transparent) || shader.lets_light_through()
         });
-        Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through })))
+        let (mixtures, depth) = self.size_of_mixture(chains, modifier, arms)?;
+        Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through, mixtures, depth })))
+    }
+
+    /// How many mixtures one hit on a mixture of these arms evaluates, and how deeply they are nested.
+    ///
+    /// An arm is compiled once, but each ray evaluates it wherever it is used: mixtures of one another double the work
+    /// with each line of the scene.
+    fn size_of_mixture(
+        &self,
+        chains: &Chains<'_>,
+        modifier: &Modifier,
+        arms: [ShaderId; 2],
+    ) -> Result<(usize, u32), Diagnostic> {
+        let [foreground, background] = arms.map(|arm| match &self.shaders[arm.0 as usize].kind {
+            Kind::Mixture(mixture) => (mixture.mixtures, mixture.depth),
+            _ => (0, 0),
+        });
+        let (mixtures, depth) = (1 + foreground.0 + background.0, 1 + foreground.1.max(background.1));
+        let name = chains.scene.names.get(modifier.name);
+        if depth > MAX_NESTING {
+            return Err(at(modifier.span, format!("mixture \"{name}\" is nested too deeply")));
+        }
+        if mixtures > MAX_MIXTURES_OF_A_HIT {
+            let message = format!(
+                "mixture \"{name}\" holds {mixtures} mixtures, each counted wherever it is used; at most \
+                 {MAX_MIXTURES_OF_A_HIT} are evaluated"
+            );
+            return Err(at(modifier.span, message));
+        }
+        Ok((mixtures, depth))
     }
 
     /// Notes that a mixture is begun: those in mixtures are compiled with each of them.

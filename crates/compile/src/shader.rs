@@ -85,6 +85,10 @@ pub struct MixtureKind {
     pub arms: [ShaderId; 2],
     /// Whether one of them does.
     pub lets_light_through: bool,
+    /// Mixtures that one hit evaluates: this one and those of its arms, each counted wherever it is used.
+    pub mixtures: usize,
+    /// Mixtures on the longest way from this one to a material, this one included.
+    pub depth: u32,
 }
 
 /// The material that is seen in place of another.
