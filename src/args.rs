@@ -31,10 +31,12 @@ pub(crate) enum Command {
     /// The pinhole alone: rays for any rtrace, and the average of what comes back
     #[command(subcommand)]
     Pinhole(Pinhole),
-    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output
+    /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output; or measures the sensor
     Sensor(Sensor),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
+    /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0
+    Target(Target),
     /// Fits K, gamma, G0 and Gmax to measured pairs of exposure and grey value
     Calibrate(Calibrate),
     /// BRDF plugins: start one, list them, check one, draw its lobe
@@ -111,6 +113,12 @@ pub(crate) struct Capture {
     /// Grey picture
     #[arg(short, long, value_name = "OUT.png", required_unless_present = "exposure")]
     pub(crate) output: Option<String>,
+    /// Also writes the colours behind a mosaic of colour filters, demosaiced
+    #[arg(long, value_name = "OUT.png", requires = "output")]
+    pub(crate) color: Option<String>,
+    /// Also writes where the parts of this specimen are, as [alignment] of a camera file, where there are [tolerances]
+    #[arg(long, value_name = "OUT.toml")]
+    pub(crate) specimen: Option<String>,
     /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
     #[arg(long, value_name = "FILE")]
     pub(crate) exposure: Option<String>,
@@ -214,6 +222,21 @@ pub(crate) struct Sensor {
     /// Chooses the sensor's noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Measure the sensor instead, by the photon transfer method of EMVA 1288: a table with intervals on standard output
+    #[arg(long)]
+    pub(crate) characterise: bool,
+    /// Also write the measurement as a page with plots
+    #[arg(long, value_name = "OUT.html", requires = "characterise")]
+    pub(crate) report: Option<String>,
+    /// Steps of light from dark to saturation
+    #[arg(long, value_name = "N", default_value_t = 50, requires = "characterise")]
+    pub(crate) steps: u32,
+    /// Pictures that are averaged for the differences between pixels
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "characterise")]
+    pub(crate) stack: u32,
+    /// Also write the colours behind a mosaic of colour filters, demosaiced
+    #[arg(long, value_name = "OUT.png", conflicts_with = "characterise")]
+    pub(crate) color: Option<String>,
 }
 
 #[derive(Args, Debug)]
@@ -221,6 +244,33 @@ pub(crate) struct Rig {
     /// Camera file with a `[rig]` table
     #[arg(value_name = "CAMERA.toml")]
     pub(crate) camera: String,
+}
+
+/// What is drawn on a target.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(crate) enum TargetKind {
+    /// For OpenCV's findChessboardCorners
+    Chessboard,
+    /// For OpenCV's findCirclesGrid
+    Dots,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Target {
+    /// What is drawn
+    pub(crate) kind: TargetKind,
+    /// Inner corners or dots in a row
+    #[arg(long, default_value_t = 9)]
+    pub(crate) columns: u32,
+    /// Inner corners or dots in a column
+    #[arg(long, default_value_t = 6)]
+    pub(crate) rows: u32,
+    /// From one to the next, scene units
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.025)]
+    pub(crate) spacing: f64,
+    /// Let the target shine by itself: radiance of its white, W/(sr·m²)
+    #[arg(long, value_name = "L")]
+    pub(crate) radiance: Option<f64>,
 }
 
 #[derive(Args, Debug)]
@@ -231,6 +281,9 @@ pub(crate) struct Calibrate {
     /// Unit of the exposures
     #[arg(long, default_value = "uJ/cm2")]
     pub(crate) unit: String,
+    /// Also draw data and fit
+    #[arg(long, value_name = "OUT.svg")]
+    pub(crate) plot: Option<String>,
 }
 
 #[derive(Debug, Subcommand)]

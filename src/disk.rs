@@ -4,8 +4,8 @@ use crate::commands::{mksource, radiance_programs};
 use crate::failure::reason;
 use crate::read_once;
 use crate::trust::{Trust, shell};
+use radsight::FileLoader;
 use radsight_loader::{AS_IN_SHELL, FileKind, LoadError, Loaded, Loader};
-use std::fs;
 use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
@@ -16,7 +16,7 @@ pub(crate) use crate::trust::Commands;
 /// Looks in the folders of `RAYPATH` (the working folder when it is not set), and then in radsight's own function library.
 #[derive(Debug)]
 pub(crate) struct DiskLoader {
-    folders: Vec<PathBuf>,
+    files: FileLoader,
     commands: Commands,
     shuffle_seed: u64,
 }
@@ -30,58 +30,14 @@ impl DiskLoader {
                 .collect(),
             None => vec![PathBuf::from(".")],
         };
-        DiskLoader { folders, commands, shuffle_seed: 0 }
+        let home = std::env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
+        DiskLoader { files: FileLoader::new(folders).home(home), commands, shuffle_seed: 0 }
     }
 
     /// The same for a program that a user typed: what it shuffles is in another order each time.
     pub(crate) fn shuffling(self) -> DiskLoader {
         let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         DiskLoader { shuffle_seed: since.as_nanos() as u64, ..self }
-    }
-
-    /// Where a name is looked for: names that say where they are only there, others in each folder.
-    fn candidates(&self, name: &str) -> Vec<PathBuf> {
-        let path = Path::new(name);
-        let says_where = path.is_absolute() || name.starts_with("./") || name.starts_with("../");
-        if says_where {
-            return vec![path.to_owned()];
-        }
-        if let Some(rest) = name.strip_prefix("~/") {
-            let home = std::env::var_os("HOME").map(PathBuf::from).unwrap_or_default();
-            return vec![home.join(rest)];
-        }
-        self.folders
-            .iter()
-            .map(|folder| if folder == Path::new(".") { path.to_owned() } else { folder.join(path) })
-            .collect()
-    }
-
-    fn searched(&self, name: &str) -> String {
-        let folders = self.candidates(name).len();
-        match folders {
-            0 | 1 => String::new(),
-            _ => {
-                let list: Vec<String> = self.folders.iter().map(|folder| folder.display().to_string()).collect();
-                format!(" in RAYPATH ({})", list.join(", "))
-            }
-        }
-    }
-}
-
-impl DiskLoader {
-    /// The first place where there is something of this name.
-    fn find(&self, name: &str) -> Result<Option<PathBuf>, LoadError> {
-        for candidate in self.candidates(name) {
-            match fs::metadata(&candidate) {
-                Ok(found) if found.is_dir() => {
-                    let path = candidate.display().to_string();
-                    return Err(LoadError::Unreadable { path, reason: "it is a folder".to_owned() });
-                }
-                Ok(_) => return Ok(Some(candidate)),
-                Err(_) => {}
-            }
-        }
-        Ok(None)
     }
 }
 
@@ -95,18 +51,15 @@ fn unreadable(path: &Path, error: &io::Error) -> LoadError {
 
 impl Loader for DiskLoader {
     fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
-        if let Some(path) = self.find(name)? {
+        if let Some(path) = self.files.find(name)? {
             let bytes = read_once::owned(&path).map_err(|error| unreadable(&path, &error))?;
             return Ok(Loaded { path: path.display().to_string(), bytes });
         }
-        if let Some(text) = radsight_cal::library::file(name).filter(|_| kind == FileKind::Function) {
-            return Ok(Loaded { path: format!("<{name} of radsight>"), bytes: text.as_bytes().to_vec() });
-        }
-        Err(LoadError::NotFound { name: name.to_owned(), kind: kind.words(), searched: self.searched(name) })
+        self.files.built_in(name, kind)
     }
 
     fn open(&self, name: &str, kind: FileKind) -> Result<Box<dyn Read>, LoadError> {
-        match self.find(name)? {
+        match self.files.find(name)? {
             Some(path) => match read_once::open(&path) {
                 Ok(file) => Ok(Box::new(file)),
                 Err(error) => Err(unreadable(&path, &error)),

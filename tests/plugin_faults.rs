@@ -308,7 +308,8 @@ fn what_plugins_print_is_not_in_the_data() {
 fn a_picture_that_was_not_finished_is_not_a_success() {
     let Some(bench) = Bench::new() else { return };
     let picture = |deed: &str, after: &str, options: &[&str]| {
-        let view = ["-x", "128", "-y", "128", "-vp", "0", "0", "4", "-vd", "0", "0", "-1", "-vu", "0", "1", "0"];
+        let view =
+            ["-x", "128", "-y", "128", "-ps", "1", "-vp", "0", "0", "4", "-vd", "0", "0", "-1", "-vu", "0", "1", "0"];
         let words = [&["rpict"], &view[..], options, &["s.rad"]].concat();
         let mut command = bench.command(deed, &words);
         command.env("EVIL_AFTER", after);

@@ -311,7 +311,7 @@ fn projects_make_again_what_they_made_before() {
         let before = names.clone().map(|name| fs::read(trap.work(&name)).expect("it was made"));
         names.iter().for_each(|name| age(&trap.work(name)));
         let text = fs::read_to_string(trap.work("plain.rad")).expect("a scene");
-        trap.file("plain.rad", format!("{text}m sphere another{turn} 0 0 4 {turn} 4 0 .5\n"));
+        trap.file("plain.rad", format!("{text}m sphere another{turn} 0 0 4 {turn} 4 0 1\n"));
         trap.run(&["rad", "-w", "room.rif"]).done();
         let after = names.clone().map(|name| fs::read(trap.work(&name)).expect("it was made again"));
         assert!(before[0] != after[0] && before[1] != after[1], "octree and picture are new");

@@ -3,13 +3,17 @@
 use crate::args::Calibrate;
 use crate::failure::{Failure, Outcome};
 use crate::input::read_file;
-use crate::output::write_standard_output;
+use crate::output::{check_writable, write_file, write_standard_output};
+use crate::trust::{Existing, Trust};
 use radsight_camera::read_measurements;
 use radsight_diag::SourceMap;
-use radsight_sensor::ExposureUnit;
+use radsight_sensor::{CONFIDENCE, Estimate, ExposureUnit};
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Calibrate) -> Outcome {
+pub(crate) fn run(arguments: &Calibrate, trust: &Trust) -> Outcome {
+    if let Some(path) = &arguments.plot {
+        check_writable(&trust.output(path, Existing::Kept)?)?;
+    }
     let unit = ExposureUnit::from_name(&arguments.unit).ok_or_else(|| {
         Failure::usage(format!("option \"--unit\" is \"{}\", expected uJ/cm2, J/m2, …", arguments.unit))
     })?;
@@ -34,5 +38,23 @@ pub(crate) fn run(arguments: &Calibrate) -> Outcome {
         fit.saturated,
         fit.rms_residual
     ));
+    let intervals = &fit.intervals;
+    let rows = [
+        ("k", Some(intervals.k)),
+        ("gamma", Some(intervals.gamma)),
+        ("grey_background", Some(intervals.grey_background)),
+        ("grey_max", intervals.grey_max),
+    ];
+    for (name, interval) in rows {
+        if let Some(Estimate { low, high, .. }) = interval {
+            text.push_str(&format!(
+                "# {name}: from {low} to {high} with a confidence of {:.0} %\n",
+                100.0 * CONFIDENCE
+            ));
+        }
+    }
+    if let Some(path) = &arguments.plot {
+        write_file(path, fit.plot(&pairs).svg().as_bytes())?;
+    }
     write_standard_output(text.as_bytes())
 }

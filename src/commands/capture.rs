@@ -1,6 +1,7 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 use crate::args::Capture;
+use crate::commands::sensor::no_mosaic;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
@@ -9,10 +10,12 @@ use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
 use radsight_output::interrupt;
-use radsight_picture::{FileFormat, Header, Image, write_image, write_png_grey8, write_png_grey16};
+use radsight_picture::{
+    FileFormat, Header, Image, write_image, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16,
+};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
-use radsight_sensor::Sensor;
+use radsight_sensor::{Bayer, Demosaic, Sensor};
 
 /// Error that is asked for when nothing is said.
 const DEFAULT_ERROR: f64 = 0.005;
@@ -26,7 +29,12 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     use_threads(arguments.threads)?;
     let camera = read_camera(&arguments.camera)?;
     let sensor = sensor_for(arguments, &camera)?;
-    for path in [&arguments.output, &arguments.exposure].into_iter().flatten().filter(|path| *path != "-") {
+    if arguments.color.is_some() && camera.mosaic.is_none() {
+        return Err(no_mosaic(&arguments.camera));
+    }
+    for path in
+        [&arguments.output, &arguments.color, &arguments.exposure].into_iter().flatten().filter(|path| *path != "-")
+    {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
@@ -47,7 +55,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     conclude(renderer.plan(), registry.as_ref(), &sources)?;
     say_result(&exposure, arguments);
     if exposure.pixels_done > 0 {
-        write(arguments, &camera.camera, sensor, &exposure)?;
+        write(arguments, &camera, sensor, &exposure)?;
     }
     postponed.end();
     Ok(())
@@ -95,11 +103,12 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
     let (center, _) = plan.bounding_sphere();
     let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
     if camera.pinhole_model() == PinholeModel::Finite
+        && camera.lens().is_none()
         && let Some(number) = fresnel_number(camera, distance)
         && number < DIFFRACTION_MATTERS
     {
         say(&format!(
-            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction widens the image more than geometry says\n"
+            "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction changes the image; pinhole_model = \"diffraction\" computes it\n"
         ));
     }
 }
@@ -127,16 +136,26 @@ fn say_result(exposure: &Exposure, arguments: &Capture) {
     }
 }
 
-fn write(arguments: &Capture, camera: &PinholeCamera, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
+fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
     let mut header = history();
     if exposure.is_partial {
         header.push_variable("PARTIAL", &format!(" {}", partial(exposure, arguments)));
     }
-    let image = exposure_image(camera, &exposure.values)?;
+    if let Some(alignment) = &camera.alignment {
+        // One line of the header, as the file would say it in several.
+        header.push_variable("ALIGNMENT", &format!(" {}", alignment.to_toml().trim_end().replace('\n', "; ")));
+    }
+    if let (Some(path), Some(alignment)) = (&arguments.specimen, &camera.alignment) {
+        write_file(path, alignment.to_toml().as_bytes())?;
+    }
+    let image = exposure_image(&camera.camera, &exposure.values)?;
     if let Some(path) = &arguments.exposure {
         let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
         let bytes = write_image(format, &header, &image).map_err(|error| Failure::fault(error.to_string()))?;
         write_file(path, &bytes)?;
+    }
+    if let (Some(path), Some(sensor), Some(mosaic)) = (&arguments.color, sensor, camera.mosaic) {
+        write_file(path, &color_png(sensor, mosaic, &image, arguments.seed, &header)?)?;
     }
     match (&arguments.output, sensor) {
         (Some(path), Some(sensor)) => write_file(path, &grey_png(sensor, &image, arguments.seed, &header)?),
@@ -161,6 +180,28 @@ pub(crate) fn grey_png(sensor: &Sensor, exposure: &Image<f32>, seed: u64, header
         Image::new(width, height, 1, greys).and_then(|image| write_png_grey8(&image, Some(header)))
     } else {
         Image::new(width, height, 1, greys).and_then(|image| write_png_grey16(&image, Some(header)))
+    };
+    written.map_err(|error| Failure::fault(error.to_string()))
+}
+
+/// The demosaiced picture of a stored exposure behind a mosaic.
+pub(crate) fn color_png(
+    sensor: &Sensor,
+    mosaic: Bayer,
+    exposure: &Image<f32>,
+    seed: u64,
+    header: &Header,
+) -> Result<Vec<u8>, Failure> {
+    let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
+    let greys = sensor.greys(&exposures, seed);
+    let (width, height) = (exposure.width(), exposure.height());
+    let largest = sensor.bits().largest();
+    let colors = mosaic.demosaic(&greys, width, Demosaic::GradientCorrected, largest);
+    let written = if sensor.bits().bits() <= 8 {
+        let colors = colors.into_iter().map(|value| value.min(255) as u8).collect();
+        Image::new(width, height, 3, colors).and_then(|image| write_png_rgb8(&image, Some(header)))
+    } else {
+        Image::new(width, height, 3, colors).and_then(|image| write_png_rgb16(&image, Some(header)))
     };
     written.map_err(|error| Failure::fault(error.to_string()))
 }

@@ -25,6 +25,7 @@ mod rsplit;
 mod rtrace;
 mod scene_program;
 mod sensor;
+mod target;
 mod vwrays;
 mod words;
 
@@ -98,9 +99,10 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
             explain::run(&arguments, render)
         }
         Command::Pinhole(arguments) => pinhole::run(&arguments),
-        Command::Sensor(arguments) => sensor::run(&arguments),
+        Command::Sensor(arguments) => sensor::run(&arguments, trust),
         Command::Rig(arguments) => rig::run(&arguments),
-        Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Target(arguments) => target::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments, trust),
         Command::Plugin(_) | Command::InstallLinks(_) if trust.origin() == Origin::File => Err(Failure::input(
             "plugin and install-links are not run with words of a file\nhint: only the command line itself may call them",
         )),

@@ -65,6 +65,12 @@ fn average(arguments: &Average) -> Outcome {
 
 fn shift(arguments: &Shift) -> Outcome {
     let file = read_camera(&arguments.camera)?;
+    if !file.camera.is_plain_pinhole() {
+        return Err(Failure::input(format!(
+            "\"{}\": whole-pixel shifts are for a hole before an upright sensor, without diffraction, lens or distortion",
+            arguments.camera
+        )));
+    }
     let pattern = ShiftPattern::new(&file.camera, arguments.step).map_err(|error| Failure::input(error.to_string()))?;
     if arguments.views {
         let mut text = String::new();

@@ -1,15 +1,28 @@
-//! `radsight sensor`: exposure on standard input, grey PNG on standard output.
+//! `radsight sensor`: exposure on standard input, grey PNG on standard output; or the sensor's characterisation.
 
 use crate::args::Sensor;
-use crate::commands::capture::grey_png;
+use crate::commands::capture::{color_png, grey_png};
 use crate::failure::{Failure, Outcome};
 use crate::input::{history, read_camera, read_standard_input};
-use crate::output::write_standard_output;
+use crate::output::{check_writable, write_file, write_standard_output};
+use crate::trust::{Existing, Trust};
+use radsight_camera::CameraFile;
 use radsight_picture::read_image;
+use radsight_sensor::characterise::{Series, evaluate, html, measure, table};
+use radsight_sensor::{EvenLight, Sensor as SensorModel};
+
+/// The most pixels whose pictures are taken: a part of a large sensor tells as much.
+const MOST_PIXELS_A_SIDE: u32 = 256;
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Sensor) -> Outcome {
+pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
+    for path in [&arguments.report, &arguments.color].into_iter().flatten() {
+        check_writable(&trust.output(path, Existing::Kept)?)?;
+    }
     let file = read_camera(&arguments.camera)?;
+    if arguments.characterise {
+        return characterise(arguments, &file);
+    }
     let sensor = file.sensor.ok_or_else(|| Failure::input(format!("\"{}\" has no [sensor]", arguments.camera)))?;
     let read = read_image(&read_standard_input()?)
         .map_err(|error| Failure::input(format!("standard input is no exposure: {error}")))?;
@@ -23,5 +36,41 @@ pub(crate) fn run(arguments: &Sensor) -> Outcome {
     let mut header = read.header.map(|header| header.history()).unwrap_or_default();
     let own = history();
     own.lines().for_each(|line| header.push_line(&String::from_utf8_lossy(line)));
+    if let Some(path) = &arguments.color {
+        let mosaic = file.mosaic.ok_or_else(|| no_mosaic(&arguments.camera))?;
+        write_file(path, &color_png(&sensor, mosaic, &read.image, arguments.seed, &header)?)?;
+    }
     write_standard_output(&grey_png(&sensor, &read.image, arguments.seed, &header)?)
+}
+
+/// Why there are no colours.
+pub(crate) fn no_mosaic(camera: &str) -> Failure {
+    Failure::input(format!(
+        "\"{camera}\" has no mosaic of colour filters\nhint: for example mosaic = \"RGGB\" in [sensor]"
+    ))
+}
+
+fn characterise(arguments: &Sensor, file: &CameraFile) -> Outcome {
+    let name = &arguments.camera;
+    let sensor = match &file.sensor {
+        Some(SensorModel::Emva1288(sensor)) => *sensor,
+        Some(_) => {
+            let message = format!("\"{name}\" has no sensor with photon noise, by which it could be measured");
+            return Err(Failure::input(format!(
+                "{message}\nhint: response = \"emva1288\"; calibrate fits a power law"
+            )));
+        }
+        None => return Err(Failure::input(format!("\"{name}\" has no [sensor]"))),
+    };
+    let pixels = [file.camera.columns(), file.camera.rows()].map(|count| count.min(MOST_PIXELS_A_SIDE));
+    let sensor = sensor.with_columns(pixels[0]);
+    let asked = Series { steps: arguments.steps, stack: arguments.stack };
+    let failed =
+        |error: radsight_sensor::characterise::CharacterisationError| Failure::input(format!("\"{name}\": {error}"));
+    let series = measure(&EvenLight::new(sensor, pixels), &asked, arguments.seed).map_err(failed)?;
+    let found = evaluate(&series).map_err(failed)?;
+    if let Some(path) = &arguments.report {
+        write_file(path, html(name, &series, &found).as_bytes())?;
+    }
+    write_standard_output(table(&found).as_bytes())
 }

@@ -6,6 +6,7 @@ use crate::hierarchy::Hierarchy;
 use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
 use crate::limits::SELF_HIT;
 use crate::mesh::MeshGeometry;
+use crate::outline::{MANY_VERTICES, Outline};
 use crate::shape::{bounds_of_plain, triangle_of};
 use glam::DVec3;
 use radsight_diag::Diagnostic;
@@ -33,6 +34,8 @@ pub struct Geometry {
     pub(crate) meshes: Vec<MeshGeometry>,
     /// By octree handle.
     pub(crate) octrees: Vec<Arc<Geometry>>,
+    /// The grids of polygons with many vertices, by their members, ascending.
+    pub(crate) outlines: Vec<(MemberId, Outline)>,
     /// Decides which of surfaces that lie on each other is met.
     pub(crate) substance_of: SubstanceOf,
 }
@@ -91,6 +94,7 @@ impl Geometry {
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
+        geometry.outlines = outlines(scene, &geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
     }
@@ -107,6 +111,7 @@ impl Geometry {
             tolerance: 0.0,
             meshes,
             octrees,
+            outlines: Vec::new(),
             substance_of,
         }
     }
@@ -261,4 +266,16 @@ impl Geometry {
 
 fn too_many() -> Diagnostic {
     Diagnostic::error("the instances of the scene make more than 2^64 surfaces")
+}
+
+/// Grids for the polygons that have many vertices.
+fn outlines(scene: &Scene, shapes: &[Shape]) -> Vec<(MemberId, Outline)> {
+    let of_shape = |(index, shape): (usize, &Shape)| match *shape {
+        Shape::Polygon { start, count } if count >= MANY_VERTICES => {
+            let outline = Outline::new(&scene.vertices[start as usize..][..count as usize])?;
+            Some((MemberId(index as u32), outline))
+        }
+        _ => None,
+    };
+    shapes.iter().enumerate().filter_map(of_shape).collect()
 }

@@ -43,6 +43,7 @@ mod ids;
 mod intersection;
 mod limits;
 mod mesh;
+mod outline;
 mod polygon;
 mod ray;
 mod shape;

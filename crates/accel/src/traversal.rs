@@ -4,13 +4,16 @@ use crate::geometry::Geometry;
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
+use crate::outline::{MANY_VERTICES, Verdict};
 use crate::polygon::{self, RayFrame};
 use crate::ray::Ray;
 use crate::{coincident, cone, disk, sphere};
 use radsight_ir::{Instance, MeshInstance, Scene, Shape, ValidScene};
+use std::ops::Range;
 
 impl Geometry {
     /// The first surface along the ray, `from` excluded where it is flat.
+    #[inline]
     #[must_use]
     pub fn first_hit(
         &self,
@@ -95,6 +98,7 @@ impl Geometry {
         let distance = match self.shapes[member.0 as usize] {
             // A flat surface is never met again by a ray that starts on it.
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
+            Shape::Polygon { count: MANY_VERTICES.., .. } => self.polygon_crossing(scene, member, ray, frame, range),
             Shape::Polygon { start, count } => {
                 let vertices = &scene.vertices[start as usize..][..count as usize];
                 match vertices.try_into() {
@@ -109,6 +113,29 @@ impl Geometry {
             Shape::Mesh(_) | Shape::Instance(_) => return self.first_within(scene, member, ray, from, limits),
         }?;
         Some(Crossing { distance, primitive: member.primitive() })
+    }
+
+    /// Where a ray passes through a polygon of many vertices.
+    fn polygon_crossing(
+        &self,
+        scene: &Scene,
+        member: MemberId,
+        ray: &Ray,
+        frame: &RayFrame,
+        range: Range<f64>,
+    ) -> Option<f64> {
+        let Shape::Polygon { start, count } = self.shapes[member.0 as usize] else { return None };
+        let verdict = match self.outlines.binary_search_by_key(&member.0, |(member, _)| member.0) {
+            Ok(found) => self.outlines[found].1.verdict(ray),
+            Err(_) => Verdict::Unknown,
+        };
+        match verdict {
+            Verdict::Misses => None,
+            Verdict::Meets(distance) => (distance > range.start && distance < range.end).then_some(distance),
+            Verdict::Unknown => {
+                polygon::intersect(&scene.vertices[start as usize..][..count as usize], ray, frame, range)
+            }
+        }
     }
 
     /// The first primitive of a mesh or an instance along the ray.

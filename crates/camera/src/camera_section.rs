@@ -1,28 +1,58 @@
 //! `[camera]`.
 
 use crate::Found;
-use crate::section::{Range, Section};
+use crate::matrix_file::{self, MatrixFile};
+use crate::section::{Range, Section, load_beside};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
-use radsight_pinhole::{CameraDescription, CameraError, PinholeCamera, PinholeModel};
+use radsight_loader::Loader;
+use radsight_pinhole::{CameraDescription, CameraError, FrontStop, PinholeCamera, PinholeModel, ThinLens};
 
 /// The most columns or rows that are accepted one way.
 const MOST_PIXELS_ACROSS: i64 = 1_000_000;
 
-pub(crate) fn read(section: Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<PinholeCamera> {
-    let camera = read_keys(&section, sources, found);
+pub(crate) fn read(
+    section: Section<'_>,
+    file: &str,
+    sources: &mut SourceMap,
+    loader: &dyn Loader,
+    found: &mut Found,
+) -> Option<PinholeCamera> {
+    let camera = read_keys(&section, file, sources, loader, found);
     section.close(sources, found);
     camera
 }
 
-fn read_keys(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<PinholeCamera> {
+fn read_keys(
+    section: &Section<'_>,
+    file: &str,
+    sources: &mut SourceMap,
+    loader: &dyn Loader,
+    found: &mut Found,
+) -> Option<PinholeCamera> {
+    let before = found.errors.len();
     let position_m = section.numbers::<3>("position_m", Range::Finite, "[0.0, 0.0, 0.48]", sources, found);
     let direction = section.numbers::<3>("direction", Range::Finite, "[0.0, 0.0, -1.0]", sources, found);
     let up = section.numbers::<3>("up", Range::Finite, "[0.0, 1.0, 0.0]", sources, found);
-    let pixels = section.whole_pair("pixels", [1, MOST_PIXELS_ACROSS], "[192, 165]", sources, found);
-    let pitch_um = section.numbers::<2>("pixel_pitch_um", Range::Positive, "[13.75, 16.0]", sources, found);
-    let focal_mm = section.number("focal_distance_mm", Range::Positive, "6.75", sources, found);
-    let diameter_mm = section.number("pinhole_diameter_mm", Range::Positive, "0.1", sources, found);
-    let model = pinhole_model(section, sources, found);
+    let matrix = matrix(section, file, sources, loader, found);
+    let pixels = pixels(section, matrix.as_ref(), sources, found);
+    let pitch_um = match section.has("camera_matrix") {
+        // The focal distances of the matrix, in pixels, give the pitch.
+        true => Some([1.0; 2]),
+        false => section.numbers::<2>("pixel_pitch_um", Range::Positive, "[13.75, 16.0]", sources, found),
+    };
+    let lens = lens(section, sources, found);
+    let (focal_mm, diameter_mm, model) = match section.has("lens_focal_length_mm") {
+        true => {
+            let lens = lens.as_ref();
+            let distance = lens.map(|lens| lens.image_distance_m() * 1e3);
+            (distance, lens.map(|lens| lens.aperture_m * 1e3), Some(PinholeModel::Finite))
+        }
+        false => (
+            section.number("focal_distance_mm", Range::Positive, "6.75", sources, found),
+            section.number("pinhole_diameter_mm", Range::Positive, "0.1", sources, found),
+            pinhole_model(section, sources, found),
+        ),
+    };
     let exposure_ms = section.number("exposure_ms", Range::Positive, "10.0", sources, found);
     let wavelength_nm = section.optional_number("wavelength_nm", Range::Positive, sources, found);
     let scene_unit_m = section.optional_number("scene_unit_m", Range::Positive, sources, found);
@@ -39,19 +69,113 @@ fn read_keys(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> O
         wavelength_m: wavelength_nm.map(|wavelength| wavelength * 1e-9),
         scene_unit_m: scene_unit_m.unwrap_or(1.0),
     };
+    if found.errors.len() > before {
+        return None;
+    }
     warn(&asked, section, sources, found);
+    let diffracting = diffraction(section, model?, sources, found);
     PinholeCamera::new(&asked)
+        .and_then(|camera| lens.map_or(Ok(camera.clone()), |lens| camera.with_lens(lens)))
+        .and_then(|camera| matrix.map_or(Ok(camera.clone()), |file| camera.with_matrix(file.matrix)))
+        .and_then(|camera| diffracting.apply(camera))
         .map_err(|error| {
             let key = match error {
                 CameraError::PixelCount { .. } => "pixels",
                 CameraError::ZeroVector { quantity: "direction" } => "direction",
                 CameraError::ZeroVector { .. } | CameraError::UpParallel => "up",
+                CameraError::NoWavelength => "pinhole_model",
+                CameraError::BandsApart { .. } => "band_wavelengths_nm",
                 // What is left is an underflow: a quantity above 0 in its own unit that is 0 in the SI unit.
                 _ => "",
             };
-            found.errors.push(Diagnostic::error(error.to_string()).at(section.span_of(key, sources)));
+            let hint =
+                matches!(error, CameraError::NoWavelength).then(|| "for example wavelength_nm = 650.0".to_owned());
+            let message = Diagnostic::error(error.to_string()).at(section.span_of(key, sources));
+            found.errors.push(message.maybe_hint(hint));
         })
         .ok()
+}
+
+/// The calibrated camera, if one is named.
+fn matrix(
+    section: &Section<'_>,
+    file: &str,
+    sources: &mut SourceMap,
+    loader: &dyn Loader,
+    found: &mut Found,
+) -> Option<MatrixFile> {
+    let name = section.optional_string("camera_matrix", sources, found)?;
+    let source = load_beside(&name, file, sources, loader, found)?;
+    matrix_file::read(source, sources).map_err(|error| found.errors.push(error)).ok()
+}
+
+/// Columns and rows; those of a calibrated camera where the file gives none.
+fn pixels(
+    section: &Section<'_>,
+    matrix: Option<&MatrixFile>,
+    sources: &SourceMap,
+    found: &mut Found,
+) -> Option<[i64; 2]> {
+    let calibrated = matrix.and_then(|file| file.pixels).map(|pixels| pixels.map(i64::from));
+    if calibrated.is_some() && !section.has("pixels") {
+        return calibrated;
+    }
+    let own = section.whole_pair("pixels", [1, MOST_PIXELS_ACROSS], "[192, 165]", sources, found)?;
+    if let Some([columns, rows]) = calibrated.filter(|calibrated| *calibrated != own) {
+        let message = format!("the camera matrix is that of a picture of {columns} x {rows} pixels");
+        found.warnings.push(Diagnostic::warning(message).at(section.span_of("pixels", sources)));
+    }
+    Some(own)
+}
+
+/// A lens, if the file gives its focal length.
+fn lens(section: &Section<'_>, sources: &SourceMap, found: &mut Found) -> Option<ThinLens> {
+    if !section.has("lens_focal_length_mm") {
+        section.optional_number("lens_focal_length_mm", Range::Positive, sources, found);
+        return None;
+    }
+    let focal_mm = section.number("lens_focal_length_mm", Range::Positive, "8.0", sources, found);
+    let f_number = section.number("f_number", Range::Positive, "2.8", sources, found);
+    let focus_m = section.optional_number("focus_distance_m", Range::Positive, sources, found);
+    let stop = section.optional_numbers("front_stop_mm", Some(2), Range::Positive, sources, found);
+    let lens = ThinLens {
+        focal_length_m: focal_mm? * 1e-3,
+        aperture_m: focal_mm? * 1e-3 / f_number?,
+        focus_distance_m: focus_m.unwrap_or(f64::INFINITY),
+        front_stop: stop.map(|stop| FrontStop { distance_m: stop[0] * 1e-3, diameter_m: stop[1] * 1e-3 }),
+    };
+    let refuse = |error: CameraError| {
+        let key = if matches!(error, CameraError::NotSharp { .. }) { "focus_distance_m" } else { "f_number" };
+        found.errors.push(Diagnostic::error(error.to_string()).at(section.span_of(key, sources)));
+    };
+    lens.checked().map_err(refuse).ok()
+}
+
+/// What diffraction needs besides the wavelength.
+#[derive(Default)]
+struct Diffracting {
+    object_distance_m: Option<f64>,
+    band_wavelengths_m: Option<Vec<f64>>,
+}
+
+impl Diffracting {
+    fn apply(self, camera: PinholeCamera) -> Result<PinholeCamera, CameraError> {
+        let camera =
+            self.object_distance_m.map_or(Ok(camera.clone()), |distance| camera.with_object_distance(distance))?;
+        self.band_wavelengths_m.map_or(Ok(camera.clone()), |bands| camera.with_band_wavelengths(bands))
+    }
+}
+
+/// Read only where it matters, so that it is an unknown key elsewhere.
+fn diffraction(section: &Section<'_>, model: PinholeModel, sources: &SourceMap, found: &mut Found) -> Diffracting {
+    if model != PinholeModel::Diffraction {
+        return Diffracting::default();
+    }
+    let bands = section.optional_numbers("band_wavelengths_nm", None, Range::Positive, sources, found);
+    Diffracting {
+        object_distance_m: section.optional_number("object_distance_m", Range::Positive, sources, found),
+        band_wavelengths_m: bands.map(|bands| bands.into_iter().map(|wavelength| wavelength * 1e-9).collect()),
+    }
 }
 
 /// `pinhole_model`; finite where it is not given.
@@ -65,8 +189,7 @@ fn pinhole_model(section: &Section<'_>, sources: &SourceMap, found: &mut Found) 
     let error = match name.value {
         "finite" => return Some(PinholeModel::Finite),
         "point" => return Some(PinholeModel::Point),
-        "diffraction" => Diagnostic::error("pinhole_model \"diffraction\" is not available yet")
-            .hint("\"finite\" averages over the hole without diffraction"),
+        "diffraction" => return Some(PinholeModel::Diffraction),
         other => {
             let message = format!(
                 "unknown pinhole_model \"{}\", expected \"point\", \"finite\" or \"diffraction\"",
@@ -84,11 +207,11 @@ fn warn(asked: &CameraDescription, section: &Section<'_>, sources: &SourceMap, f
     let mut warn = |key, message: String| {
         found.warnings.push(Diagnostic::warning(message).at(section.span_of(key, sources)));
     };
-    if asked.pinhole_diameter_m > 0.5 * asked.focal_distance_m {
+    if !section.has("lens_focal_length_mm") && asked.pinhole_diameter_m > 0.5 * asked.focal_distance_m {
         let message = "the pinhole is more than half as wide as its distance from the sensor: is the unit right?";
         warn("pinhole_diameter_mm", message.to_owned());
     }
-    if asked.pixel_pitch_m.iter().any(|pitch| !(0.1e-6..=1e-3).contains(pitch)) {
+    if !section.has("camera_matrix") && asked.pixel_pitch_m.iter().any(|pitch| !(0.1e-6..=1e-3).contains(pitch)) {
         warn("pixel_pitch_um", "pixels are usually 0.1 to 1000 um apart: is the unit right?".to_owned());
     }
     if asked.wavelength_m.is_some_and(|wavelength| !(100e-9..=20e-6).contains(&wavelength)) {

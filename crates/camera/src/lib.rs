@@ -29,15 +29,19 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod alignment;
+mod alignment_section;
 mod angular_table;
 mod camera_section;
 mod lobe_pattern;
+mod matrix_file;
 mod number_table;
 mod rig;
 mod rig_section;
 mod section;
 mod sensor_section;
 
+pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;
 pub use number_table::{NumberTable, NumberTableRow, read_measurements};
 pub use rig::{LedEmission, Rig};
@@ -45,7 +49,7 @@ pub use rig::{LedEmission, Rig};
 use radsight_diag::{Diagnostic, SourceId, SourceMap, hint_nearest};
 use radsight_loader::Loader;
 use radsight_pinhole::{BandWeights, BandWeightsError, PinholeCamera};
-use radsight_sensor::Sensor;
+use radsight_sensor::{Bayer, Sensor};
 use section::{Section, shorten};
 use std::collections::BTreeSet;
 use toml::de::{DeTable, DeValue};
@@ -57,7 +61,7 @@ const LARGEST_FILE: usize = 1 << 20;
 const MOST_MESSAGES: usize = 50;
 
 /// The tables of a camera file.
-const SECTIONS: [&str; 3] = ["camera", "rig", "sensor"];
+const SECTIONS: [&str; 5] = ["camera", "rig", "sensor", "alignment", "tolerances"];
 
 /// All that a camera file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +74,10 @@ pub struct CameraFile {
     pub sensor: Option<Sensor>,
     /// How the bands of a coloured scene add up, where the file says so; see [`CameraFile::band_weights_for`].
     pub band_weights: Option<BandWeights>,
+    /// The mosaic of colour filters before the pixels, where there is one; its filters are in the band weights.
+    pub mosaic: Option<Bayer>,
+    /// Where the parts of this specimen are, where the file says that they are not at their nominal places; camera and rig have it.
+    pub alignment: Option<Alignment>,
     /// What is allowed but looks like a slip.
     pub warnings: Vec<Diagnostic>,
 }
@@ -102,8 +110,16 @@ impl CameraFile {
     /// The weights for radiances of `bands` bands: those of the file, or equal ones.
     ///
     /// # Errors
-    /// When the file gives weights for another number of bands.
+    /// When the file gives weights or wavelengths for another number of bands.
     pub fn band_weights_for(&self, bands: usize) -> Result<BandWeights, BandWeightsError> {
+        let wavelengths = self.camera.band_wavelengths_m().len();
+        let is_even = self.band_weights.as_ref().is_none_or(|weights| {
+            let weights = weights.as_slice();
+            weights.len() == wavelengths && weights.iter().all(|weight| *weight == weights[0])
+        });
+        if wavelengths > 0 && wavelengths != bands && !(bands == 1 && is_even) {
+            return Err(BandWeightsError::Wavelengths { bands, wavelengths });
+        }
         self.band_weights.as_ref().map_or_else(|| Ok(BandWeights::equal(bands)), |weights| weights.for_bands(bands))
     }
 }
@@ -177,11 +193,20 @@ fn read_document(
     if camera_section.is_none() && !document.contains_key("camera") {
         found.errors.push(Diagnostic::error("the camera file has no [camera]").at(sources.span(source, 0, 0)));
     }
-    let camera = camera_section.and_then(|section| camera_section::read(section, sources, found));
+    let camera = camera_section.and_then(|section| camera_section::read(section, name, sources, loader, found));
     let rig = Section::open(document, "rig", source, sources, found)
         .and_then(|section| rig_section::read(section, camera.as_ref(), name, sources, loader, found));
     let sensor = Section::open(document, "sensor", source, sources, found)
-        .and_then(|section| sensor_section::read(section, camera.as_ref(), sources, found));
-    let (sensor, band_weights) = sensor.map_or((None, None), |(sensor, weights)| (Some(sensor), weights));
-    Some(CameraFile { camera: camera?, rig, sensor, band_weights, warnings: Vec::new() })
+        .and_then(|section| sensor_section::read(section, camera.as_ref(), name, sources, loader, found));
+    let (sensor, band_weights, mosaic) =
+        sensor.map_or((None, None, None), |read| (Some(read.sensor), read.band_weights, read.mosaic));
+    let leds = rig.as_ref().map_or(0, |rig| rig.leds as usize);
+    let stated = Section::open(document, "alignment", source, sources, found);
+    let tolerated = Section::open(document, "tolerances", source, sources, found);
+    let alignment = alignment_section::read(stated, tolerated, leds, sources, found);
+    let (camera, rig) = match &alignment {
+        Some(alignment) => alignment_section::apply(alignment, camera?, rig, found)?,
+        None => (camera?, rig),
+    };
+    Some(CameraFile { camera, rig, sensor, band_weights, mosaic, alignment, warnings: Vec::new() })
 }

@@ -1,7 +1,7 @@
 //! A ring of LEDs around the pinhole.
 
-use crate::{AngularTable, lobe_pattern};
-use glam::DVec3;
+use crate::{Alignment, AngularTable, LedAlignment, lobe_pattern};
+use glam::{DQuat, DVec3};
 use radsight_pinhole::PinholeCamera;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::fmt::Write;
@@ -39,6 +39,16 @@ pub struct Rig {
     pub led_intensity_w_per_sr: f64,
     /// How each emits.
     pub emission: LedEmission,
+    /// How far ring and LEDs are from their nominal places, where they are; the camera has its own part of it.
+    pub alignment: Option<Alignment>,
+}
+
+/// Where an LED is, scene frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Led {
+    centre_m: DVec3,
+    axis: DVec3,
+    intensity: f64,
 }
 
 impl Rig {
@@ -51,42 +61,81 @@ impl Rig {
     /// The centre of LED `index`, scene frame, metres.
     #[must_use]
     pub fn led_centre_m(&self, index: u32) -> DVec3 {
+        match &self.alignment {
+            None => self.nominal_centre_m(index),
+            Some(alignment) => self.aligned(index, alignment).centre_m,
+        }
+    }
+
+    fn nominal_centre_m(&self, index: u32) -> DVec3 {
         let camera = &self.camera;
         let (sin, cos) = (TAU * f64::from(index) / f64::from(self.leds)).sin_cos();
         camera.position_m() + (camera.right() * cos + camera.up() * sin) * (0.5 * self.ring_diameter_m)
+    }
+
+    fn aligned(&self, index: u32, alignment: &Alignment) -> Led {
+        let camera = &self.camera;
+        let frame = |vector: DVec3| camera.right() * vector.x + camera.up() * vector.y + camera.direction() * vector.z;
+        let turn = |[x, y, z]: [f64; 3]| {
+            DQuat::from_scaled_axis(frame(DVec3::new(x.to_radians(), y.to_radians(), z.to_radians())))
+        };
+        let own = alignment.leds.get(index as usize).copied().unwrap_or_default();
+        let LedAlignment { shift_mm, tilt_deg: [about_right, about_up], intensity } = own;
+        let ring = turn(alignment.ring_turn_deg);
+        let from_middle = self.nominal_centre_m(index) - camera.position_m() + frame(DVec3::from(shift_mm) * 1e-3);
+        let middle = camera.position_m() + frame(DVec3::from(alignment.ring_shift_mm) * 1e-3);
+        let axis = ring * (turn([about_right, about_up, 0.0]) * camera.direction());
+        Led { centre_m: middle + ring * from_middle, axis: axis.normalize(), intensity }
     }
 
     /// The ring as Radiance scene text that needs no other file. Names begin with `radsight_led`.
     #[must_use]
     pub fn scene_text(&self) -> String {
         let mut out = self.header();
-        let radiance = self.axial_radiance();
-        let axis = self.camera.direction();
+        let Some(alignment) = &self.alignment else {
+            let axis = self.camera.direction();
+            self.write_light("radsight_led", axis, self.axial_radiance(), &mut out);
+            for index in 0..self.leds {
+                self.write_disk("radsight_led", index, self.nominal_centre_m(index), axis, &mut out);
+            }
+            return out;
+        };
+        // Each LED has a direction and an intensity of its own.
+        for index in 0..self.leds {
+            let led = self.aligned(index, alignment);
+            let name = format!("radsight_led_{index}");
+            self.write_light(&name, led.axis, self.axial_radiance() * led.intensity, &mut out);
+            self.write_disk(&name, index, led.centre_m, led.axis, &mut out);
+        }
+        out
+    }
+
+    fn write_light(&self, name: &str, axis: DVec3, radiance: f64, out: &mut String) {
         match &self.emission {
             LedEmission::Cone { full_angle_deg } => {
                 let aim = axis * AIM_LENGTH;
                 let _ = write!(
                     out,
-                    "void spotlight radsight_led_light\n0\n0\n7 {radiance} {radiance} {radiance}\n  {full_angle_deg} {} {} {}\n\n",
+                    "void spotlight {name}_light\n0\n0\n7 {radiance} {radiance} {radiance}\n  {full_angle_deg} {} {} {}\n\n",
                     aim.x, aim.y, aim.z
                 );
             }
             LedEmission::Table(table) => {
-                let pattern = lobe_pattern::write(table, axis, "radsight_led_lobe", &mut out);
-                let _ = write!(out, "{pattern} light radsight_led_light\n0\n0\n3 {radiance} {radiance} {radiance}\n\n");
+                let pattern = lobe_pattern::write(table, axis, &format!("{name}_lobe"), out);
+                let _ = write!(out, "{pattern} light {name}_light\n0\n0\n3 {radiance} {radiance} {radiance}\n\n");
             }
         }
+    }
+
+    fn write_disk(&self, light: &str, index: u32, centre_m: DVec3, axis: DVec3, out: &mut String) {
         let per_unit = self.camera.scene_unit_m().recip();
         let radius = 0.5 * self.led_diameter_m * per_unit;
-        for index in 0..self.leds {
-            let centre = self.led_centre_m(index) * per_unit;
-            let _ = write!(
-                out,
-                "radsight_led_light ring radsight_led_{index}\n0\n0\n8\n  {} {} {}\n  {} {} {}\n  0 {radius}\n\n",
-                centre.x, centre.y, centre.z, axis.x, axis.y, axis.z
-            );
-        }
-        out
+        let centre = centre_m * per_unit;
+        let _ = write!(
+            out,
+            "{light}_light ring radsight_led_{index}\n0\n0\n8\n  {} {} {}\n  {} {} {}\n  0 {radius}\n\n",
+            centre.x, centre.y, centre.z, axis.x, axis.y, axis.z
+        );
     }
 
     fn header(&self) -> String {

@@ -1,12 +1,11 @@
 //! `[rig]`.
 
-use crate::section::{Placed, Range, Section, shorten};
+use crate::section::{Placed, Range, Section, load_beside};
 use crate::{AngularTable, Found, LedEmission, Rig};
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_loader::{FileKind, Loader};
+use radsight_loader::Loader;
 use radsight_pinhole::PinholeCamera;
 use std::f64::consts::PI;
-use std::path::Path;
 
 /// The most LEDs of a ring.
 const MOST_LEDS: i64 = 10_000;
@@ -44,6 +43,7 @@ fn read_keys(
         led_diameter_m: led_mm? * 1e-3,
         led_intensity_w_per_sr: intensity?,
         emission: emission?,
+        alignment: None,
     };
     if !rig.axial_radiance().is_finite() {
         let span = section.span_of("led_diameter_mm", sources);
@@ -91,15 +91,7 @@ fn load_table(
     loader: &dyn Loader,
     found: &mut Found,
 ) -> Option<AngularTable> {
-    let beside = Path::new(file).parent().unwrap_or(Path::new("")).join(name.value);
-    let loaded = match loader.load(&beside.to_string_lossy(), FileKind::Other) {
-        Ok(loaded) => loaded,
-        Err(error) => {
-            found.errors.push(Diagnostic::error(shorten(&error.to_string())).at(name.span));
-            return None;
-        }
-    };
-    let source = sources.add(loaded.path, loaded.bytes, Some(name.span));
+    let source = load_beside(&name, file, sources, loader, found)?;
     match AngularTable::read(source, sources) {
         Ok((table, warnings)) => {
             found.warnings.extend(warnings);

@@ -2,7 +2,9 @@
 
 use crate::Found;
 use radsight_diag::{Diagnostic, SourceId, SourceMap, Span, hint_nearest, nearest};
+use radsight_loader::{FileKind, Loader};
 use std::cell::RefCell;
+use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -342,6 +344,24 @@ impl<'a> Section<'a> {
         let shown = number.map_or("one too large to hold".to_owned(), |number| number.to_string());
         found.errors.push(Diagnostic::error(format!("\"{key}\" must be {range}, not {shown}")).at(place));
         None
+    }
+}
+
+/// Loads a file that a key names, which is looked for beside the camera file.
+pub(crate) fn load_beside(
+    name: &Placed<&str>,
+    file: &str,
+    sources: &mut SourceMap,
+    loader: &dyn Loader,
+    found: &mut Found,
+) -> Option<SourceId> {
+    let beside = Path::new(file).parent().unwrap_or(Path::new("")).join(name.value);
+    match loader.load(&beside.to_string_lossy(), FileKind::Other) {
+        Ok(loaded) => Some(sources.add(loaded.path, loaded.bytes, Some(name.span))),
+        Err(error) => {
+            found.errors.push(Diagnostic::error(shorten(&error.to_string())).at(name.span));
+            None
+        }
     }
 }
 

@@ -173,7 +173,7 @@ impl Work<'_> {
                 let index = first | u64::from(sample);
                 let u = RaySampler::new(self.rays.seed(), index).take(DimensionSet::CAMERA);
                 let ray = self.rays.ray(pixel as u64, u);
-                ray.cos4 * radiance(worker, index, &ray, self.weights)
+                ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
             })
             .sum()
     }

@@ -33,7 +33,7 @@ pub fn expose_with_samples(
                 for sample in 0..rays.samples() {
                     let index = pixel * u64::from(rays.samples()) + u64::from(sample);
                     let ray = rays.of_sample(pixel, sample);
-                    average.add(ray.cos4, radiance(worker, index, &ray, weights));
+                    average.add(ray.cos4, radiance(worker, index, (rays, pixel), &ray, weights));
                 }
                 *value = average.exposure(camera);
             }
@@ -46,13 +46,25 @@ pub fn expose_with_samples(
     Exposure { values, rays: traced, estimated_error: None, pixels_done, is_partial }
 }
 
-/// The radiance of ray number `index`, bands added up.
+/// The radiance of ray number `index`, which goes to a pixel, bands added up.
 #[inline]
-pub(crate) fn radiance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay, weights: &BandWeights) -> f64 {
+pub(crate) fn radiance(
+    worker: &mut RayWorker<'_>,
+    index: u64,
+    (rays, pixel): (&Rays, u64),
+    ray: &CameraRay,
+    weights: &BandWeights,
+) -> f64 {
+    // Nothing comes through a stop.
+    if ray.cos4 == 0.0 {
+        return 0.0;
+    }
     match Ray::new(ray.origin, ray.direction) {
-        Some(ray) => {
-            let value = worker.trace(index, &ray).value;
-            weights.combine(&value[..weights.as_slice().len().min(3)])
+        Some(traced) => {
+            let mut value = worker.trace(index, &traced).value;
+            let bands = &mut value[..weights.as_slice().len().min(3)];
+            rays.weigh_bands(ray, bands);
+            weights.combine_at(pixel, bands)
         }
         None => 0.0,
     }

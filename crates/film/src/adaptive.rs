@@ -7,6 +7,7 @@
 //! those of the doubling before count too; g is that of a whole block. What no sample has met so far, such as the corner of a lamp, is expected to be like the
 //! neighbour that differs most.
 
+use crate::interpolated::{self, Interpolation};
 use crate::sample_allocation::{PooledVariance, chosen};
 use crate::view_camera::{CameraRay, ViewCamera};
 use radsight_render::{Ray, RayWorker, Renderer};
@@ -24,6 +25,9 @@ const FIRST_SAMPLES: u32 = 4;
 
 /// Pixels that are finished together; whole rows.
 const BLOCK: usize = 1 << 14;
+
+/// Rows that are finished together where pixels are interpolated: that takes some samples of the rows around too. A multiple of every cell's size.
+const INTERPOLATED_ROWS: usize = 64;
 
 /// This share of the picture's typical value is added in squares to that of a pixel where an error is taken relative to it: what is darker need not be more exact.
 const DARK: f64 = 0.01;
@@ -47,6 +51,8 @@ pub enum SamplingBudget {
         /// At most so many, at most [`MAX_SAMPLES`].
         most: u32,
     },
+    /// As Radiance's options say: what is smooth is interpolated.
+    Interpolated(Interpolation),
 }
 
 /// One pixel's samples so far.
@@ -147,7 +153,10 @@ impl<'r> Film<'r> {
     /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
     #[must_use]
     pub fn block_of(&self, row: usize) -> Range<usize> {
-        let height = (BLOCK / self.camera.columns().max(1)).max(1);
+        let height = match self.budget {
+            SamplingBudget::Interpolated(_) => INTERPOLATED_ROWS,
+            _ => (BLOCK / self.camera.columns().max(1)).max(1),
+        };
         let first = row - row % height;
         first..(first + height).min(self.camera.rows())
     }
@@ -157,6 +166,9 @@ impl<'r> Film<'r> {
         let columns = self.camera.columns();
         let range = block.start * columns..block.end * columns;
         match self.budget {
+            SamplingBudget::Interpolated(interpolation) => {
+                return interpolated::block(self.renderer, &self.camera, interpolation, &block);
+            }
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
             SamplingBudget::Error { error, most } => {
                 let most = most.min(MAX_SAMPLES);

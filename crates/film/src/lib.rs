@@ -9,10 +9,12 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod interpolated;
 mod sample_allocation;
 mod single;
 mod view_camera;
 
 pub use adaptive::{Estimate, Film, MAX_SAMPLES, SamplingBudget};
+pub use interpolated::Interpolation;
 pub use single::average;
 pub use view_camera::{CameraRay, ViewCamera};

@@ -13,7 +13,7 @@ const FIRST_SAMPLES: u32 = 16;
 /// With one sample this is the ray as [`RayWorker::trace`] gives it, with the same random numbers.
 #[must_use]
 pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: SamplingBudget) -> Traced {
-    if budget == SamplingBudget::Samples(1) {
+    if matches!(budget, SamplingBudget::Samples(1) | SamplingBudget::Interpolated(_)) {
         return worker.trace(number, ray);
     }
     let first = number << SEQUENCE_LOG2;
@@ -31,6 +31,7 @@ pub fn average(worker: &mut RayWorker<'_>, number: u64, ray: &Ray, budget: Sampl
     };
     let mut samples = 1;
     match budget {
+        SamplingBudget::Interpolated(_) => {}
         SamplingBudget::Samples(wanted) => {
             samples = wanted.clamp(1, MAX_SAMPLES);
             sum_up(&mut sum, 1..samples);

@@ -71,29 +71,35 @@ impl ViewCamera {
         self.view_ray(&self.view, self.place(column, row, [0.5, 0.5]))
     }
 
-    /// A ray through some place of each pixel, top row first: those for which irradiance is gathered beforehand. Not through the middles, which
-    /// in a symmetric view lie on the very edges of a room.
+    /// A ray through some place of each square of so many pixels' side, top row first: those for which irradiance is gathered
+    /// beforehand. Not through the middles, which in a symmetric view lie on the very edges of a room.
     #[must_use]
-    pub fn prepass_rays(&self) -> Vec<Option<Ray>> {
-        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the pixels.
-        let ray = |pixel: usize| {
+    pub fn prepass_rays(&self, side: usize) -> Vec<Option<Ray>> {
+        let side = side.max(1);
+        let [across, down] = [self.columns.div_ceil(side), self.rows.div_ceil(side)];
+        // Steps of the R₂ sequence (Roberts 2018) are spread evenly over the squares.
+        let ray = |square: usize| {
             let [right, up] =
-                [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (pixel as f64 * step).fract());
-            self.view_ray(&self.view, self.pixel_place(pixel % self.columns, pixel / self.columns, [right, up]))
+                [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (square as f64 * step).fract());
+            let column = (((square % across) as f64 + right) * side as f64).min(self.columns as f64);
+            let below = self.rows as f64 - ((square / across + 1) * side) as f64;
+            let from_bottom = (below + side as f64 * up).max(0.0);
+            self.view_ray(&self.view, [column / self.columns as f64, from_bottom / self.rows as f64])
         };
-        let pixels = (0..self.columns * self.rows).into_par_iter();
-        pixels.map(|pixel| ray(pixel).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
+        let squares = (0..across * down).into_par_iter();
+        squares.map(|square| ray(square).and_then(|ray| Ray::new(ray.origin, ray.direction))).collect()
     }
 
-    /// How far apart the rays of neighbouring pixels are, in the middle of the picture.
+    /// How far apart the rays of neighbouring squares of so many pixels' side are, in the middle of the picture.
     #[must_use]
-    pub fn spread(&self) -> RaySpacing {
+    pub fn spread(&self, side: usize) -> RaySpacing {
         let (column, row) = (self.columns / 2, self.rows / 2);
         let beside =
             [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5]].map(|at| self.view_ray(&self.view, self.pixel_place(column, row, at)));
         let [Some(ray), Some(right), Some(above)] = beside else { return RaySpacing::UNKNOWN };
         let apart = |of: fn(&CameraRay) -> DVec3| 0.5 * (of(&right).distance(of(&ray)) + of(&above).distance(of(&ray)));
-        RaySpacing { width: apart(|ray| ray.origin), angle: apart(|ray| ray.direction) }
+        let side = side.max(1) as f64;
+        RaySpacing { width: side * apart(|ray| ray.origin), angle: side * apart(|ray| ray.direction) }
     }
 
     /// A ray through a pixel at the sampler's place in pixel, aperture and time; `None` where the view shows nothing.
@@ -101,6 +107,13 @@ impl ViewCamera {
     pub fn ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
         let [x, y, across, along] = sampler.take(DimensionSet::CAMERA);
         self.ray_at(self.place(column, row, [x, y]), [across, along], sampler)
+    }
+
+    /// The same through the middle of the pixel.
+    #[must_use]
+    pub fn middle_ray(&self, column: usize, row: usize, sampler: &RaySampler) -> Option<CameraRay> {
+        let [.., across, along] = sampler.take(DimensionSet::CAMERA);
+        self.ray_at(self.place(column, row, [0.5, 0.5]), [across, along], sampler)
     }
 
     /// A ray through any place in the view, (0, 0) the lower left corner and (1, 1) the upper right, spread as the pixels are.

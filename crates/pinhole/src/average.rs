@@ -9,6 +9,34 @@ use crate::PinholeCamera;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandWeights {
     weights: Vec<f64>,
+    mosaic: Option<FilterMosaic>,
+}
+
+/// Colour filters before the pixels, in cells of 2 x 2 pixels.
+///
+/// A filter passes a share of each band, so the exposure behind it is `Σ wₖ Tₖ Lₖ`; a grey radiance is the same in all bands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilterMosaic {
+    columns: u64,
+    /// Which filter each pixel of the cell has, row by row.
+    cell: [usize; 4],
+    /// wₖ·Tₖ of each filter over the bands.
+    shares: [Vec<f64>; 3],
+    /// Their sums.
+    grey: [f64; 3],
+}
+
+impl FilterMosaic {
+    /// What passes to a pixel.
+    #[inline]
+    fn combine(&self, pixel: u64, radiance: &[f64]) -> f64 {
+        let (row, column) = (pixel / self.columns, pixel % self.columns);
+        let filter = self.cell[(2 * (row % 2) + column % 2) as usize];
+        match radiance {
+            [grey] => grey * self.grey[filter],
+            bands => bands.iter().zip(&self.shares[filter]).map(|(band, share)| band * share).sum(),
+        }
+    }
 }
 
 /// What is wrong with a list of band weights.
@@ -26,6 +54,14 @@ pub enum BandWeightsError {
     /// Nothing would be seen.
     #[error("the band weights add up to 0")]
     AllZero,
+    /// Diffraction was asked for by the wavelengths of another number of bands. A grey scene is white light of equal weights.
+    #[error("{bands} band(s) but band_wavelengths_nm of {wavelengths}")]
+    Wavelengths {
+        /// Bands of the radiances.
+        bands: usize,
+        /// Wavelengths given.
+        wavelengths: usize,
+    },
     /// The radiances have another number of bands than there are weights.
     #[error("{bands} bands but {weights} band weights")]
     Count {
@@ -50,14 +86,41 @@ impl BandWeights {
             return Err(BandWeightsError::AllZero);
         }
         let sum: f64 = weights.iter().map(|w| w / largest).sum();
-        Ok(BandWeights { weights: weights.iter().map(|w| w / largest / sum).collect() })
+        Ok(BandWeights { weights: weights.iter().map(|w| w / largest / sum).collect(), mosaic: None })
     }
 
     /// The same weight for each of `bands` bands (at least one).
     #[must_use]
     pub fn equal(bands: usize) -> Self {
         let bands = bands.max(1);
-        BandWeights { weights: vec![1.0 / bands as f64; bands] }
+        BandWeights { weights: vec![1.0 / bands as f64; bands], mosaic: None }
+    }
+
+    /// The same before pixels with colour filters: `cell` says which of the `filters` (shares of each band that pass, 0 to 1) the
+    /// pixels of each 2 x 2 have, row by row, in pictures of `columns` columns.
+    ///
+    /// # Errors
+    /// When a filter has another number of bands, or a share that is none.
+    pub fn with_mosaic(
+        self,
+        columns: u32,
+        cell: [usize; 4],
+        filters: &[Vec<f64>; 3],
+    ) -> Result<Self, BandWeightsError> {
+        for filter in filters {
+            if filter.len() != self.weights.len() {
+                return Err(BandWeightsError::Count { bands: filter.len(), weights: self.weights.len() });
+            }
+            if let Some((index, &value)) = filter.iter().enumerate().find(|(_, share)| !(0.0..=1.0).contains(*share)) {
+                return Err(BandWeightsError::OutOfRange { value, index });
+            }
+        }
+        let of_filter = |filter: &Vec<f64>| filter.iter().zip(&self.weights).map(|(share, w)| share * w).collect();
+        let shares: [Vec<f64>; 3] = std::array::from_fn(|index| of_filter(&filters[index]));
+        let grey = std::array::from_fn(|index| shares[index].iter().sum());
+        let cell = cell.map(|filter| filter.min(2));
+        let mosaic = Some(FilterMosaic { columns: u64::from(columns.max(1)), cell, shares, grey });
+        Ok(BandWeights { mosaic, ..self })
     }
 
     /// These weights for radiances of `bands` bands. One band is grey and needs no weights.
@@ -66,7 +129,7 @@ impl BandWeights {
     /// When the numbers differ.
     pub fn for_bands(&self, bands: usize) -> Result<Self, BandWeightsError> {
         match bands {
-            1 => Ok(BandWeights::equal(1)),
+            1 => Ok(BandWeights { mosaic: self.mosaic.clone(), ..BandWeights::equal(1) }),
             _ if bands == self.weights.len() => Ok(self.clone()),
             _ => Err(BandWeightsError::Count { bands, weights: self.weights.len() }),
         }
@@ -78,7 +141,17 @@ impl BandWeights {
         &self.weights
     }
 
-    /// One radiance from the bands of one ray, in band order.
+    /// One radiance from the bands of one ray that goes to a pixel, through its colour filter where it has one.
+    #[inline]
+    #[must_use]
+    pub fn combine_at(&self, pixel: u64, radiance: &[f64]) -> f64 {
+        match &self.mosaic {
+            None => self.combine(radiance),
+            Some(mosaic) => mosaic.combine(pixel, radiance),
+        }
+    }
+
+    /// One radiance from the bands of one ray, in band order, without colour filters.
     #[inline]
     #[must_use]
     pub fn combine(&self, radiance: &[f64]) -> f64 {
@@ -151,6 +224,24 @@ mod tests {
         assert_eq!(BandWeights::new(&[0.0]).unwrap_err(), BandWeightsError::AllZero);
         assert_eq!(BandWeights::new(&[]).unwrap_err(), BandWeightsError::AllZero);
         assert_eq!(BandWeights::equal(3).for_bands(5).unwrap_err().to_string(), "5 bands but 3 band weights");
+    }
+
+    #[test]
+    fn filters_pass_their_share_of_each_band_to_their_pixels() {
+        let filters = [vec![1.0, 0.0, 0.0], vec![0.1, 0.8, 0.1], vec![0.0, 0.0, 0.5]];
+        let weights = BandWeights::new(&[2.0, 1.0, 1.0]).unwrap().with_mosaic(3, [0, 1, 1, 2], &filters).unwrap();
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+        near(weights.combine_at(0, &[4.0, 8.0, 16.0]), 2.0);
+        near(weights.combine_at(1, &[4.0, 8.0, 16.0]), 0.2 + 1.6 + 0.4);
+        // The second row begins with pixel 3: green, then blue.
+        near(weights.combine_at(4, &[4.0, 8.0, 16.0]), 2.0);
+        for pixel in [0, 1, 3, 4] {
+            let grey = weights.for_bands(1).unwrap();
+            near(grey.combine_at(pixel, &[7.0]), weights.combine_at(pixel, &[7.0; 3]));
+        }
+        assert!(BandWeights::equal(3).with_mosaic(3, [0, 1, 1, 2], &[vec![1.0], vec![1.0], vec![1.0]]).is_err());
+        let bright = [vec![1.5], vec![1.0], vec![1.0]];
+        assert!(BandWeights::equal(1).with_mosaic(3, [0, 1, 1, 2], &bright).is_err());
     }
 
     /// A hole in a uniform sky: the exposure of the middle pixel is τ·L·π d²/4f², Eq. 9 at θ = 0.

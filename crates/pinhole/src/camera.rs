@@ -1,5 +1,6 @@
 //! What a pinhole camera is.
 
+use crate::{CameraMatrix, FilmPlane, ThinLens};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
 
@@ -9,6 +10,9 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
 const SMALLEST_UP_SINE: f64 = 1e-6;
 
+/// The longest wavelength of a scene's bands over the shortest.
+const LARGEST_BAND_RATIO: f64 = 4.0;
+
 /// How the finite hole is treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -17,6 +21,8 @@ pub enum PinholeModel {
     Point,
     /// Rays cover the hole uniformly by area.
     Finite,
+    /// Rays follow the diffraction pattern of the hole; needs a wavelength.
+    Diffraction,
 }
 
 /// A camera as it was asked for; [`PinholeCamera::new`] checks it.
@@ -70,6 +76,25 @@ pub enum CameraError {
         /// Which, in words.
         quantity: &'static str,
     },
+    /// A lens cannot make that sharp.
+    #[error("a lens of focal length {focal_length_m} m has nothing sharp at {focus_distance_m} m: expected more")]
+    NotSharp {
+        /// What was to be sharp, metres.
+        focus_distance_m: f64,
+        /// The focal length, metres.
+        focal_length_m: f64,
+    },
+    /// Bands whose diffraction patterns cannot be drawn together.
+    #[error("the wavelengths of the bands reach from {shortest_m:e} to {longest_m:e} m: expected a ratio of at most 4")]
+    BandsApart {
+        /// The shortest, metres.
+        shortest_m: f64,
+        /// The longest, metres.
+        longest_m: f64,
+    },
+    /// A diffraction pattern without a wavelength.
+    #[error("pinhole model \"diffraction\" needs the wavelength")]
+    NoWavelength,
     /// The picture would have no right.
     #[error("up is parallel to direction")]
     UpParallel,
@@ -98,6 +123,19 @@ pub struct PinholeCamera {
     exposure_s: f64,
     wavelength_m: Option<f64>,
     scene_unit_m: f64,
+    optics: Optics,
+}
+
+/// What goes beyond a hole before an upright sensor.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Optics {
+    /// Where diffraction is exact, metres; far away where nothing is said.
+    pub(crate) object_distance_m: Option<f64>,
+    /// Wavelengths of the bands, metres, where they differ.
+    pub(crate) band_wavelengths_m: Vec<f64>,
+    pub(crate) lens: Option<ThinLens>,
+    pub(crate) matrix: Option<CameraMatrix>,
+    pub(crate) film: Option<FilmPlane>,
 }
 
 impl PinholeCamera {
@@ -140,7 +178,117 @@ impl PinholeCamera {
             exposure_s: asked.exposure_s,
             wavelength_m: asked.wavelength_m,
             scene_unit_m: asked.scene_unit_m,
+            optics: Optics::default(),
         })
+        .and_then(|camera: PinholeCamera| match (camera.pinhole_model, camera.wavelength_m) {
+            (PinholeModel::Diffraction, None) => Err(CameraError::NoWavelength),
+            _ => Ok(camera),
+        })
+    }
+
+    /// The same camera with the diffraction pattern of objects at this distance, metres. Default: far away.
+    ///
+    /// # Errors
+    /// When it is not positive.
+    pub fn with_object_distance(mut self, distance_m: f64) -> Result<Self, CameraError> {
+        self.optics.object_distance_m = Some(distance_m);
+        positive("object distance", distance_m).map(|()| self)
+    }
+
+    /// The same camera with a diffraction pattern for each band of a coloured scene, by its wavelength in metres.
+    ///
+    /// # Errors
+    /// When one is not positive, or the longest is over four times the shortest: their patterns have too little in common.
+    pub fn with_band_wavelengths(mut self, wavelengths_m: Vec<f64>) -> Result<Self, CameraError> {
+        wavelengths_m.iter().try_for_each(|wavelength| positive("wavelength", *wavelength))?;
+        let shortest = wavelengths_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = wavelengths_m.iter().copied().fold(0.0, f64::max);
+        if longest > LARGEST_BAND_RATIO * shortest {
+            return Err(CameraError::BandsApart { shortest_m: shortest, longest_m: longest });
+        }
+        self.optics.band_wavelengths_m = wavelengths_m;
+        Ok(self)
+    }
+
+    /// The same camera with a lens in the place of the hole, at the distance from the sensor that makes sharp what shall be.
+    ///
+    /// # Errors
+    /// When the lens cannot be.
+    pub fn with_lens(mut self, lens: ThinLens) -> Result<Self, CameraError> {
+        let lens = lens.checked()?;
+        self.focal_distance_m = lens.image_distance_m();
+        self.pinhole_diameter_m = lens.aperture_m;
+        self.pinhole_model = PinholeModel::Finite;
+        self.optics.lens = Some(lens);
+        Ok(self)
+    }
+
+    /// The same camera with the chief rays of a calibrated one. The pitch of the pixels follows from its focal distances.
+    ///
+    /// # Errors
+    /// When a number of the matrix is out of its range.
+    pub fn with_matrix(mut self, matrix: CameraMatrix) -> Result<Self, CameraError> {
+        let matrix = matrix.checked()?;
+        self.pixel_pitch_m = matrix.focal.map(|focal| self.focal_distance_m / focal);
+        positive("pixel pitch", self.pixel_pitch_m[0])?;
+        positive("pixel pitch", self.pixel_pitch_m[1])?;
+        self.optics.matrix = Some(matrix);
+        Ok(self)
+    }
+
+    /// The same camera with its sensor elsewhere.
+    #[must_use]
+    pub fn with_film_plane(mut self, film: FilmPlane) -> Self {
+        self.optics.film = (film != FilmPlane::default()).then_some(film);
+        self
+    }
+
+    /// The same camera moved by `shift_m` along its own right, up and direction, then turned about them by small angles in radians.
+    ///
+    /// # Errors
+    /// When the place is not finite.
+    pub fn moved(mut self, shift_m: [f64; 3], turn: [f64; 3]) -> Result<Self, CameraError> {
+        let shift = self.right * shift_m[0] + self.up * shift_m[1] + self.direction * shift_m[2];
+        let axes = [self.right, self.up, self.direction];
+        let turned = glam::DQuat::from_scaled_axis(axes[0] * turn[0] + axes[1] * turn[1] + axes[2] * turn[2]);
+        self.position_m += shift;
+        if !self.position_m.is_finite() || !turned.is_finite() {
+            return Err(CameraError::NotFinite { quantity: "position" });
+        }
+        self.direction = (turned * self.direction).normalize();
+        self.right = (turned * self.right).reject_from_normalized(self.direction).normalize();
+        self.up = self.right.cross(self.direction);
+        Ok(self)
+    }
+
+    /// Wavelengths of the bands, metres, where diffraction has them.
+    #[must_use]
+    pub fn band_wavelengths_m(&self) -> &[f64] {
+        &self.optics.band_wavelengths_m
+    }
+
+    /// Whether this is a hole before an upright, centred sensor, without diffraction.
+    #[must_use]
+    pub fn is_plain_pinhole(&self) -> bool {
+        let optics = &self.optics;
+        let is_geometric = self.pinhole_model != PinholeModel::Diffraction;
+        is_geometric && optics.lens.is_none() && optics.matrix.is_none() && optics.film.is_none()
+    }
+
+    /// The lens, where there is one.
+    #[must_use]
+    pub fn lens(&self) -> Option<&ThinLens> {
+        self.optics.lens.as_ref()
+    }
+
+    /// The calibrated camera, where there is one.
+    #[must_use]
+    pub fn matrix(&self) -> Option<&CameraMatrix> {
+        self.optics.matrix.as_ref()
+    }
+
+    pub(crate) fn optics(&self) -> &Optics {
+        &self.optics
     }
 
     /// Centre of the pinhole, scene frame, metres.

@@ -1,4 +1,4 @@
-//! A pinhole camera: rays over pixel × pinhole, and the exposure of each pixel from the radiances that they bring back.
+//! A camera with a pinhole or a thin lens: rays over pixel × pinhole, and the exposure of each pixel from the radiances that they bring back.
 //!
 //! The exposure of a pixel is the exact four-dimensional integral behind Eqs. 3, 4 and 8 of Rushmeier, Parker and Lee, 1991
 //! ("the paper"), without the approximation of its Eq. 7:
@@ -43,16 +43,25 @@
 
 mod average;
 mod camera;
+mod camera_optics;
 mod diffraction;
+mod distortion;
+mod film_plane;
+mod fresnel_pattern;
+mod lens;
 mod rays;
 pub mod shift;
 mod statistics;
 pub mod stream;
 mod view;
 
-pub use average::{BandWeights, BandWeightsError, PixelAverage};
+pub use average::{BandWeights, BandWeightsError, FilterMosaic, PixelAverage};
 pub use camera::{CameraDescription, CameraError, PinholeCamera, PinholeModel};
 pub use diffraction::fresnel_number;
+pub use distortion::{CameraMatrix, Distortion};
+pub use film_plane::FilmPlane;
+pub use fresnel_pattern::fresnel_irradiance;
+pub use lens::{FrontStop, ThinLens};
 pub use rays::{CameraRay, Rays};
 pub use statistics::PixelStatistics;
 pub use view::View;

@@ -1,5 +1,6 @@
 //! Rays over pixel × pinhole.
 
+use crate::camera_optics::GeneralRays;
 use crate::{PinholeCamera, PinholeModel};
 use glam::DVec3;
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
@@ -12,8 +13,11 @@ pub struct CameraRay {
     pub origin: DVec3,
     /// From the sensor point to the pinhole point and on into the scene; unit.
     pub direction: DVec3,
-    /// cos⁴θ, with θ the angle from the axis to `direction`.
+    /// cos⁴θ, with θ the angle from the axis to the ray behind the hole: the ray's weight. For a tilted sensor cos³θ times the
+    /// cosine at the sensor, for a distorted picture times the growth of area, and 0 where a stop is in the way.
     pub cos4: f64,
+    /// Where in a diffraction pattern it was drawn.
+    pub(crate) pattern_cell: u32,
 }
 
 /// All the rays of a picture, in stream order: pixels in scanline order from the top left as seen from the camera, the
@@ -27,6 +31,8 @@ pub struct Rays {
     toward: DVec3,
     radius_m: f64,
     per_scene_unit: f64,
+    /// What a plain pinhole does not need.
+    general: Option<GeneralRays>,
 }
 
 impl Rays {
@@ -41,10 +47,19 @@ impl Rays {
             toward: camera.direction() * camera.focal_distance_m(),
             radius_m: match camera.pinhole_model() {
                 PinholeModel::Point => 0.0,
-                PinholeModel::Finite => 0.5 * camera.pinhole_diameter_m(),
+                PinholeModel::Finite | PinholeModel::Diffraction => 0.5 * camera.pinhole_diameter_m(),
             },
             per_scene_unit,
+            general: (!camera.is_plain_pinhole()).then(|| GeneralRays::new(camera)),
             camera: camera.clone(),
+        }
+    }
+
+    /// Weighs what a ray brought in several bands by the diffraction patterns of their wavelengths.
+    #[inline]
+    pub fn weigh_bands(&self, ray: &CameraRay, bands: &mut [f64]) {
+        if let Some(general) = &self.general {
+            general.weigh_bands(ray.pattern_cell, bands);
         }
     }
 
@@ -100,6 +115,9 @@ impl Rays {
     #[must_use]
     pub fn ray(&self, pixel: u64, u: [f64; 4]) -> CameraRay {
         let camera = &self.camera;
+        if let Some(general) = &self.general {
+            return general.ray(camera, self.per_scene_unit, pixel, u);
+        }
         let [x, y] = camera.on_image(pixel, u[0], u[1]);
         if self.radius_m == 0.0 {
             return self.through(self.origin, x, y);
@@ -121,6 +139,7 @@ impl Rays {
             origin,
             direction: (self.toward + camera.right() * x + camera.up() * y) / length2.sqrt(),
             cos4: cos2 * cos2,
+            pattern_cell: 0,
         }
     }
 }

@@ -183,7 +183,7 @@ impl<'a> ShiftAverage<'a> {
             for (band, &value) in bands.iter_mut().zip(&picture.values[at..]) {
                 *band = f64::from(value);
             }
-            *sum += sample.weight * weights.combine(&bands);
+            *sum += sample.weight * weights.combine_at(pixel as u64, &bands);
         }
         self.pictures += 1;
         Ok(())

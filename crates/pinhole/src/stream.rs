@@ -262,8 +262,10 @@ impl<'a> ExposureStream<'a> {
         }
         self.values.push(value);
         if self.values.len() == self.bands {
-            let cos4 = self.rays.of_index(self.next).cos4;
-            self.average.add(cos4, self.weights.combine(&self.values));
+            let ray = self.rays.of_index(self.next);
+            self.rays.weigh_bands(&ray, &mut self.values);
+            let pixel = self.next / u64::from(self.rays.samples());
+            self.average.add(ray.cos4, self.weights.combine_at(pixel, &self.values));
             self.values.clear();
             self.next += 1;
             if self.average.count() == self.rays.samples() {

@@ -1,13 +1,13 @@
 //! Gathering irradiance before the picture is made, where its rays will want it.
 
-use crate::gather::{CachePoint, CacheQuery, Caches, HemisphereGather};
+use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
+use crate::caching::gathering_limits;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
-use crate::options::Gathering;
-use crate::plan::RenderPlan;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
+use radsight_compile::RenderPlan;
 use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -41,10 +41,6 @@ const SPARING_NOISE: f64 = 0.01;
 const USUAL_NOISE: f64 = 0.03;
 const GREATEST_RIGOUR: f64 = 16.0;
 
-/// Where less noise is allowed than this, what bends in caustics must not remain either: less of the noise explains it, but this share at least.
-const COARSE_NOISE: f64 = 0.02;
-const LEAST_EXPLAINED: f64 = 0.02;
-
 /// What is darker than this share of the typical irradiance need not be more exact than that is.
 const DARK: f64 = 0.03;
 
@@ -56,9 +52,6 @@ const PREPASSES: usize = 3;
 
 /// The edges of caustics are approached in more steps, each with less noise.
 const PREPASSES_FOR_CAUSTICS: usize = 6;
-
-/// Where records are farther apart than this makes them, too few are near each other to tell that they disagree.
-const ACCURACY_FOR_CAUSTICS: f64 = 0.1;
 
 /// Rounds of further rays where there are too few neighbours.
 const FURTHER_ROUNDS: usize = 3;
@@ -84,32 +77,6 @@ const RAYS_OF_A_SENSOR: f64 = 8.0;
 
 /// Looks there are numbered apart.
 const FIRST_LOOK_BEYOND: u64 = 1 << 40;
-
-impl RenderPlan {
-    /// Whether irradiance is shared between points at all.
-    pub(crate) fn caches_irradiance(&self) -> bool {
-        self.options.ambient_bounces > 0 && self.options.gathering.accuracy > 0.0 && self.options.gathering.rays() > 1
-    }
-
-    /// By what share records may disagree around a point and still be trusted there.
-    pub(crate) fn max_interpolation_error(&self) -> f64 {
-        if self.has_caustics { self.options.gathering.caustic_error } else { Gathering::MAX_INTERPOLATION_ERROR }
-    }
-
-    /// How near and how far records are trusted: as Radiance does, from the scene's size.
-    pub(crate) fn gathering_limits(&self) -> Limits {
-        let gathering = &self.options.gathering;
-        let size = 2.0 * self.bounding_sphere().1.max(f64::MIN_POSITIVE) / 3f64.sqrt();
-        let most = 0.5 * size;
-        let accuracy = if gathering.accuracy > 0.0 { gathering.accuracy } else { 1.0 };
-        let accuracy = if self.has_caustics { accuracy.min(ACCURACY_FOR_CAUSTICS) } else { accuracy };
-        let resolved = size * accuracy / f64::from(gathering.resolution.max(1));
-        let least = if gathering.resolution > 0 && resolved < most { resolved } else { most / 64.0 };
-        let explained = (gathering.noise / COARSE_NOISE).powi(2).clamp(LEAST_EXPLAINED, 1.0);
-        let explained = if self.has_caustics { explained } else { 1.0 };
-        Limits { accuracy, least, most, explained }
-    }
-}
 
 /// Gathers for these rays, and says how many places are new. The result is a function of the plan and all rays so far: threads only share the
 /// work of a group.
@@ -170,7 +137,7 @@ struct Level<const BANDS: usize> {
 
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
     fn new(plan: &RenderPlan) -> Self {
-        let (limits, noise) = (plan.gathering_limits(), plan.options.gathering.noise);
+        let (limits, noise) = (gathering_limits(plan), plan.options.gathering.noise);
         let coarse =
             Limits { accuracy: limits.accuracy * COARSER, least: limits.least * COARSER, explained: 1.0, ..limits };
         GatheredIrradiance {
@@ -340,7 +307,10 @@ impl<const BANDS: usize> Level<BANDS> {
             .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
         // Where there is not enough for all, all get the same share.
-        let share = (self.budget.saturating_sub(self.rays) as f64 / wanted.max(1) as f64).min(1.0);
+        let gathering = &plan.options.gathering;
+        let most = gathering.record_share * (self.cache.len() * gathering.rays()) as f64;
+        let left = (self.budget as f64).min(most) - self.rays as f64;
+        let share = (left / wanted.max(1) as f64).clamp(0.0, 1.0);
         let (mut weak, mut again, mut due) = (Vec::new(), Vec::new(), 0.0);
         for (index, looks) in (first..).zip(missing) {
             due += looks as f64 * share;

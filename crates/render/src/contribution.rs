@@ -2,15 +2,11 @@
 //!
 //! Where no modifier is tracked, all of this is one pointer that is null.
 
-use crate::bands::BandValues;
-use crate::options::{RenderOptions, TrackedValue};
-use crate::shader::Shader;
-use crate::surface_interaction::{SurfaceInteraction, View};
-use crate::trace::{PathIntegrator, PathState, product};
-use radsight_accel::Intersection;
+mod note;
+
 use radsight_cal::Host;
-use radsight_ir::Scene;
-use std::collections::HashMap;
+use radsight_compile::{RenderOptions, Shader};
+use radsight_texture::{BandValues, FunctionView, SurfaceInteraction, product};
 
 /// What a ray owes to one surface: emitted light that has come along the ray, or, of a surface that emits none, the share of the radiance
 /// there that would come or the radiance that has come from there.
@@ -28,7 +24,7 @@ pub struct Contribution {
 
 impl Host for Contribution {
     fn channel(&self, channel: u32) -> f64 {
-        View::new(&self.interaction, None).channel(channel)
+        FunctionView::new(&self.interaction, None).channel(channel)
     }
 }
 
@@ -126,53 +122,5 @@ impl<const BANDS: usize> Contributions<BANDS> {
                 value,
             });
         }
-    }
-}
-
-impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// Notes that a ray has met a surface that emits nothing.
-    pub(crate) fn note_met(&mut self, path: &PathState<BANDS>, hit: &Intersection, shader: &Shader) {
-        let (Some(modifier), None) = (shader.tracked, shader.kind.emitter()) else { return };
-        let interaction = SurfaceInteraction::at(&path.ray, hit, path.travelled + hit.distance);
-        let (before, waiting) = (self.radiance, self.waiting());
-        let Some(contributions) = &mut self.contributions else { return };
-        match self.plan.options.tracked_value {
-            TrackedValue::Share => contributions.add(shader, &interaction, path.throughput),
-            TrackedValue::Radiance => contributions.open.push(Open { modifier, interaction, before, waiting }),
-        }
-    }
-
-    /// Tells what the last ray owes.
-    pub(crate) fn take_contributions(&mut self, visit: impl FnMut(Contribution)) {
-        let Some(contributions) = &mut self.contributions else { return };
-        // Nothing waits any more, not even what began before the first ray.
-        contributions.open.iter_mut().for_each(|open| open.waiting += 1);
-        contributions.close(self.radiance, 0);
-        let layout = &self.plan.layout;
-        let values = |value: [f64; BANDS]| {
-            if BANDS > 3 {
-                BandValues::new(layout.collect(&value))
-            } else {
-                BandValues::new((0..3).map(|band| value[band.min(BANDS - 1)]))
-            }
-        };
-        let told = |deferred: DeferredContribution<BANDS>| Contribution {
-            modifier: deferred.modifier as usize,
-            value: values(deferred.value),
-            interaction: deferred.interaction,
-        };
-        contributions.settled.drain(..).map(told).for_each(visit);
-    }
-}
-
-/// Marks the shaders of tracked modifiers.
-pub(crate) fn mark_tracked(shaders: &mut [Shader], scene: &Scene, names: &[String]) {
-    if names.is_empty() {
-        return;
-    }
-    let numbered: HashMap<&str, u32> = names.iter().map(String::as_str).zip(0..).collect();
-    for shader in shaders {
-        let name = shader.home.scene(scene).modifier_name(shader.modifier);
-        shader.tracked = numbered.get(name).copied();
     }
 }

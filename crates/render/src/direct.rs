@@ -1,60 +1,15 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
-use crate::antimatter::SubtractionId;
-use crate::bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
-use crate::light::{Light, LightId};
-use crate::light_form::{LightForm, LightSample};
-use crate::light_tree::{LightTree, Reception, TreeCut};
-use crate::options::{Quantity, RenderOptions, Uncached};
-use crate::plan::RenderPlan;
-use crate::portals::VisiblePortals;
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{MediumId, PathIntegrator, emission, given, product};
-use crate::visibility_class::VisibilityClass;
+use crate::subtraction::SubtractionId;
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::MediumId;
 use glam::DVec3;
 use radsight_accel::PrimitiveId;
+use radsight_bsdf::{Bsdf, BsdfValue, Highlight, PdfRequest};
+use radsight_compile::{RenderPlan, VisibilityClass, VisiblePortals, emission, given};
+use radsight_light::{Light, LightForm, LightSample, LightTree, Reception, TreeCut};
 use radsight_sampling::DimensionSet;
-
-/// Up to so many lights each one is sampled at every point; of more, so many are drawn.
-#[derive(Clone, Copy, Debug)]
-struct LightSelectionPolicy {
-    all: usize,
-    draws: u32,
-}
-
-/// Where a path is seen from the eye, and where it was scattered before: many such places share a pixel. From 16 to 100,000 lights so many draws gave
-/// about the least error for the time.
-const THRIFT: [LightSelectionPolicy; 2] =
-    [LightSelectionPolicy { all: 24, draws: 8 }, LightSelectionPolicy { all: 12, draws: 4 }];
-
-/// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn
-/// there.
-const SPLIT_THRIFT: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
-
-/// So many images of lights count as one light: from most places most of them are not seen.
-const IMAGES_FOR_ONE: usize = 3;
-
-/// With no more lights than this there is never a choice.
-pub(crate) const ALWAYS_ALL: usize = THRIFT[1].all;
-
-/// How many lights are drawn at a point that is seen from the eye, and at one on a path that was scattered before; 0 where each is sampled: where few
-/// are, and where it is asked what each of them gives.
-pub(crate) fn light_draws(plan: &RenderPlan) -> [u32; 2] {
-    let real = plan.lights.partition_point(|light| light.virtual_sources.is_empty());
-    let like_lights = real + (plan.lights.len() - real) / IMAGES_FOR_ONE;
-    let samples_all = plan.light_tree.is_none() || !plan.options.tracked_modifiers.is_empty() || plan.tells_rays();
-    let first = if splits_first(&plan.options) { SPLIT_THRIFT } else { THRIFT[0] };
-    [first, THRIFT[1]]
-        .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
-}
-
-/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface:
-/// at sensors, and where it splits.
-fn splits_first(options: &RenderOptions) -> bool {
-    let is_sensor = options.quantity != Quantity::Radiance;
-    let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;
-    options.gathering.uncached == Uncached::Split && (is_sensor || splits)
-}
+use radsight_texture::{SurfaceInteraction, product};
 
 /// The direct light at one point.
 #[derive(Clone, Copy, Debug)]
@@ -358,7 +313,7 @@ impl DirectSampler<'_> {
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let interaction = self.interaction(light, sample);
         let radiance: [f64; BANDS] =
-            given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
+            given(emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch));
         radiance.map(|band| in_range * band)
     }
 
@@ -379,13 +334,3 @@ impl DirectSampler<'_> {
 
 /// The step between the numbers of a sample sequence.
 const SEQUENCE_STEP: f64 = 1.0 / (1 << 24) as f64;
-
-/// How many places on a light are sampled at a point, on average.
-pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
-    match &plan.light_tree {
-        Some(tree) if reception.draws > 0 => {
-            f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
-        }
-        _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
-    }
-}

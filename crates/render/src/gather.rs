@@ -1,103 +1,20 @@
 //! Looking around from a point for the irradiance that is no source's, and using what was found around.
 
-use crate::antimatter::Subtraction;
-use crate::bsdf::Bsdf;
+use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
+use crate::caching::max_interpolation_error;
 use crate::direct::DirectSampler;
-use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
-use crate::light_tree::Reception;
-use crate::medium::Medium;
 use crate::mis::{Lobe, MisState};
-use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::NodeId;
-use crate::trace::{PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::PathState;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
-use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
+use radsight_bsdf::Bsdf;
+use radsight_irradiance_cache::{GatheredRadiance, Limits, Record};
+use radsight_light::Reception;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{FRAC_1_PI, PI};
-
-/// Irradiance that is shared where no diffuse bounce lies behind, and where one does.
-pub(crate) type Caches<'c, const BANDS: usize> = [Option<&'c Cache<BANDS>>; 2];
-
-/// A point whose irradiance is wanted.
-#[derive(Clone, Debug)]
-pub(crate) struct CachePoint<const BANDS: usize> {
-    pub(crate) point: DVec3,
-    /// Unit geometric normal on the side in question.
-    pub(crate) normal: DVec3,
-    primitive: Option<PrimitiveId>,
-    medium: Medium<BANDS>,
-    /// What is cut away for the rays from here.
-    cut: Subtraction,
-    /// Interreflections that the rays from here may follow.
-    bounces: u32,
-    /// How wide the ray is that found it, scene units: details below that are not seen.
-    width: f64,
-}
-
-impl<const BANDS: usize> CachePoint<BANDS> {
-    /// Whether the irradiance here can be interpolated by now.
-    pub(crate) fn is_covered(&self, cache: &Cache<BANDS>) -> bool {
-        cache.reaches(self.point, self.normal)
-    }
-
-    /// Which look is the next one from here.
-    pub(crate) fn next_gather(&self, cache: &Cache<BANDS>) -> usize {
-        cache.next_gather(self.point, self.normal)
-    }
-}
-
-/// What a ray wants of shared irradiance.
-#[derive(Clone, Debug)]
-pub(crate) enum CacheQuery<const BANDS: usize> {
-    /// Places whose irradiance is missing, and how wide the ray is that finds them.
-    Missing(Vec<CachePoint<BANDS>>, RaySpacing),
-    /// The records that give it where it is not, with their shares in it.
-    Served(Vec<(u32, f64)>),
-}
-
-impl<const BANDS: usize> CacheQuery<BANDS> {
-    pub(crate) fn missing(self) -> Vec<CachePoint<BANDS>> {
-        if let CacheQuery::Missing(places, _) = self { places } else { Vec::new() }
-    }
-
-    pub(crate) fn served(self) -> Vec<(u32, f64)> {
-        if let CacheQuery::Served(served) = self { served } else { Vec::new() }
-    }
-
-    fn note(&mut self, place: CachePoint<BANDS>, cache: &Cache<BANDS>, travelled: f64) {
-        match self {
-            CacheQuery::Missing(places, spread) => {
-                if !place.is_covered(cache) {
-                    places.push(CachePoint { width: spread.at(travelled), ..place });
-                }
-            }
-            CacheQuery::Served(served) => cache.shares(place.point, place.normal, served),
-        }
-    }
-}
-
-/// How to look around.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HemisphereGather<'h> {
-    pub(crate) hemisphere: &'h Hemisphere,
-    /// The sample of each cell to look through, by the number of the look ([`Cache::next_gather`]); any place of it without one.
-    pub(crate) sample: Option<usize>,
-    /// Tells the rays from those of other looks.
-    pub(crate) number: u64,
-    /// Where light is expected, if that is known.
-    pub(crate) bright: Option<&'h GuidingRecords>,
-}
-
-/// A ray that looks through a cell.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct GatherDirection {
-    /// Unit, in the frame of the place, and in the scene.
-    pub(crate) local: DVec3,
-    pub(crate) direction: DVec3,
-    pub(crate) sampler: RaySampler,
-}
 
 /// Records are not nearer to each other than so many widths of the rays that see them; less, down to half of that, where less noise than this is allowed.
 const LEAST_WIDTHS: f64 = 1.5;
@@ -155,7 +72,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 continue;
             }
             let shared = cache.and_then(|cache| match bounces_behind {
-                0 => cache.trusted_irradiance(at, normal, facet, self.plan.max_interpolation_error()),
+                0 => cache.trusted_irradiance(at, normal, facet, max_interpolation_error(self.plan)),
                 _ => cache.fine_irradiance(at, normal, facet, REACH_SEEN * travelled),
             });
             let irradiance = match shared {

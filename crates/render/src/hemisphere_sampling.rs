@@ -1,16 +1,15 @@
 //! Sending rays that look for diffuse surroundings to where light is expected.
 
-use crate::bsdf::{Bsdf, BsdfSample};
-use crate::gather::{CachePoint, GatherDirection, HemisphereGather};
+use crate::cache_query::{CachePoint, GatherDirection, HemisphereGather};
 use crate::guiding::{BRIGHT, GuidingDistribution, GuidingSample};
-use crate::plan::RenderPlan;
-use crate::portals::VisiblePortals;
 use crate::trace::PathIntegrator;
-use crate::transmission_lobe::luminance;
 use glam::DVec3;
 use radsight_brdf::Density;
+use radsight_bsdf::{Bsdf, BsdfSample};
+use radsight_compile::{RenderPlan, VisiblePortals};
 use radsight_irradiance_cache::{GatherHit, GatheredRadiance, Record};
 use radsight_sampling::{DimensionSet, RaySampler};
+use radsight_texture::luminance;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Of rays that look around together, so many more are sent towards openings.
@@ -27,41 +26,37 @@ const GRAZING: f64 = 0.05;
 /// So many numbers are kept for each look's rays towards bright places.
 const MOST_BRIGHT: u64 = 1 << 12;
 
-impl VisiblePortals<'_> {
-    /// The density of a single ray that is drawn by the cosine, with `diffuse_pdf`, or towards an opening, 1/sr.
-    pub(crate) fn mixed_pdf(&self, direction: DVec3, diffuse_pdf: f64) -> f64 {
-        self.chance * self.pdf(direction) + (1.0 - self.chance) * diffuse_pdf
-    }
+/// What the diffuse component sees of openings, where it can be sent there.
+pub(crate) fn visible_portals<'p, const BANDS: usize>(
+    bsdf: &Bsdf<'_, BANDS>,
+    plan: &'p RenderPlan,
+    at: DVec3,
+) -> Option<VisiblePortals<'p>> {
+    let is_simple = bsdf.transmission.is_none() && !bsdf.is_retroreflector();
+    if is_simple { plan.portals.seen_from(at, bsdf.diffuse_normal) } else { None }
 }
 
-impl<const BANDS: usize> Bsdf<'_, BANDS> {
-    /// What the diffuse component sees of openings, where it can be sent there.
-    pub(crate) fn visible_portals<'p>(&self, plan: &'p RenderPlan, at: DVec3) -> Option<VisiblePortals<'p>> {
-        let is_simple = self.transmission.is_none() && !self.is_retroreflector();
-        if is_simple { plan.portals.seen_from(at, self.diffuse_normal) } else { None }
-    }
+/// Draws from the diffuse component or towards an opening.
+pub(crate) fn sample_outward<const BANDS: usize>(
+    bsdf: &Bsdf<'_, BANDS>,
 
-    /// Draws from the diffuse component or towards an opening.
-    pub(crate) fn sample_outward(
-        &self,
-        visible_portals: &VisiblePortals<'_>,
-        u: [f64; 4],
-    ) -> Option<BsdfSample<BANDS>> {
-        let direction = if u[0] < visible_portals.chance {
-            visible_portals.draw([u[0] / visible_portals.chance, u[2], u[3]])?
-        } else {
-            self.sample_diffuse(u[2], u[3])?.direction
-        };
-        let by_cosine = self.diffuse_normal.dot(direction) * FRAC_1_PI;
-        if by_cosine <= 0.0 || !self.is_sampled_towards(direction, self.diffuse_normal) {
-            return None;
-        }
-        let pdf = visible_portals.mixed_pdf(direction, by_cosine);
-        let pdf_ratio = pdf / by_cosine;
-        let weight = self.reflectance_of_surroundings().map(|band| band / pdf_ratio);
-        let pdf = Density::Continuous(if self.diffuse_finds_lights() { pdf } else { 0.0 });
-        Some(BsdfSample { direction, weight, pdf, pdf_ratio })
+    visible_portals: &VisiblePortals<'_>,
+    u: [f64; 4],
+) -> Option<BsdfSample<BANDS>> {
+    let direction = if u[0] < visible_portals.chance {
+        visible_portals.draw([u[0] / visible_portals.chance, u[2], u[3]])?
+    } else {
+        bsdf.sample_diffuse(u[2], u[3])?.direction
+    };
+    let by_cosine = bsdf.diffuse_normal.dot(direction) * FRAC_1_PI;
+    if by_cosine <= 0.0 || !bsdf.is_sampled_towards(direction, bsdf.diffuse_normal) {
+        return None;
     }
+    let pdf = visible_portals.mixed_pdf(direction, by_cosine);
+    let pdf_ratio = pdf / by_cosine;
+    let weight = bsdf.reflectance_of_surroundings().map(|band| band / pdf_ratio);
+    let pdf = Density::Continuous(if bsdf.diffuse_finds_lights() { pdf } else { 0.0 });
+    Some(BsdfSample { direction, weight, pdf, pdf_ratio })
 }
 
 /// The directions by which rays are sent from a place to look around, and how many go each.

@@ -1,9 +1,7 @@
 //! Light from diffuse surroundings: the one place that decides how it is found.
 
-use crate::options::AmbientSurfaces;
-use crate::shader::{Shader, bands};
 use crate::trace::PathIntegrator;
-use radsight_ir::Scene;
+use radsight_texture::bands;
 
 /// How diffuse surroundings are found at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,18 +26,5 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         for (sum, (diffuse, ambient)) in radiance.iter_mut().zip(diffuse.iter().zip(ambient)) {
             *sum += diffuse * ambient;
         }
-    }
-}
-
-/// Whether interreflection is left out, by shader; empty where it is left out nowhere.
-pub(crate) fn excluded(scene: &Scene, shaders: &[Shader], surfaces: &AmbientSurfaces) -> Vec<bool> {
-    let named = |names: &[String], shader: &Shader| {
-        let modifier = shader.home.scene(scene).modifier_name(shader.modifier);
-        names.iter().any(|name| name == modifier)
-    };
-    match surfaces {
-        AmbientSurfaces::All => Vec::new(),
-        AmbientSurfaces::Except(names) => shaders.iter().map(|shader| named(names, shader)).collect(),
-        AmbientSurfaces::Only(names) => shaders.iter().map(|shader| !named(names, shader)).collect(),
     }
 }

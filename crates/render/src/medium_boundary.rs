@@ -1,18 +1,17 @@
 //! Rays at the surfaces of bodies, of mist, and of what stands in for something else.
 
 use crate::direct::DirectSampler;
-use crate::light::Light;
-use crate::light_tree::Reception;
-use crate::medium::{Medium, MistKind};
-use crate::options::BackFaces;
-use crate::prism::PrismKind;
-use crate::refraction::DielectricInterface;
-use crate::shader::{Emitter, Kind, Shader, Substitution, bands};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{Passage, PathIntegrator, PathState, product};
+use crate::trace::PathIntegrator;
+use crate::trace::passage::Passage;
+use crate::trace::path_state::PathState;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
+use radsight_compile::{
+    BackFaces, DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, Shader, Substitution,
+};
+use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
+use radsight_texture::{SurfaceInteraction, bands, product};
 
 /// A ray in mist takes no more samples of a light than this, as in Radiance.
 const MAX_MIST_SAMPLES: f64 = 16.0;

@@ -1,13 +1,11 @@
 //! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
 
-use crate::direct::selection_pdf;
-use crate::light::{Light, LightId};
-use crate::light_form::LightForm;
-use crate::light_tree::Reception;
-use crate::plan::RenderPlan;
+use crate::light_selection::selection_pdf;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray, RayFrame};
+use radsight_compile::RenderPlan;
 use radsight_ir::SurfaceHandle;
+use radsight_light::{Light, LightForm, LightId, Reception};
 
 /// The longest chain of mirrors that is compared with those of mirrored lights.
 const MAX_CHAIN: usize = 4;

@@ -1,10 +1,10 @@
 //! Surfaces that are part one material, part another.
 
-use crate::options::BackFaces;
-use crate::shader::{Kind, MixtureKind, Shader};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{PathIntegrator, PathState};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::PathState;
 use radsight_accel::Intersection;
+use radsight_compile::{BackFaces, Kind, MixtureKind, Shader};
+use radsight_texture::SurfaceInteraction;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// Both parts, each with its share, as Radiance does; where one has no material, the ray goes on. The segment comes with and without
@@ -17,7 +17,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         interaction: &SurfaceInteraction,
     ) {
         let plan = self.plan;
-        let scene = shader.home.scene(&plan.scene);
+        let scene = shader.textures.home.scene(&plan.scene);
         let share = mixture.share.at(scene, interaction, &mut self.workspace.scratch);
         // After a fault of the function the surface is as if it had no material.
         let mut passing = if share.is_some() { 0.0 } else { 1.0 };

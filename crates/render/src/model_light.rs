@@ -2,31 +2,11 @@
 //!
 //! A call to a plugin crosses a border that costs as much as a small model itself; one call a hit makes that small.
 
-use crate::bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 use crate::direct::DirectSampler;
-use crate::light_form::LightSample;
+use crate::model_batch::Place;
 use crate::trace::PathIntegrator;
-use glam::DVec3;
 use radsight_brdf::Brdf;
-
-/// The memory of one thread.
-#[derive(Debug, Default)]
-pub(crate) struct ModelBatch {
-    places: Vec<Place>,
-    /// In the model's frame.
-    incident: Vec<DVec3>,
-    values: Vec<f64>,
-    pdfs: Vec<f64>,
-}
-
-/// A place that was drawn on a light.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    light: usize,
-    sample: LightSample,
-    /// How many were drawn on it.
-    of: u32,
-}
+use radsight_bsdf::{Bsdf, BsdfValue, model_bands, of_model};
 
 impl DirectSampler<'_> {
     /// Radiance that the point sends on from all lights.

@@ -6,15 +6,13 @@
 //! the direction.
 
 use crate::direct::DirectSampler;
-use crate::light::{Light, Redirection, VirtualSource};
-use crate::light_form::LightSample;
-use crate::prism::PrismKind;
-use crate::shader::Kind;
-use crate::surface_interaction::SurfaceInteraction;
 use crate::trace::PathIntegrator;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_cal::Scratch;
+use radsight_compile::{Kind, PrismKind};
+use radsight_light::{Light, LightSample, Redirection, VirtualSource};
+use radsight_texture::SurfaceInteraction;
 
 /// Steps; a smooth prism takes three or four.
 const MOST_STEPS: usize = 12;

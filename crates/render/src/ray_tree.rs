@@ -3,18 +3,13 @@
 //! Where they are not wanted, all of this is one pointer that is null. Rays are noted as they are sent on, each below the one from which it comes;
 //! what each has brought is summed up when the first is answered.
 
-use crate::bands::BandValues;
-use crate::cast::FirstHit;
-use crate::direct::DirectSampler;
-use crate::light::Light;
-use crate::light_form::LightSample;
-use crate::options::{RayTreeOutput, RenderOptions};
-use crate::plan::RenderPlan;
-use crate::trace::{PathIntegrator, product};
-use crate::transmission_lobe::luminance;
+mod note;
+
 use glam::DVec3;
-use radsight_accel::{Intersection, Ray};
+use radsight_accel::Ray;
+use radsight_compile::{FirstHit, RayTreeOutput, RenderOptions};
 use radsight_ir::SurfaceHandle;
+use radsight_texture::{BandValues, luminance, product};
 
 /// What a ray brings or what counts of it, as a colour and, where spectra are traced, band by band.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -198,114 +193,6 @@ impl<const BANDS: usize> RayTree<BANDS> {
     }
 }
 
-/// What is noted of shadow rays.
-impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
-    /// A shadow ray starts that would bring `radiance`, of which `weight` counts.
-    pub(crate) fn begin_shadow(
-        &mut self,
-        from: &DirectSampler<'_>,
-        (light, sample): (&Light, &LightSample),
-        weight: [f64; BANDS],
-        radiance: [f64; BANDS],
-    ) {
-        let Some(tree) = &mut self.tree else { return };
-        let (share, above) = tree.lit;
-        let ray = Ray { origin: from.point, direction: sample.direction };
-        tree.shadow = tree.begin(above, BounceType::Shadow, ray, product(share, weight));
-        let target = Target {
-            light: light.surface,
-            virtual_form: !light.virtual_sources.is_empty(),
-            importance: luminance(&product(weight, radiance)),
-        };
-        if let Some(node) = tree.nodes.last_mut() {
-            node.target = Some(target);
-        }
-    }
-
-    /// The shadow ray meets a surface with so much of it left.
-    pub(crate) fn note_shadow_met(&mut self, hit: &Intersection, left: [f64; BANDS]) {
-        let Some(tree) = &mut self.tree else { return };
-        let id = tree.shadow;
-        tree.end(id, FirstHit::at(hit, hit.distance));
-        tree.dim(id, left, [0.0; BANDS]);
-    }
-
-    /// The surface has the same material on both sides: its normal is told on that of the ray.
-    pub(crate) fn note_shadow_side(&mut self, hit: &Intersection) {
-        let Some(tree) = &mut self.tree else { return };
-        let id = tree.shadow;
-        if tree.node(id).is_some_and(|node| node.ray.direction.dot(hit.front) > 0.0) {
-            tree.note_normal(id, -hit.front);
-        }
-    }
-
-    /// The shadow ray goes on from there, weakened.
-    pub(crate) fn note_shadow_onward(&mut self, ray: Ray, bounce: BounceType, weight: [f64; BANDS]) {
-        let Some(tree) = &mut self.tree else { return };
-        let above = tree.shadow;
-        if let Some(arrival) = tree.node(above).map(|node| node.arrival) {
-            tree.shadow = tree.begin(above, bounce, ray, product(arrival, weight));
-        }
-    }
-
-    /// The shadow ray finds its light.
-    pub(crate) fn note_shadow_found(&mut self, distant: Option<SurfaceHandle>, radiance: [f64; BANDS]) {
-        let Some(tree) = &mut self.tree else { return };
-        let id = tree.shadow;
-        if let Some(node) = tree.node(id) {
-            if let Some(surface) = distant {
-                node.hit = Some(FirstHit::distant(surface, node.ray.direction));
-            }
-            node.own = product(node.arrival, radiance);
-        }
-    }
-
-    /// The rays that came of the last one, each after those that came of it; the last is the ray itself.
-    pub(crate) fn take_tree(&mut self) -> Vec<TreeRay> {
-        let Some(tree) = &self.tree else { return Vec::new() };
-        let below = Below::new(&tree.nodes);
-        let sums = Sum::all(&tree.nodes, &below);
-        let mut told = Vec::with_capacity(tree.nodes.len());
-        // A ray is told when all below it are.
-        let mut open: Vec<(usize, usize)> = if tree.nodes.is_empty() { Vec::new() } else { vec![(0, 0)] };
-        while let Some((id, next)) = open.last_mut() {
-            if let Some(child) = below.of(*id).get(*next) {
-                *next += 1;
-                open.push((*child, 0));
-                continue;
-            }
-            let (id, depth) = (*id, open.len() - 1);
-            open.pop();
-            let node = &tree.nodes[id];
-            if node.is_told(tree.told) {
-                told.push(self.telling(node, &sums[id], depth));
-            }
-        }
-        told
-    }
-
-    fn telling(&self, node: &Node<BANDS>, sum: &Sum<BANDS>, depth: usize) -> TreeRay {
-        let unmirrored = std::array::from_fn(|band| sum.value[band] - sum.mirrored[band]);
-        TreeRay {
-            depth,
-            ray: node.ray,
-            hit: node.hit,
-            value: self.ray_value(&sum.value),
-            coefficient: self.ray_value(&if sum.is_missed { [0.0; BANDS] } else { node.arrival }),
-            weight: sum.weight,
-            mirrored: self.ray_value(&sum.mirrored),
-            unmirrored: self.ray_value(&unmirrored),
-            mirrored_distance: sum.mirrored_distance,
-            unmirrored_distance: sum.unmirrored_distance,
-            effective_distance: sum.distance(),
-        }
-    }
-
-    fn ray_value(&self, bands: &[f64; BANDS]) -> RayValue {
-        RayValue { color: self.rgb(bands), spectrum: self.spectrum(bands) }
-    }
-}
-
 impl<const BANDS: usize> Node<BANDS> {
     fn distance(&self) -> f64 {
         self.hit.map_or(f64::INFINITY, |hit| hit.distance)
@@ -454,11 +341,4 @@ fn added<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
 /// Where nothing of a band counts, nothing is known of it.
 fn divided<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| if b[band] > 0.0 { a[band] / b[band] } else { 0.0 })
-}
-
-impl RenderPlan {
-    /// Whether it is told what becomes of each ray, so that none may be left out.
-    pub(crate) fn tells_rays(&self) -> bool {
-        self.options.ray_tree.is_some()
-    }
 }

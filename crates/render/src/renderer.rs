@@ -1,12 +1,13 @@
 //! Rays in, radiance out.
 
 use crate::cache_prepass::{GatheredIrradiance, gather};
+use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
-use crate::plan::RenderPlan;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
 use crate::trace::{PathIntegrator, Traced};
 use radsight_accel::Ray;
+use radsight_compile::RenderPlan;
 use rayon::prelude::*;
 
 /// Answers rays.
@@ -79,7 +80,7 @@ impl Renderer {
     /// gathered for other rays before is kept. The rays should be
     /// spread over all that will be asked for later: one a pixel is plenty. Details that are smaller than their `spread` are not looked for.
     pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
-        if !self.plan.caches_irradiance() {
+        if !caches_irradiance(&self.plan) {
             return 0;
         }
         let plan = &self.plan;

@@ -4,23 +4,18 @@
 //! enough. Else the ray is followed from surface to surface as any other. A refracted shadow ray brings light if it still ends on the
 //! light that it was sent to: Radiance's rule, which lights what is behind panes of dielectric and leaves caustics out.
 
-use crate::antimatter::{AntimatterEvent, SubtractionId};
-use crate::bsdf::pane;
 use crate::direct::DirectSampler;
-use crate::light::{Light, Redirection, VirtualSource};
-use crate::light_form::LightSample;
-use crate::medium::Medium;
-use crate::options::BackFaces;
-use crate::plan::RenderPlan;
 use crate::ray_tree::{BounceType, Image};
-use crate::shader::{Kind, Shader, Substitution, bands};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::trace::{PathIntegrator, emission, given, product, reflect};
-use crate::visibility_class::VisibilityClass;
+use crate::subtraction::{AntimatterEvent, SubtractionId};
+use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
+use radsight_bsdf::pane;
 use radsight_cal::Scratch;
+use radsight_compile::{BackFaces, Kind, Medium, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
 use radsight_ir::Shape;
+use radsight_light::{Light, LightSample, Redirection, VirtualSource};
+use radsight_texture::{SurfaceInteraction, bands, product, reflect};
 
 /// A shadow ray that crosses more surfaces than this is taken to be lost.
 const MAX_CROSSINGS: u32 = 1000;
@@ -491,7 +486,7 @@ fn straight<const BANDS: usize>(
     let interaction = SurfaceInteraction::at(ray, hit, travelled);
     if let Kind::Mixture(mixture) = &shader.kind {
         // After a fault of the function the surface is as if it had no material.
-        let Some(share) = mixture.share.at(shader.home.scene(&plan.scene), &interaction, scratch) else {
+        let Some(share) = mixture.share.at(shader.textures.home.scene(&plan.scene), &interaction, scratch) else {
             return Some([1.0; BANDS]);
         };
         let mut through = None;
@@ -512,7 +507,7 @@ fn straight<const BANDS: usize>(
             Some(product(transmitted, appearance.color))
         }
         Kind::Scatterer(scatterer) => {
-            scatterer.passage(shader.home.scene(&plan.scene), &interaction, appearance, scratch)
+            scatterer.passage(shader.textures.home.scene(&plan.scene), &interaction, appearance, scratch)
         }
         _ => None,
     }
@@ -536,7 +531,7 @@ fn arrive<const BANDS: usize>(
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let interaction = SurfaceInteraction::at(&walk.ray, hit, walk.travelled);
-        found = given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
+        found = given(emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch));
     }
     tracer.note_shadow_found(None, found);
     product(product(found, walk.through), walk.medium.shadow_transmission(hit.distance))
@@ -564,7 +559,7 @@ fn leave<const BANDS: usize>(
         let shader = plan.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return [0.0; BANDS] };
         let interaction = SurfaceInteraction::distant(walk.ray.direction);
-        found = given(emission(plan, shader, emitter, &interaction, &mut tracer.workspace.scratch));
+        found = given(emission(&plan.scene, shader, emitter, &interaction, &mut tracer.workspace.scratch));
     }
     tracer.note_shadow_found(Some(light.surface), found);
     product(product(found, walk.through), walk.medium.shadow_transmission(f64::INFINITY))

@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod calibration_target;
 mod cat;
 mod cie;
 mod cnt;
@@ -74,6 +75,7 @@ mod wavefront_mesh;
 mod weather;
 mod zcat;
 
+pub use calibration_target::{CalibrationTarget, MOST_MARKS, TargetError, TargetPattern};
 pub use error::Error;
 pub use genskyvec::{OpenSky, genskyvec};
 pub use lamps::lamp_color;

@@ -5,6 +5,8 @@
 //! guesses of where saturation begins; the begin then moves to where the curve meets the plateau, and the best fit is taken.
 
 use crate::ExposureUnit;
+use crate::interval::Estimate;
+use crate::plot::{Curve, Mark, Plot, Scale};
 
 /// γ is searched between these.
 const GAMMA_RANGE: [f64; 2] = [0.02, 10.0];
@@ -45,11 +47,43 @@ pub struct Calibration {
     pub rms_residual: f64,
     /// Points taken as saturated.
     pub saturated: usize,
+    /// Intervals of the four numbers.
+    pub intervals: CalibrationIntervals,
     /// The unit of exposure to which K belongs.
     pub exposure_unit: ExposureUnit,
 }
 
+/// Intervals of confidence 99 % of the numbers of Eq. 5, as far as the scatter of the data about the fit tells. They are those of the
+/// linearised model (Seber and Wild, Nonlinear Regression, 1989, section 5.1), for K in its logarithm, with which it is nearly linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CalibrationIntervals {
+    /// Of K.
+    pub k: Estimate,
+    /// Of γ.
+    pub gamma: Estimate,
+    /// Of G₀.
+    pub grey_background: Estimate,
+    /// Of G_max, where the data reach saturation.
+    pub grey_max: Option<Estimate>,
+}
+
 impl Calibration {
+    /// The data, and the fit with its saturation, as a plot.
+    #[must_use]
+    pub fn plot(&self, pairs: &[Measurement]) -> Plot {
+        let largest = pairs.iter().map(|pair| pair.exposure).fold(0.0, f64::max);
+        let steps = 0..=200;
+        let fitted = steps.map(|step| f64::from(step) / 200.0 * largest).map(|at| [at, self.grey(at)]).collect();
+        let measured = pairs.iter().map(|pair| [pair.exposure, pair.grey]).collect();
+        let curve = |name: &str, mark, values| Curve { name: name.to_owned(), mark, values };
+        Plot {
+            title: format!("G = K E^gamma + G0, K = {:.5}, gamma = {:.4}", self.k, self.gamma),
+            axes: [format!("exposure ({})", self.exposure_unit.name()), "grey level".to_owned()],
+            scales: [Scale::Linear; 2],
+            curves: vec![curve("measured", Mark::Points, measured), curve("fitted", Mark::Line, fitted)],
+        }
+    }
+
     /// The fitted grey level, not rounded, at an exposure in the calibration's unit.
     #[must_use]
     pub fn grey(&self, exposure: f64) -> f64 {
@@ -105,7 +139,9 @@ pub fn calibrate(pairs: &[Measurement], exposure_unit: ExposureUnit) -> Result<C
     let largest = sorted[sorted.len() - 1].exposure;
     sorted.iter_mut().for_each(|pair| pair.exposure /= largest);
     let fit = best_split(&sorted).ok_or(CalibrationError::NotRising)?;
+    let intervals = intervals(&sorted, &fit, largest);
     Ok(Calibration {
+        intervals,
         k: fit.k / largest.powf(fit.gamma),
         gamma: fit.gamma,
         grey_background: fit.background,
@@ -125,6 +161,55 @@ struct Fit {
     plateau: f64,
     saturated: usize,
     squares: f64,
+}
+
+/// Intervals from the Jacobian of the fit at its best, over (ln K, γ, G₀); exposures were divided by `largest`.
+fn intervals(sorted: &[Measurement], fit: &Fit, largest: f64) -> CalibrationIntervals {
+    let (rising, flat) = sorted.split_at(sorted.len() - fit.saturated);
+    let mut normal = [[0.0; 3]; 3];
+    let mut squares = 0.0;
+    for pair in rising {
+        let power = fit.k * pair.exposure.powf(fit.gamma);
+        // Of exposures in their own unit, to which K belongs; at exposure 0 the power is 0 whatever γ is.
+        let by_gamma = if pair.exposure > 0.0 { power * (pair.exposure * largest).ln() } else { 0.0 };
+        let slopes = [power, by_gamma, 1.0];
+        for (row, slope) in normal.iter_mut().zip(slopes) {
+            row.iter_mut().zip(slopes).for_each(|(sum, other)| *sum += slope * other);
+        }
+        squares += (power + fit.background - pair.grey).powi(2);
+    }
+    let degrees = rising.len() as f64 - 3.0;
+    let errors = inverse_diagonal(normal).map(|element| (element * squares / degrees).sqrt());
+    let log_k = Estimate::student(fit.k.ln() - fit.gamma * largest.ln(), errors[0], degrees);
+    let grey_max = (fit.saturated > 0).then(|| {
+        let scatter: f64 = flat.iter().map(|pair| (pair.grey - fit.plateau).powi(2)).sum();
+        // The scatter of all points is that of the plateau, too, and is better known.
+        let degrees = degrees + flat.len() as f64 - 1.0;
+        Estimate::student(fit.plateau, ((scatter + squares) / degrees / flat.len() as f64).sqrt(), degrees)
+    });
+    CalibrationIntervals {
+        k: Estimate { value: log_k.value.exp(), low: log_k.low.exp(), high: log_k.high.exp() },
+        gamma: Estimate::student(fit.gamma, errors[1], degrees),
+        grey_background: Estimate::student(fit.background, errors[2], degrees),
+        grey_max,
+    }
+}
+
+/// The diagonal of the inverse of a symmetric matrix, by cofactors after the rows are scaled to a diagonal of 1. Infinite where
+/// there is no inverse.
+fn inverse_diagonal(matrix: [[f64; 3]; 3]) -> [f64; 3] {
+    let scale: [f64; 3] = std::array::from_fn(|i| matrix[i][i].sqrt());
+    let scaled = |i: usize, j: usize| matrix[i][j] / (scale[i] * scale[j]);
+    let cofactor = |i: usize| {
+        let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+        scaled(a, a) * scaled(b, b) - scaled(a, b) * scaled(b, a)
+    };
+    let determinant =
+        cofactor(0) + 2.0 * scaled(0, 1) * scaled(1, 2) * scaled(2, 0) - scaled(0, 1).powi(2) - scaled(0, 2).powi(2);
+    std::array::from_fn(|i| {
+        let element = cofactor(i) / (determinant * scale[i] * scale[i]);
+        if element.is_finite() && element >= 0.0 { element } else { f64::INFINITY }
+    })
 }
 
 fn distinct(sorted: &[Measurement]) -> usize {
@@ -147,10 +232,15 @@ fn best_split(sorted: &[Measurement]) -> Option<Fit> {
     settle(sorted, guess).or_else(|| fit_split(sorted, guess))
 }
 
-/// Moves the begin of saturation to where the rising curve meets the plateau, until it stays. `None` where it never does.
+/// Moves the begin of saturation to where the rising curve meets the plateau, until it stays. Noise at the knee can keep it moving
+/// between a few places: then the best fit with a plateau among them is taken.
 fn settle(sorted: &[Measurement], mut saturated: usize) -> Option<Fit> {
-    for _ in 0..ROUNDS {
+    let mut best: Option<Fit> = None;
+    for round in 0..ROUNDS {
         let fit = fit_split(sorted, saturated)?;
+        if round >= ROUNDS / 2 && fit.saturated > 0 && best.is_none_or(|best| fit.squares < best.squares) {
+            best = Some(fit);
+        }
         let below = sorted.partition_point(|pair| fit.k * pair.exposure.powf(fit.gamma) + fit.background < fit.plateau);
         let next = sorted.len() - below;
         if next == saturated || (next < FEWEST_SATURATED && saturated == 0) {
@@ -158,7 +248,7 @@ fn settle(sorted: &[Measurement], mut saturated: usize) -> Option<Fit> {
         }
         saturated = if next < FEWEST_SATURATED { 0 } else { next };
     }
-    None
+    best
 }
 
 /// Fits with the last `saturated` points on the plateau.
@@ -259,6 +349,35 @@ mod tests {
                 assert!((fit.grey(pair.exposure) - pair.grey).abs() < 1.5, "seed {seed} at {}", pair.exposure);
             }
         }
+    }
+
+    #[test]
+    fn the_inverse_of_a_matrix_has_the_diagonal_found_by_hand() {
+        // [[4, 2, 0], [2, 3, 1], [0, 1, 2]]: determinant 12, cofactors 5, 8, 8.
+        let found = inverse_diagonal([[4.0, 2.0, 0.0], [2.0, 3.0, 1.0], [0.0, 1.0, 2.0]]);
+        for (found, expected) in found.into_iter().zip([5.0, 8.0, 8.0]) {
+            assert!((found - expected / 12.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_papers_numbers_lie_in_their_intervals_in_95_of_100_seeds() {
+        let mut within = [0; 4];
+        let mut within_half = [0; 4];
+        for seed in 0..100 {
+            let mut pairs = measured(60, 2.5e-3, 0.7, 500 + seed);
+            pairs.iter_mut().for_each(|pair| pair.grey = pair.grey.round());
+            let found = calibrate(&pairs, UNIT).unwrap().intervals;
+            let all = [found.k, found.gamma, found.grey_background, found.grey_max.unwrap()];
+            for (index, truth) in [33844.0, 0.85, 12.0, 161.0].into_iter().enumerate() {
+                let Estimate { value, low, high } = all[index];
+                within[index] += u32::from(all[index].contains(truth));
+                within_half[index] += u32::from((0.5 * (low + value)..=0.5 * (high + value)).contains(&truth));
+            }
+        }
+        assert!(within.iter().all(|&count| count >= 95), "{within:?}");
+        // Intervals that are twice too wide would hold all.
+        assert!(within_half.iter().all(|&count| count < 95), "{within_half:?}");
     }
 
     #[test]

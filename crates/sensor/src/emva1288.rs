@@ -3,10 +3,10 @@
 //! Photons on a pixel `μ_p = A·E·λ/(h·c)`; electrons are Poisson with mean `η·μ_p + I_d·t`, plus Gaussian read noise of
 //! `σ_d`, held in a well of limited depth; grey `y = y_dark + K·electrons`, rounded once. Mean and variance of the grey value
 //! then follow the photon transfer line `σ_y² = K²σ_d² + 1/12 + K(μ_y − y_dark)`, by which the standard measures K.
-//! Differences between pixels (DSNU, PRNU) are left out: all pixels are alike.
+//! A [`NonUniformity`] multiplies each pixel's photoelectrons (PRNU) and adds to what is read out of it (DSNU).
 
 use crate::error::{not_negative, positive, within};
-use crate::{BitDepth, SensorError};
+use crate::{BitDepth, NonUniformity, SensorError};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
@@ -49,7 +49,22 @@ pub struct Emva1288Description {
 pub struct Emva1288 {
     asked: Emva1288Description,
     electrons_per_exposure: f64,
+    non_uniformity: Option<NonUniformity>,
 }
+
+/// What is particular to one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PixelPattern {
+    response: f64,
+    dark_offset_e: f64,
+}
+
+/// A pixel like all others.
+const EVEN: PixelPattern = PixelPattern { response: 1.0, dark_offset_e: 0.0 };
+
+/// The pattern of all pixels of a specimen, for many pictures.
+#[derive(Clone, Debug)]
+pub struct FixedPattern(Vec<PixelPattern>);
 
 impl Emva1288 {
     /// Checks a description.
@@ -71,7 +86,43 @@ impl Emva1288 {
         positive("wavelength", asked.wavelength_m)?;
         positive("exposure time", asked.exposure_s)?;
         let photons = asked.pixel_area_m2 * asked.wavelength_m / (PLANCK * LIGHT_SPEED);
-        Ok(Emva1288 { asked: *asked, electrons_per_exposure: photons * asked.quantum_efficiency })
+        Ok(Emva1288 { asked: *asked, electrons_per_exposure: photons * asked.quantum_efficiency, non_uniformity: None })
+    }
+
+    /// The same sensor with differences between its pixels.
+    ///
+    /// # Errors
+    /// The first standard deviation that is out of its range.
+    pub fn with_non_uniformity(self, non_uniformity: NonUniformity) -> Result<Self, SensorError> {
+        Ok(Emva1288 { non_uniformity: Some(non_uniformity.checked()?), ..self })
+    }
+
+    /// The same sensor exposed for another time.
+    ///
+    /// # Errors
+    /// When the time is not positive.
+    pub fn with_exposure_s(self, exposure_s: f64) -> Result<Self, SensorError> {
+        positive("exposure time", exposure_s)?;
+        Ok(Emva1288 { asked: Emva1288Description { exposure_s, ..self.asked }, ..self })
+    }
+
+    /// The same sensor with so many pixels in a row, which its rows and columns are numbered by.
+    #[must_use]
+    pub fn with_columns(self, columns: u32) -> Self {
+        let non_uniformity = self.non_uniformity.map(|uneven| NonUniformity { columns, ..uneven });
+        Emva1288 { non_uniformity, ..self }
+    }
+
+    /// Differences between pixels, where there are any.
+    #[must_use]
+    pub fn non_uniformity(&self) -> Option<&NonUniformity> {
+        self.non_uniformity.as_ref()
+    }
+
+    /// Photons on a pixel at an exposure of 1 J/m².
+    #[must_use]
+    pub fn photons_per_exposure(&self) -> f64 {
+        self.electrons_per_exposure / self.asked.quantum_efficiency
     }
 
     /// The quantities of the sensor.
@@ -101,13 +152,37 @@ impl Emva1288 {
     /// The grey value of pixel number `pixel` with its noise, which is a function of (`seed`, `pixel`, exposure) only.
     #[must_use]
     pub fn grey(&self, exposure: f64, seed: u64, pixel: u64) -> u16 {
+        self.grey_of(exposure, seed, pixel, self.pattern_of(pixel))
+    }
+
+    /// The pattern of the first `pixels` pixels.
+    #[must_use]
+    pub fn fixed_pattern(&self, pixels: u64) -> FixedPattern {
+        FixedPattern((0..pixels).map(|pixel| self.pattern_of(pixel)).collect())
+    }
+
+    /// A picture of even light of `exposure` J/m²: the grey values that [`grey`](Self::grey) gives.
+    #[must_use]
+    pub fn even_picture(&self, exposure: f64, seed: u64, pattern: &FixedPattern) -> Vec<u16> {
+        (0..).zip(&pattern.0).map(|(pixel, &own)| self.grey_of(exposure, seed, pixel, own)).collect()
+    }
+
+    fn pattern_of(&self, pixel: u64) -> PixelPattern {
+        self.non_uniformity.map_or(EVEN, |uneven| PixelPattern {
+            response: uneven.response(pixel),
+            dark_offset_e: uneven.dark_offset_e(pixel),
+        })
+    }
+
+    fn grey_of(&self, exposure: f64, seed: u64, pixel: u64, own: PixelPattern) -> u16 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(pixel);
         // Far beyond the well the count does not matter, and stays within what the generator of counts can do.
-        let mean = self.mean_electrons(exposure).min(2.0 * LARGEST_WELL);
+        let mean = self.mean_electrons(exposure * own.response).min(2.0 * LARGEST_WELL);
         let counted = Poisson::new(mean).map_or(0.0, |poisson| poisson.sample(&mut random));
         let normal: f64 = StandardNormal.sample(&mut random);
-        let electrons = counted.min(self.asked.full_well_e) + self.asked.read_noise_e * normal;
+        let read_out = self.asked.read_noise_e * normal;
+        let electrons = counted.min(self.asked.full_well_e) + (read_out + own.dark_offset_e);
         self.asked.bits.quantise(self.asked.dark_offset_dn + self.asked.gain_dn_per_e * electrons)
     }
 

@@ -32,6 +32,16 @@ pub enum SensorError {
         /// The level without light.
         grey_background: f64,
     },
+    /// A wavelength that a table does not reach.
+    #[error("the quantum efficiency is known from {first_nm} to {last_nm} nm, not at {wavelength_nm} nm")]
+    OutsideTable {
+        /// The wavelength asked for.
+        wavelength_nm: f64,
+        /// The first of the table.
+        first_nm: f64,
+        /// The last of the table.
+        last_nm: f64,
+    },
     /// A width that no picture has.
     #[error("bits must be 8, 10, 12, 14 or 16, not {bits}")]
     Bits {

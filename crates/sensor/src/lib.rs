@@ -1,4 +1,4 @@
-//! From exposure to grey values: the paper's power law, a linear sensor after EMVA 1288, and calibration.
+//! From exposure to grey values: the paper's power law, a linear sensor after EMVA 1288, its characterisation, and calibration.
 //!
 //! Exposure is energy per area on a pixel, J/m². A [`Sensor`] turns it into a grey value, saturated and rounded once, at the
 //! end: half away from zero, never below 0, never above what the bits can hold.
@@ -25,16 +25,30 @@
 
 mod bit_depth;
 pub mod calibrate;
+pub mod characterise;
 mod emva1288;
 mod error;
+mod even_light;
 mod exposure_unit;
+mod interval;
+mod mosaic;
+mod non_uniformity;
+pub mod plot;
 mod power_law;
+mod preset;
+mod quantum_efficiency;
 
 pub use bit_depth::BitDepth;
-pub use emva1288::{Emva1288, Emva1288Description};
+pub use emva1288::{Emva1288, Emva1288Description, FixedPattern};
 pub use error::SensorError;
+pub use even_light::EvenLight;
 pub use exposure_unit::ExposureUnit;
+pub use interval::{CONFIDENCE, Estimate};
+pub use mosaic::{Bayer, Demosaic};
+pub use non_uniformity::{NonUniformity, SpatialDeviation};
 pub use power_law::{PowerLaw, PowerLawDescription};
+pub use preset::Preset;
+pub use quantum_efficiency::{QuantumEfficiencyTable, dark_current_at};
 
 /// Any sensor that a camera file can ask for.
 #[derive(Clone, Debug, PartialEq)]

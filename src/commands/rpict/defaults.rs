@@ -29,7 +29,7 @@ pub(super) fn text(options: &Options) -> String {
     lines.push(options.shown.color_line());
     for (name, value, what) in [
         ("pa", options.pixel_aspect, "pixel aspect ratio"),
-        ("pj", options.pixel_jitter, "pixel jitter"),
+        ("pj", options.jitter(), "pixel jitter"),
         ("pm", options.motion, "pixel motion"),
         ("pd", options.aperture, "pixel depth-of-field"),
     ] {
@@ -39,10 +39,13 @@ pub(super) fn text(options: &Options) -> String {
     lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
     lines.push(warning_line(options.reading.no_warnings));
     lines.extend(options.shown.lines());
-    lines.extend(options.effort.map(|effort| match effort {
-        SamplingBudget::Samples(samples) => format!("--samples {samples}\t\t\t# rays a pixel"),
-        SamplingBudget::Error { error, .. } => format!("--error {error}\t\t\t# estimated error of the picture"),
-    }));
+    match options.effort {
+        Some(SamplingBudget::Samples(samples)) => lines.push(format!("--samples {samples}\t\t\t# rays a pixel")),
+        Some(SamplingBudget::Error { error, .. }) => {
+            lines.push(format!("--error {error}\t\t\t# estimated error of the picture"));
+        }
+        Some(SamplingBudget::Interpolated(_)) | None => {}
+    }
     lines.push(format!("--seed {:<6}\t\t\t# sample sequence", options.render.seed));
     lines.join("\n") + "\n"
 }

@@ -36,7 +36,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
+        let side = options.prepass_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -46,7 +47,8 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        renderer.gather_irradiance(&picture.lens.prepass_rays(), picture.lens.spread());
+        let side = options.prepass_spacing();
+        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
@@ -99,7 +101,7 @@ impl Picture {
             )));
         }
         let mut lens = ViewCamera::new(view, columns, rows);
-        lens.jitter = options.pixel_jitter;
+        lens.jitter = options.jitter();
         lens.aperture = options.aperture;
         if options.motion > 0.0 {
             lens.motion = frame.and_then(|(_, before)| before).map(|before| (before, options.motion));
@@ -120,7 +122,7 @@ impl Picture {
             return writer.finish();
         }
         let mut report = Report::new(options.report);
-        let mut frame = Film::new(renderer, self.lens, options.pixel_effort());
+        let mut frame = Film::new(renderer, self.lens, options.pixels);
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
@@ -155,8 +157,9 @@ impl Picture {
 
 /// How many rays went through so many pixels that are done.
 fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
-    let of_each = match options.pixel_effort() {
+    let of_each = match options.pixels {
         SamplingBudget::Samples(samples) => f64::from(samples),
+        SamplingBudget::Interpolated(_) => 1.0,
         SamplingBudget::Error { .. } => frame.estimate().map_or(0.0, |estimate| estimate.rays),
     };
     of_each * pixels as f64
@@ -166,7 +169,7 @@ fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
 fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
     let Estimate { error, uncertainty, rays } = estimate;
     let shared = renderer.irradiance_noise().map_or(String::new(), |noise| {
-        format!("; places of shared irradiance have {:.2} %, and what sharing bends", 100.0 * noise)
+        format!("; irradiance cache: {:.2} % noise, interpolation bias not counted", 100.0 * noise)
     });
     format!(
         "rpict: note: the error of pixels is {:.2} % ± {:.2} % (95 %) with {rays:.1} rays each{shared}\n",

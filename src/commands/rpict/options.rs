@@ -14,46 +14,10 @@ use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
-use radsight_film::{MAX_SAMPLES, SamplingBudget};
+use radsight::{ErrorBudget, Interpolation, SamplingBudget};
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, RenderOptions, Uncached};
-
-/// Rays that no pixel exceeds for an asked error, from this error on; for less error so many more as that takes.
-const MOST_SAMPLES: u32 = 1024;
-const COARSE_ERROR: f64 = 0.02;
-
-/// The same when nothing is said.
-const USUAL_SAMPLES: u32 = 128;
-
-/// The error that is asked for when nothing is said: of pictures for which Radiance samples many of the pixels, of those with the fewest, and how it grows
-/// with the root of the spacing between.
-const LEAST_ERROR: f64 = 0.03;
-const LARGEST_ERROR: f64 = 0.05;
-const ERROR_OF_SPACING: f64 = 0.015;
-
-/// What of an error goes to the noise and the reach of shared irradiance, and to pixels; values that reach no farther than this are good enough for
-/// any error. When nothing is said the noise is less: a picture is then looked at, and blotches are seen more than grain.
-const NOISE_SHARE: f64 = 1.5;
-const USUAL_NOISE_SHARE: f64 = 0.7;
-const REACH_SHARE: f64 = 0.5;
-const NEAR_ENOUGH: f64 = 0.1;
-const PIXEL_SHARE: f64 = 0.8;
-
-/// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
-const EVENNESS: f64 = 0.1;
-
-/// For errors below the coarse one places look around along more rays, in proportion to what noise needs: many places with few rays each come to no less noise,
-/// for more time.
-const MOST_THOROUGH: f64 = 16.0;
-
-/// Caustics are shared where records disagree by less than so many times the noise; elsewhere pixels have as many rays as the asked error needs.
-const CAUSTIC_BEND: f64 = 2.0;
-
-/// The share of pixels when nothing is said, by the spacing of Radiance's samples: what it interpolates between them is less exact than that.
-fn usual_pixel_share(spacing: f64) -> f64 {
-    (0.75 * spacing.sqrt()).clamp(1.0, 1.5)
-}
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -72,13 +36,18 @@ pub(super) struct Options {
     pub(super) format: OutputFormat,
     /// Height over width of a pixel; 0 for whatever fills the size.
     pub(super) pixel_aspect: f64,
-    pub(super) pixel_jitter: f64,
+    /// `-pj`, where it is said.
+    pixel_jitter: Option<f64>,
     pub(super) motion: f64,
     pub(super) aperture: f64,
-    /// Pixels between Radiance's samples. Here every pixel has its own: this tells only how good the picture shall be.
+    /// Pixels between the first samples (`-ps`).
     pub(super) sample_spacing: f64,
+    /// The contrast below which pixels are interpolated between samples (`-pt`).
+    pub(super) contrast: f64,
     /// How many rays a pixel gets, where that is said.
     pub(super) effort: Option<SamplingBudget>,
+    /// What is left to the pixels of that.
+    pub(super) pixels: SamplingBudget,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
     pub(super) report: u64,
@@ -120,11 +89,13 @@ impl Default for Options {
             color: OutputColor::Rgb,
             format: OutputFormat::Pixels,
             pixel_aspect: 1.0,
-            pixel_jitter: 0.67,
+            pixel_jitter: None,
             motion: 0.0,
             aperture: 0.0,
             sample_spacing: 4.0,
+            contrast: 0.05,
             effort: None,
+            pixels: SamplingBudget::Samples(1),
             threads: None,
             report: 0,
             first_frame: 0,
@@ -165,7 +136,7 @@ impl Options {
         {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
-        options.share_error();
+        options.pixels = options.budget().apply(&mut options.render);
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
         }
@@ -183,49 +154,20 @@ impl Options {
         Ok(options)
     }
 
-    /// What is spent on the picture.
-    pub(super) fn effort(&self) -> SamplingBudget {
-        let usual = (ERROR_OF_SPACING * self.sample_spacing.sqrt()).clamp(LEAST_ERROR, LARGEST_ERROR);
-        self.effort.unwrap_or(SamplingBudget::Error { error: usual, most: USUAL_SAMPLES })
+    /// How good the picture is to be: as `--error` or `--samples` say, or else as Radiance's options do.
+    fn budget(&self) -> ErrorBudget {
+        let preview = Interpolation { spacing: self.sample_spacing, contrast: self.contrast };
+        self.effort.map_or(ErrorBudget::preview(preview), ErrorBudget::of)
     }
 
-    /// Gives shared irradiance its part of the error that is asked for. A value's noise may be more than the error, since a pixel sees several values;
-    /// what bends them away from the truth grows as the square of the distance that they reach.
-    fn share_error(&mut self) {
-        if let SamplingBudget::Error { error, .. } = self.effort() {
-            let gathering = &mut self.render.gathering;
-            if self.effort.is_some() {
-                gathering.noise = NOISE_SHARE * error;
-                gathering.evenness = EVENNESS;
-                if gathering.accuracy > 0.0 && gathering.divisions > 1 {
-                    let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
-                    gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;
-                }
-                gathering.caustic_error = (CAUSTIC_BEND * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
-            } else {
-                gathering.noise = USUAL_NOISE_SHARE * error;
-            }
-            gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
-        }
+    /// Side of the square in a pixel over which its rays are spread, in pixels.
+    pub(super) fn jitter(&self) -> f64 {
+        self.pixel_jitter.unwrap_or(self.budget().pixel_jitter())
     }
 
-    /// How many rays a pixel gets: where irradiance is shared, as many as the pixels' part of the error allows.
-    pub(super) fn pixel_effort(&self) -> SamplingBudget {
-        match self.effort() {
-            SamplingBudget::Error { error, most } => {
-                let share = match self.effort {
-                    _ if self.render.ambient_bounces == 0 => 1.0,
-                    Some(_) => PIXEL_SHARE,
-                    None => usual_pixel_share(self.sample_spacing),
-                };
-                let finer = (COARSE_ERROR / error).max(1.0).powi(2);
-                SamplingBudget::Error {
-                    error: share * error,
-                    most: (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32,
-                }
-            }
-            samples => samples,
-        }
+    /// The side in pixels of the squares that have one ray of the cache's pre-pass.
+    pub(super) fn prepass_spacing(&self) -> usize {
+        self.budget().prepass_spacing()
     }
 
     /// Takes one option; gives how many words it used.
@@ -234,7 +176,7 @@ impl Options {
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
-            |options, words| effort_args::take_one(words, MOST_SAMPLES, &mut options.effort),
+            |options, words| effort_args::take_one(words, ErrorBudget::MOST_SAMPLES, &mut options.effort),
             |options, words| Ok(take_irradiance(words, &mut options.render)),
             |options, words| take_definition(words, &mut options.reading),
             Options::take_sampling,
@@ -290,12 +232,11 @@ impl Options {
         let word = words[0].as_str();
         match word {
             "-pa" => self.pixel_aspect = number(words, word, "the height over the width of a pixel")?,
-            "-pj" => self.pixel_jitter = share(words, "a share of a pixel from 0 to 1")?,
+            "-pj" => self.pixel_jitter = Some(share(words, "a share of a pixel from 0 to 1")?),
             "-pm" => self.motion = share(words, "a share of the time between frames from 0 to 1")?,
             "-pd" => self.aperture = positive(words, "the diameter of the aperture, 0 or more")?,
             "-ps" => self.sample_spacing = positive(words, "the pixels between samples")?,
-            // There is nothing between samples to interpolate: every pixel has its own.
-            "-pt" => drop(number::<f64>(words, word, "a number")?),
+            "-pt" => self.contrast = positive(words, "a contrast, 0 or more")?,
             _ => return Ok(0),
         }
         Ok(2)
@@ -351,23 +292,27 @@ mod tests {
         options
     }
 
-    fn asked_error(words: &str) -> f64 {
-        match parsed(words).effort() {
-            SamplingBudget::Error { error, .. } => error,
-            SamplingBudget::Samples(samples) => panic!("{samples} rays for each pixel"),
+    #[test]
+    fn pictures_are_interpolated_as_radiances_options_say_unless_an_effort_is_asked_for() {
+        for (words, spacing, contrast) in
+            [("rpict a.oct", 4.0, 0.05), ("rpict -ps 1 -pt 0 a.oct", 1.0, 0.0), ("rpict -ps 8 -pt .2 a.oct", 8.0, 0.2)]
+        {
+            let expected = SamplingBudget::Interpolated(Interpolation { spacing, contrast });
+            assert_eq!(parsed(words).pixels, expected, "{words}");
         }
+        assert_eq!(parsed("rpict --samples 9 -ps 8 a.oct").pixels, SamplingBudget::Samples(9));
+        assert!(matches!(parsed("rpict -ps 8 --error .1 a.oct").pixels, SamplingBudget::Error { .. }));
     }
 
     #[test]
-    fn pictures_with_fewer_samples_may_be_less_exact() {
+    fn whole_pixels_are_averaged_where_an_effort_is_asked_for() {
         for (words, expected) in [
-            ("rpict a.oct", 0.03),
-            ("rpict -ps 1 a.oct", 0.03),
-            ("rpict -ps 16 -ps 1 a.oct", 0.03),
-            ("rpict -ps 16 a.oct", 0.05),
-            ("rpict -ps 16 --error .1 a.oct", 0.1),
+            ("rpict a.oct", 0.67),
+            ("rpict --error .1 a.oct", 1.0),
+            ("rpict --samples 4 a.oct", 1.0),
+            ("rpict -pj .5 --error .1 a.oct", 0.5),
         ] {
-            assert!((asked_error(words) - expected).abs() < 1e-12, "{words}: {}", asked_error(words));
+            assert_eq!(parsed(words).jitter(), expected, "{words}");
         }
     }
 

@@ -30,8 +30,10 @@ fn write_primitive(text: &mut String, object: &Object<'_>, words: [&str; 3]) -> 
         write!(text, " {}", Quoted(&String::from_utf8_lossy(string)))?;
     }
     write!(text, "\n0\n{}", object.reals.len())?;
+    let mut digits = zmij::Buffer::new();
     for value in &object.reals {
-        write!(text, " {value}")?;
+        text.push(' ');
+        text.push_str(digits.format(*value));
     }
     text.push('\n');
     Ok(())

@@ -1,15 +1,10 @@
 //! What a ray finds that ends at an emitter, or at nothing.
 
+use super::PathIntegrator;
 use super::path_state::PathState;
-use super::{PathIntegrator, product};
-use crate::cast::FirstHit;
-use crate::options::Lights;
-use crate::plan::RenderPlan;
-use crate::shader::{Emitter, EmitterClass, Shader, bands};
-use crate::surface_interaction::SurfaceInteraction;
-use crate::transmission_lobe::luminance;
-use radsight_cal::Scratch;
+use radsight_compile::{DISTANT, Emitter, EmitterClass, FirstHit, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
+use radsight_texture::{SurfaceInteraction, product};
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray met no surface: the first distant source around its direction.
@@ -20,6 +15,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some((surface, shader)) = plan.sky_at(direction, path.mis.is_some()) else { return };
         let Some(emitter) = shader.kind.emitter() else { return };
         let interaction = SurfaceInteraction::distant(direction);
+        self.note_surface(path, DISTANT);
         if path.depth == 0 && self.first_hit.is_none() {
             self.first_hit = Some(FirstHit::distant(surface, direction));
         }
@@ -41,7 +37,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         if share <= 0.0 {
             return;
         }
-        let mut radiance: [f64; BANDS] = emission(self.plan, shader, emitter, interaction, &mut self.workspace.scratch);
+        let mut radiance: [f64; BANDS] =
+            emission(&self.plan.scene, shader, emitter, interaction, &mut self.workspace.scratch);
         if share < 1.0 {
             radiance = given(radiance);
         }
@@ -82,30 +79,4 @@ pub(super) fn placed_share(emitter: &Emitter, distance: f64) -> f64 {
         EmitterClass::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
         _ => 0.0,
     }
-}
-
-/// Radiance that leaves an emitter against the ray.
-pub(crate) fn emission<const BANDS: usize>(
-    plan: &RenderPlan,
-    shader: &Shader,
-    emitter: &Emitter,
-    interaction: &SurfaceInteraction,
-    scratch: &mut Scratch,
-) -> [f64; BANDS] {
-    if let Some((cos_half_angle, axis)) = emitter.cone
-        && -interaction.direction.dot(axis) < cos_half_angle
-    {
-        return [0.0; BANDS];
-    }
-    let own = bands(emitter.radiance);
-    if shader.steps.is_empty() {
-        return own;
-    }
-    product(own, shader.appearance::<BANDS>(&plan.scene, interaction, scratch).color)
-}
-
-/// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its
-/// table. It is still seen as that, as in Radiance.
-pub(crate) fn given<const BANDS: usize>(emission: [f64; BANDS]) -> [f64; BANDS] {
-    if luminance(&emission) > 0.0 { emission } else { [0.0; BANDS] }
 }

@@ -1,17 +1,19 @@
 //! Light at a point of a surface, and the rays that look for more of it.
 
+use super::PathIntegrator;
 use super::path_state::PathState;
 use super::split::Branches;
-use super::{PathIntegrator, product};
-use crate::bsdf::{Bsdf, BsdfSample, sum};
 use crate::direct::DirectSampler;
+use crate::hemisphere_sampling::{sample_outward, visible_portals};
 use crate::indirect::Indirect;
 use crate::mis::{Lobe, MisState};
 use crate::ray_tree::BounceType;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
+use radsight_bsdf::{Bsdf, BsdfSample, sum};
 use radsight_sampling::DimensionSet;
+use radsight_texture::product;
 
 /// A retroreflector that is seen by way of a mirror is lit by way of it too, and no light sampling finds that: its highlight is drawn
 /// from this often, down to this depth.
@@ -56,7 +58,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         reception.places = self.places(path, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
-        let mut visible_portals = if follow_diffuse { point.visible_portals(self.plan, at) } else { None };
+        let mut visible_portals = if follow_diffuse { visible_portals(point, self.plan, at) } else { None };
         let outward = branches.outward();
         if let (Some(visible_portals), 2..) = (&mut visible_portals, branches.diffuse) {
             visible_portals.chance = f64::from(outward) / f64::from(branches.diffuse);
@@ -252,7 +254,7 @@ fn diffuse_ray<const BANDS: usize>(
     u: [f64; 4],
 ) -> Option<BsdfSample<BANDS>> {
     match direct.visible_portals {
-        Some(visible_portals) => point.sample_outward(visible_portals, u),
+        Some(portals) => sample_outward(point, portals, u),
         None => point.sample_diffuse(u[2], u[3]),
     }
 }

@@ -8,34 +8,28 @@
 
 mod emission;
 mod illumination;
-mod passage;
-mod path_state;
+pub(crate) mod passage;
+pub(crate) mod path_state;
 mod roulette;
+mod scatterer;
 mod shade;
 mod split;
 
-pub(crate) use emission::{emission, given};
-pub(crate) use passage::Passage;
-pub(crate) use path_state::{MediumId, PathState};
-pub(crate) use shade::{reflect, shading_normal};
+use path_state::{MediumId, PathState};
 
-use crate::antimatter::{AntimatterEvent, Subtraction, SubtractionId};
-use crate::bands::BandValues;
-use crate::bsdf::Bsdf;
-use crate::cast::FirstHit;
+use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
-use crate::gather::{CacheQuery, Caches};
-use crate::medium::Medium;
-use crate::model_light::ModelBatch;
-use crate::options::{BackFaces, Quantity, Uncached};
-use crate::plan::RenderPlan;
+use crate::model_batch::ModelBatch;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
-use crate::shader::Kind;
+use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
+use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
+use radsight_compile::{BackFaces, FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
+use radsight_texture::BandValues;
 use std::f64::consts::PI;
 
 /// Memory of one thread.
@@ -58,7 +52,13 @@ pub struct Traced {
     pub first_hit: Option<FirstHit>,
     /// Distance along the ray to what is seen, through plane mirrors and panes; infinite for none.
     pub effective_distance: f64,
+    /// Tells apart what is seen directly and by way of specular surfaces: rays with equal keys met
+    /// surfaces of the same materials in the same order.
+    pub surface_key: u64,
 }
+
+/// Surfaces that are seen with less of a ray's weight than this are not told apart.
+const LEAST_SEEN: f64 = 0.15;
 
 /// Branches beyond this many are chosen from at random.
 const MAX_BRANCHES: usize = 32;
@@ -83,6 +83,7 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
+    surface_key: u64,
     /// Irradiance that was gathered before.
     pub(crate) caches: Caches<'p, BANDS>,
     /// While looking for points whose irradiance is wanted.
@@ -112,6 +113,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             first_hit: None,
             first_is_passed: false,
             effective_distance: f64::INFINITY,
+            surface_key: 0,
             caches,
             cache_query: None,
             contributions: Contributions::wanted(&plan.options),
@@ -156,6 +158,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             spectrum: self.spectrum(&self.radiance),
             first_hit: self.first_hit,
             effective_distance: self.effective_distance,
+            surface_key: self.surface_key,
         }
     }
 
@@ -187,6 +190,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         self.first_hit = None;
         self.first_is_passed = false;
         self.effective_distance = f64::INFINITY;
+        self.surface_key = 0;
         if medium == self.media[0] {
             return MediumId(0);
         }
@@ -354,6 +358,17 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         path
     }
 
+    /// Notes what a ray meets that was not scattered on its way, if enough of it is seen.
+    pub(crate) fn note_surface(&mut self, path: &PathState<BANDS>, number: u32) {
+        let seen = path.throughput.iter().copied().fold(0.0, f64::max);
+        if path.mis.is_none() && seen >= LEAST_SEEN {
+            let name = u64::from(path.depth) << 32 | u64::from(number);
+            // Branches are met in any order: a sum of hashes (the multiplier of SplitMix64).
+            self.surface_key =
+                self.surface_key.wrapping_add((name + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29));
+        }
+    }
+
     /// Adds what the first ray gets from the end of one of its own.
     fn add(&mut self, path: &PathState<BANDS>, brought: [f64; BANDS]) {
         for (sum, brought) in self.radiance.iter_mut().zip(brought) {
@@ -363,9 +378,4 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             tree.add(path.node, brought);
         }
     }
-}
-
-#[inline]
-pub(crate) fn product<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
-    std::array::from_fn(|band| a[band] * b[band])
 }

@@ -1,10 +1,11 @@
 //! Rays that go on from perfectly specular events.
 
+use super::PathIntegrator;
 use super::path_state::{MediumId, PathState};
-use super::{PathIntegrator, product};
 use crate::ray_tree::{BounceType, Image};
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray, is_flat};
+use radsight_texture::product;
 
 /// What kind of specular event a ray passes.
 #[derive(Clone, Copy, Debug)]

@@ -1,13 +1,13 @@
 //! A ray of a path, with what the path has brought along.
 
-use crate::antimatter::SubtractionId;
 use crate::mis::MisState;
 use crate::ray_tree::NodeId;
+use crate::subtraction::SubtractionId;
 use radsight_accel::{PrimitiveId, Ray};
 
 /// Names a medium that the present ray has met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MediumId(pub(super) u32);
+pub(crate) struct MediumId(pub(crate) u32);
 
 /// A ray that waits to be traced.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use super::path_state::PathState;
 use super::{MAX_BRANCHES, PathIntegrator};
 use crate::mis::Lobe;
-use crate::options::PathLimit;
+use radsight_compile::PathLimit;
 use radsight_sampling::DimensionSet;
 
 /// A path shorter than this is never ended by roulette.

@@ -1,17 +1,15 @@
 //! What a surface makes of a ray that meets it.
 
+use super::PathIntegrator;
 use super::emission::placed_share;
 use super::passage::Passage;
 use super::path_state::PathState;
-use super::{PathIntegrator, product};
-use crate::bsdf::{Bsdf, colored, pane};
-use crate::cast::FirstHit;
-use crate::options::Quantity;
 use crate::ray_tree::Image;
-use crate::shader::{Appearance, Kind, Shader, bands};
-use crate::surface_interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
+use radsight_bsdf::{Bsdf, colored, pane};
+use radsight_compile::{FirstHit, Kind, Quantity, Shader};
+use radsight_texture::{Appearance, SurfaceInteraction, bands, product, reflect, shading_normal};
 use std::f64::consts::PI;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
@@ -97,6 +95,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let hit = FirstHit::at(hit, interaction.total_distance);
             self.first_hit = Some(FirstHit { perturbed_normal: interaction.normal, ..hit });
         }
+        self.note_surface(path, hit.shader.0);
         if let Some(tree) = &mut self.tree {
             let hit = FirstHit::at(hit, hit.distance);
             tree.end(path.node, FirstHit { perturbed_normal: interaction.normal, ..hit });
@@ -187,19 +186,4 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             tree.note_normal(path.node, normal);
         }
     }
-}
-
-#[inline]
-pub(crate) fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
-    direction - normal * (2.0 * normal.dot(direction))
-}
-
-/// The normal with its texture; one that would turn away from the viewer is reflected back (Radiance's `raynormal`).
-pub(crate) fn shading_normal(interaction: &SurfaceInteraction, perturbation: DVec3) -> DVec3 {
-    if perturbation == DVec3::ZERO {
-        return interaction.normal;
-    }
-    let Some(normal) = (interaction.normal + perturbation).try_normalize() else { return interaction.normal };
-    let cosine = -normal.dot(interaction.direction);
-    if cosine > 0.0 { normal } else { normal + interaction.direction * (2.0 * cosine) }
 }

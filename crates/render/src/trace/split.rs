@@ -22,9 +22,9 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
-use crate::bsdf::Bsdf;
-use crate::light_tree::LightSampleCount;
-use crate::options::{Quantity, RenderOptions};
+use radsight_bsdf::Bsdf;
+use radsight_compile::{LightDivision, Quantity, RenderOptions};
+use radsight_light::LightSampleCount;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::FRAC_1_PI;
 
@@ -152,6 +152,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     pub(super) fn places(&self, path: &PathState<BANDS>, branches: Branches) -> LightSampleCount {
         let options = &self.plan.options;
         let is_sensor = options.quantity != Quantity::Radiance && path.mis.is_none();
+        if options.light_division == LightDivision::BySize && path.mis.is_none() {
+            let side = options.source_sampling;
+            let per_sr = if side > 0.0 { 0.25 * self.weight(path) / (side * side) } else { 0.0 };
+            return LightSampleCount { per_sr, least: 1.0 };
+        }
         if !self.splits || !(is_sensor || branches.diffuse > 1) {
             return LightSampleCount::ONE;
         }
@@ -202,7 +207,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::{Gathering, Uncached};
+    use radsight_compile::{Gathering, Uncached};
 
     fn options(divisions: u32, super_samples: u32, accuracy: f64, least_weight: f64) -> RenderOptions {
         let gathering =

@@ -1,0 +1,38 @@
+"""Radiance scenes through a real camera, as NumPy arrays.
+
+Lengths are the scene's own; radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries), exposure J/m².
+Errors that are asked for are shares: 0.02 is 2 %. Results depend on scene, options and seed only, not on the number of threads.
+
+>>> import radsight
+>>> scene = radsight.Scene.from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")
+>>> view = radsight.View("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")
+>>> image = radsight.Renderer(scene, error=0.05).render(view, 32, 32)
+>>> image.radiance_w_per_sr_m2[16, 16]
+array([1., 1., 1.], dtype=float32)
+"""
+
+from ._radsight import (
+    Capture,
+    CapturedImage,
+    Image,
+    RadsightError,
+    Renderer,
+    Scene,
+    SceneError,
+    TracedRays,
+    View,
+    __version__,
+)
+
+__all__ = [
+    "Capture",
+    "CapturedImage",
+    "Image",
+    "RadsightError",
+    "Renderer",
+    "Scene",
+    "SceneError",
+    "TracedRays",
+    "View",
+    "__version__",
+]

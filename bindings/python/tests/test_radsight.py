@@ -1,0 +1,97 @@
+"""The bindings: values, errors, threads and equality with the program."""
+
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+import radsight
+
+ROOT = pathlib.Path(__file__).parents[3]
+GRIPPS = ROOT / "radiance-scenes" / "gripps"
+TABLE = """void light lamp 0 0 3 100 100 100
+void plastic grey 0 0 5 .5 .4 .3 0 0
+lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .05
+grey ring table 0 0 8 0 0 0 0 0 1 0 6
+"""
+
+
+def test_radiance_follows_the_inverse_square_law():
+    scene = radsight.Scene.from_text(TABLE)
+    traced = radsight.Renderer(scene).trace(np.array([[0, 0, 1, 0, 0, -1.0]]))
+    expected = np.array([0.5, 0.4, 0.3]) * 100 * 0.05**2 / 16
+    np.testing.assert_allclose(traced.radiance_w_per_sr_m2[0], expected, rtol=1e-3)
+    np.testing.assert_allclose(traced.point[0], [0, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(np.abs(traced.normal[0]), [0, 0, 1])
+
+
+def test_contributions_add_up():
+    scene = radsight.Scene.from_text(TABLE)
+    rays = np.array([[0.5, 0, 1, 0, 0, -1.0], [1, 1, 1, 0, 0, -1.0]])
+    renderer = radsight.Renderer(scene)
+    parts = renderer.contributions(rays, ["lamp", "nobody"])
+    assert parts.shape == (2, 2, 3)
+    np.testing.assert_allclose(parts.sum(axis=1), renderer.trace(rays).radiance_w_per_sr_m2, rtol=0.02)
+
+
+def test_mistakes_have_line_and_caret():
+    with pytest.raises(radsight.SceneError, match=r"<text>:1:1: error: undefined modifier \"chrome\"") as raised:
+        radsight.Scene.from_text("chrome sphere ball 0 0 4 0 0 0 1")
+    assert "^" in str(raised.value)
+    with pytest.raises(radsight.RadsightError):
+        radsight.View("-vp 1 2")
+    with pytest.raises(radsight.RadsightError, match="expected 6"):
+        radsight.Renderer(radsight.Scene.from_text(TABLE)).trace(np.zeros((2, 5)))
+    with pytest.raises(radsight.RadsightError, match="ray 1"):
+        radsight.Renderer(radsight.Scene.from_text(TABLE)).trace(np.array([[0, 0, 1, 0, 0, -1.0], [0] * 6]))
+
+
+def test_threads_change_nothing():
+    scene = radsight.Scene.from_text(TABLE)
+    view = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
+    images = [
+        radsight.Renderer(scene, ambient_bounces=1, error=0.05, threads=threads).render(view, 48, 36)
+        for threads in (1, 2)
+    ]
+    np.testing.assert_array_equal(images[0].radiance_w_per_sr_m2, images[1].radiance_w_per_sr_m2)
+    assert images[0].error <= 0.05
+    assert images[0]._repr_png_().startswith(b"\x89PNG")
+
+
+def test_progress_can_stop_the_work():
+    heard = []
+
+    def stop(done):
+        heard.append(done)
+        raise KeyboardInterrupt
+
+    view = radsight.View("-vp 0 -4 3 -vd 0 4 -3")
+    with pytest.raises(KeyboardInterrupt):
+        radsight.Renderer(radsight.Scene.from_text(TABLE)).render(view, 16, 400, progress=stop)
+    assert len(heard) == 1
+
+
+def test_captures_and_pictures_equal_the_programs(tmp_path):
+    program = os.environ.get("RADSIGHT_PROGRAM")
+    if not program:
+        pytest.skip("RADSIGHT_PROGRAM names no program")
+    camera, sheet = str(GRIPPS / "fig10.toml"), str(GRIPPS / "sheet-retro.rad")
+    npy = tmp_path / "exposure.npy"
+    subprocess.run([program, "capture", camera, sheet, "--samples", "2", "--exposure", npy], check=True)
+    image = radsight.Capture(camera, samples=2).expose(sheet)
+    exposure = np.load(npy).reshape(image.exposure_j_per_m2.shape)
+    np.testing.assert_array_equal(image.exposure_j_per_m2.astype(np.float32), exposure)
+    assert image.grey.dtype == np.uint16
+
+
+def test_no_memory_is_lost_over_many_calls():
+    resource = pytest.importorskip("resource")
+    renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), threads=1)
+    rays = np.tile(np.array([[0, 0, 1, 0, 0, -1.0]]), (1000, 1))
+    for _ in range(50):
+        renderer.trace(rays)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for _ in range(500):
+        renderer.trace(rays)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 8 * 1024

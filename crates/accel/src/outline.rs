@@ -1,0 +1,221 @@
+//! Polygons of many vertices: which parts of their plane lie wholly within them, and which wholly outside.
+//!
+//! Whether a ray passes through a polygon takes a test of each of its edges, and a wall with holes has hundreds. A grid over the
+//! plane answers at once for all cells that no edge comes near. In the others, and at grazing angles, all edges are tested as
+//! ever, so that every ray is answered as without the grid.
+
+use crate::polygon::area_vector;
+use crate::ray::Ray;
+use glam::DVec3;
+
+/// Polygons with fewer vertices are tested edge by edge.
+pub(crate) const MANY_VERTICES: u32 = 32;
+
+/// Cells along the longer side of a grid: about this many times the root of the number of vertices, within bounds.
+const CELLS_PER_ROOT: f64 = 4.0;
+const MOST_CELLS: f64 = 256.0;
+
+/// Vertices off the plane by a larger share of the polygon's size move the outline too far for a grid.
+const FLAT: f64 = 1e-7;
+
+/// Rays at a smaller sine to the plane are answered by the edges.
+const GRAZING: f64 = 1e-4;
+
+/// How a cell lies to the polygon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cover {
+    Outside,
+    Inside,
+    /// An edge is in the cell or beside it.
+    Edge,
+}
+
+/// The grid over a polygon's plane.
+#[derive(Debug)]
+pub(crate) struct Outline {
+    /// Twice the area vector.
+    area: DVec3,
+    first_vertex: DVec3,
+    /// The coordinates that are left when the polygon is projected along its largest area.
+    axes: [usize; 2],
+    origin: [f64; 2],
+    cell: f64,
+    counts: [usize; 2],
+    cells: Vec<Cover>,
+}
+
+/// What a grid says of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// The ray passes by.
+    Misses,
+    /// It meets the plane within the polygon, at this distance.
+    Meets(f64),
+    /// The edges have to tell.
+    Unknown,
+}
+
+impl Outline {
+    /// `None` for a polygon that has no area or is not flat.
+    pub(crate) fn new(vertices: &[DVec3]) -> Option<Outline> {
+        let area = area_vector(vertices);
+        let normal = area.try_normalize()?;
+        let (least, most) =
+            vertices.iter().fold((vertices[0], vertices[0]), |(least, most), v| (least.min(*v), most.max(*v)));
+        let size = (most - least).max_element();
+        if vertices.iter().any(|vertex| normal.dot(*vertex - vertices[0]).abs() > FLAT * size) {
+            return None;
+        }
+        let largest = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()))?;
+        let axes = [(largest + 1) % 3, (largest + 2) % 3];
+        let sides = axes.map(|axis| most[axis] - least[axis]);
+        let cell = sides[0].max(sides[1]) / (CELLS_PER_ROOT * (vertices.len() as f64).sqrt()).min(MOST_CELLS);
+        if cell <= 0.0 || !cell.is_finite() {
+            return None;
+        }
+        // A border of one cell on each side.
+        let counts = sides.map(|side| (side / cell) as usize + 3);
+        let origin = axes.map(|axis| least[axis] - cell);
+        let mut outline = Outline {
+            area,
+            first_vertex: vertices[0],
+            axes,
+            origin,
+            cell,
+            counts,
+            cells: vec![Cover::Outside; counts[0] * counts[1]],
+        };
+        let corners: Vec<[f64; 2]> = vertices.iter().map(|vertex| outline.coordinates(*vertex)).collect();
+        outline.fill(&corners);
+        outline.mark_edges(&corners);
+        Some(outline)
+    }
+
+    /// Cells from the grid's corner.
+    fn coordinates(&self, point: DVec3) -> [f64; 2] {
+        [0, 1].map(|index| (point[self.axes[index]] - self.origin[index]) / self.cell)
+    }
+
+    /// Fills cells by the parity of edges on one side of their middles.
+    fn fill(&mut self, corners: &[[f64; 2]]) {
+        let mut crossings = Vec::new();
+        for row in 0..self.counts[1] {
+            let y = row as f64 + 0.5;
+            crossings.clear();
+            for (a, b) in edges(corners) {
+                if (a[1] < y) != (b[1] < y) {
+                    crossings.push(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+                }
+            }
+            crossings.sort_unstable_by(f64::total_cmp);
+            for pair in crossings.chunks_exact(2) {
+                let [first, end] = [pair[0], pair[1]].map(|x| ((x + 0.5) as usize).min(self.counts[0]));
+                let from = row * self.counts[0];
+                self.cells[from + first..from + end.max(first)].fill(Cover::Inside);
+            }
+        }
+    }
+
+    /// Marks every cell that an edge comes near: those that it crosses, and those beside them.
+    fn mark_edges(&mut self, corners: &[[f64; 2]]) {
+        for (a, b) in edges(corners) {
+            let [low, high] = [a[1].min(b[1]), a[1].max(b[1])];
+            for row in cells_around(low, high, self.counts[1]) {
+                // The part of the edge in this row and those beside it.
+                let clipped = [row as f64 - 1.0, row as f64 + 2.0].map(|y| {
+                    let share = if high > low { ((y - a[1]) / (b[1] - a[1])).clamp(0.0, 1.0) } else { 0.0 };
+                    a[0] + share * (b[0] - a[0])
+                });
+                let ends = if high > low { clipped } else { [a[0], b[0]] };
+                for column in cells_around(ends[0].min(ends[1]), ends[0].max(ends[1]), self.counts[0]) {
+                    self.cells[row * self.counts[0] + column] = Cover::Edge;
+                }
+            }
+        }
+    }
+
+    /// Whether a ray passes through the polygon, and where.
+    pub(crate) fn verdict(&self, ray: &Ray) -> Verdict {
+        let slope = self.area.dot(ray.direction);
+        if slope.abs() < GRAZING * self.area.length() * ray.direction.length() {
+            return Verdict::Unknown;
+        }
+        let distance = self.area.dot(self.first_vertex - ray.origin) / slope;
+        let [x, y] = self.coordinates(ray.at(distance));
+        let within = |at: f64, count: usize| at >= 0.0 && at < count as f64;
+        if !within(x, self.counts[0]) || !within(y, self.counts[1]) {
+            // Far from everything, unless the place is no number.
+            return if x.is_finite() && y.is_finite() { Verdict::Misses } else { Verdict::Unknown };
+        }
+        match self.cells[y as usize * self.counts[0] + x as usize] {
+            Cover::Outside => Verdict::Misses,
+            Cover::Inside => Verdict::Meets(distance),
+            Cover::Edge => Verdict::Unknown,
+        }
+    }
+}
+
+fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().copied().zip(next.copied())
+}
+
+/// The cells between two places, and one more on each side.
+fn cells_around(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
+    (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polygon::{RayFrame, intersect};
+
+    /// A star of many points with a round hole, joined by a seam, in a plane that leans.
+    fn star_with_a_hole(points: usize) -> Vec<DVec3> {
+        let turned = |x: f64, y: f64| DVec3::new(x, y, 3.0 + 0.4 * x - 0.7 * y);
+        let angle = |index: usize| std::f64::consts::TAU * index as f64 / points as f64;
+        let mut vertices: Vec<DVec3> = (0..=points)
+            .map(|index| {
+                let radius = if index % 2 == 0 { 2.0 } else { 1.4 };
+                turned(radius * angle(index).cos(), radius * angle(index).sin())
+            })
+            .collect();
+        vertices.extend((0..=points).map(|index| {
+            let back = angle(points - index);
+            turned(0.5 * back.cos(), 0.5 * back.sin())
+        }));
+        vertices
+    }
+
+    #[test]
+    fn grids_and_edges_answer_every_ray_alike() {
+        let vertices = star_with_a_hole(80);
+        let outline = Outline::new(&vertices).unwrap();
+        let (mut told, mut met) = (0, 0);
+        for index in 0..20_000 {
+            let place = |step: f64| (f64::from(index) * step).fract();
+            let target = DVec3::new(5.0 * place(0.754_877) - 2.5, 5.0 * place(0.569_840) - 2.5, 3.0);
+            let origin = DVec3::new(8.0 * place(0.819_172) - 4.0, 8.0 * place(0.671_043) - 4.0, 9.0 * place(0.549_7));
+            let Some(ray) = Ray::new(origin, target - origin) else { continue };
+            let exact = intersect(&vertices, &ray, &RayFrame::new(&ray), f64::NEG_INFINITY..f64::INFINITY);
+            match outline.verdict(&ray) {
+                Verdict::Misses => assert_eq!(exact, None, "ray {index}"),
+                Verdict::Meets(distance) => {
+                    met += 1;
+                    assert_eq!(exact, Some(distance), "ray {index}");
+                }
+                Verdict::Unknown => continue,
+            }
+            told += 1;
+        }
+        assert!(told > 12_000 && met > 2_000, "{told} told, {met} met");
+    }
+
+    #[test]
+    fn polygons_that_are_not_flat_have_no_grid() {
+        let mut vertices = star_with_a_hole(40);
+        vertices[3].z += 1e-3;
+        assert!(Outline::new(&vertices).is_none());
+        assert!(Outline::new(&[DVec3::ZERO; 40]).is_none());
+    }
+}

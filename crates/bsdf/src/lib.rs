@@ -1,0 +1,43 @@
+//! How surfaces scatter light: the native materials of Radiance, evaluated and sampled.
+//!
+//! A [`Scatterer`] is a material with its parameters. Asked with a [`BsdfContext`] it answers with a [`SurfaceScattering`]: a [`Bsdf`] for all
+//! that is spread over directions, and at most two perfectly specular rays. [`Bsdf::eval`] gives value and density for a direction,
+//! [`Bsdf::sample_highlight`] and [`Bsdf::sample_diffuse`] draw directions with just these densities.
+//!
+//! Guarantees: what is drawn has the density that is told; no panic on a [`radsight_ir::ValidScene`]. Knows neither geometry nor
+//! occlusion, and of lights only what is told to those who choose among them ([`radsight_light::Reception`]).
+#![forbid(unsafe_code)]
+
+mod ashikhmin;
+mod bsdf;
+mod context;
+mod frame;
+mod function_lobe;
+mod functions;
+mod glossy;
+mod measured;
+mod measured_lobe;
+mod sample;
+mod scatterer;
+mod sheet;
+#[cfg(test)]
+mod sheet_tests;
+mod specular_threshold;
+mod transmission_lobe;
+mod ward_function;
+
+pub use ashikhmin::AshikhminKind;
+pub use bsdf::{Bsdf, FresnelCoat, Highlight, colored, model_bands, of_model, pane, sum};
+pub use context::{BsdfContext, SpecularBounce, SurfaceScattering};
+pub use frame::Frame;
+pub use function_lobe::{FunctionLobe, LobeFunction, MaterialView, Surroundings};
+pub use functions::{BrtdKind, ScatteringKind};
+pub use glossy::GlossyKind;
+pub use measured::{MeasuredKind, MeasuredPart, Pose};
+pub use measured_lobe::{BlurredView, MeasuredLobe, PeakCells};
+pub use sample::{BsdfSample, BsdfValue, PdfRequest};
+pub use scatterer::Scatterer;
+pub use sheet::Sheet;
+pub use specular_threshold::{BelowThreshold, LobeStrength};
+pub use transmission_lobe::{Transmission, TransmissionLobe};
+pub use ward_function::{Appearances, Component, WardFunctionKind};

@@ -1,0 +1,141 @@
+//! Plastic, metal and the retroreflector of the paper in a furnace, and the densities that multiple importance sampling rests on.
+
+use glam::DVec3;
+use radsight_brdf::Density;
+use radsight_bsdf::{Bsdf, BsdfValue, GlossyKind, PdfRequest, pane};
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+
+/// The R₂ sequence (Roberts 2018) and a third step.
+fn points(count: u32) -> impl Iterator<Item = [f64; 3]> {
+    const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_4];
+    (0..count).map(|n| STEPS.map(|step| (f64::from(n) * step + 0.5).fract()))
+}
+
+fn viewed(angle: f64) -> DVec3 {
+    DVec3::new(angle.sin(), 0.0, angle.cos())
+}
+
+fn glossy(specularity: f64, roughness: f64, metallic: bool) -> GlossyKind {
+    GlossyKind { color: Rgb::WHITE, specularity, roughness, metallic }
+}
+
+fn bsdf(kind: &GlossyKind, retro: bool, angle: f64) -> Bsdf<'static, 1> {
+    Bsdf::glossy(kind, retro, [1.0], viewed(angle), DVec3::Z, DVec3::Z)
+}
+
+fn eval(bsdf: &Bsdf<'_, 1>, incident: DVec3) -> BsdfValue<1> {
+    bsdf.eval(incident, 1.0, PdfRequest::Wanted, &mut Scratch::default())
+}
+
+const COUNT: u32 = 1 << 14;
+
+/// What each component sends on of even light from all around, by its own samples.
+fn albedo(bsdf: &Bsdf<'_, 1>) -> [f64; 2] {
+    let diffuse: f64 = points(COUNT).filter_map(|[u, v, _]| bsdf.sample_diffuse(u, v)).map(|s| s.weight[0]).sum();
+    let highlight: f64 = points(COUNT).filter_map(|u| bsdf.sample_highlight(u)).map(|s| s.weight[0]).sum();
+    [diffuse, highlight].map(|sum| sum / f64::from(COUNT))
+}
+
+#[test]
+fn a_white_matte_surface_sends_on_all_that_it_gets() {
+    for angle in [0.0, 0.7, 1.5] {
+        let white = Bsdf::<1>::white(viewed(angle), DVec3::Z);
+        assert!((albedo(&white)[0] - 1.0).abs() < 1e-12);
+        // By the value alone, over directions even in solid angle: 2π times the mean.
+        let mean = points(COUNT)
+            .map(|[u, v, _]| {
+                let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+                let rim = (1.0 - u * u).sqrt();
+                eval(&white, DVec3::new(rim * cos, rim * sin, u)).diffuse[0]
+            })
+            .sum::<f64>()
+            / f64::from(COUNT);
+        assert!((std::f64::consts::TAU * mean - 1.0).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn no_plastic_and_no_metal_makes_light() {
+    for (specularity, roughness, metallic) in
+        [(0.05, 0.0, false), (0.05, 0.1, false), (0.9, 0.2, true), (1.0, 0.05, true), (0.3, 0.3, false)]
+    {
+        for angle in [0.0, 0.5, 1.0, 1.3, 1.5] {
+            let bsdf = bsdf(&glossy(specularity, roughness, metallic), false, angle);
+            let [diffuse, highlight] = albedo(&bsdf);
+            let sum = diffuse + highlight + bsdf.mirror[0];
+            assert!(sum <= 1.0 + 2e-3, "{sum} of {specularity}, {roughness} at {angle}");
+        }
+    }
+}
+
+#[test]
+fn at_normal_incidence_a_rough_metal_loses_next_to_nothing() {
+    let bsdf = bsdf(&glossy(1.0, 0.05, true), false, 0.0);
+    assert!((albedo(&bsdf)[1] - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn the_retroreflector_of_the_paper_returns_its_specularity() {
+    // The lobe of 0.3° is nothing but the share that comes back.
+    let bsdf = bsdf(&glossy(0.4, 0.005, true), true, 0.3);
+    let [_, highlight] = albedo(&bsdf);
+    assert!((highlight - 0.4).abs() < 0.4 * 0.01, "{highlight}");
+    let back = points(100).filter_map(|u| bsdf.sample_highlight(u));
+    assert!(back.into_iter().all(|sample| sample.direction.dot(viewed(0.3)) > 0.99));
+}
+
+#[test]
+fn samples_have_the_density_and_weight_that_values_tell() {
+    for (kind, retro) in
+        [(glossy(0.05, 0.1, false), false), (glossy(0.8, 0.25, true), false), (glossy(0.3, 0.01, true), true)]
+    {
+        let bsdf = bsdf(&kind, retro, 0.8);
+        let mut drawn = 0;
+        for u in points(500) {
+            if let Some(sample) = bsdf.sample_highlight(u) {
+                let value = eval(&bsdf, sample.direction);
+                let Density::Continuous(pdf) = sample.pdf else { panic!("a rough highlight has a density") };
+                assert!((value.highlight_pdf / pdf - 1.0).abs() < 1e-6, "{} and {pdf}", value.highlight_pdf);
+                let weight = value.highlight[0] / pdf;
+                assert!((sample.weight[0] - weight).abs() <= 1e-6 * weight, "{} and {weight}", sample.weight[0]);
+                drawn += 1;
+            }
+        }
+        assert!(drawn > 250);
+    }
+}
+
+#[test]
+fn weighting_both_ways_of_sampling_gives_what_each_gives_of_its_own_part() {
+    // The balance heuristic (Veach 1997): weights of one direction sum to one, so both sums estimate the whole.
+    for roughness in [0.08, 0.3] {
+        let bsdf = bsdf(&glossy(0.4, roughness, false), false, 0.6);
+        let [diffuse, highlight] = albedo(&bsdf);
+        let weighted = |direction: DVec3| {
+            let value = eval(&bsdf, direction);
+            let sum = value.diffuse_pdf + value.highlight_pdf;
+            // The weight of either way is its density over the sum, and its estimate the value over its density.
+            (value.diffuse[0] + value.highlight[0]) / sum
+        };
+        let by_diffuse = points(COUNT).filter_map(|[u, v, _]| bsdf.sample_diffuse(u, v));
+        let by_highlight = points(COUNT).filter_map(|u| bsdf.sample_highlight(u));
+        let [by_diffuse, by_highlight] =
+            [by_diffuse.map(|s| weighted(s.direction)).sum::<f64>(), by_highlight.map(|s| weighted(s.direction)).sum()];
+        let both = (by_diffuse + by_highlight) / f64::from(COUNT);
+        assert!((both / (diffuse + highlight) - 1.0).abs() < 0.01, "{both} and {}", diffuse + highlight);
+    }
+}
+
+#[test]
+fn a_clear_pane_reflects_by_fresnel_and_loses_nothing() {
+    let index: f64 = 1.52;
+    let [[reflected], [transmitted]] = pane([1.0], index, 1.0);
+    let once = ((index - 1.0) / (index + 1.0)).powi(2);
+    assert!((reflected - 2.0 * once / (1.0 + once)).abs() < 1e-12);
+    for cosine in [1.0, 0.7, 0.3, 0.05] {
+        let [[reflected], [transmitted]] = pane([1.0], index, cosine);
+        assert!((reflected + transmitted - 1.0).abs() < 1e-12);
+    }
+    assert!(transmitted < 1.0);
+}

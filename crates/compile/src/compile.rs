@@ -1,0 +1,437 @@
+//! From chains of modifiers to shaders.
+
+use crate::antimatter::Antimatter;
+use crate::compile_scatter::compile_scatterer;
+use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
+use crate::medium::MistKind;
+use crate::model_source::{ModelRequest, ModelSource};
+use crate::options::{Skip, Skipping};
+use crate::prism::PrismKind;
+use crate::refraction::DielectricInterface;
+use crate::shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
+use crate::specialise::turns_the_normal_to_the_viewer;
+use radsight_accel::{ShaderId, ShaderTable};
+use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
+use radsight_diag::{Diagnostic, Span};
+use radsight_ir::{
+    Glossy, Material, Mixture, MixtureArms, Modifier, ModifierHandle, ModifierKind, Rgb, Scene, Shape, Substitute,
+    ValidScene,
+};
+use radsight_texture::{BandLayout, Function, Home, MixedSteps, Step, TextureChain};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
+///
+/// `surroundings` are colours that come from elsewhere. Models from elsewhere are first made for three bands. If the whole scene then
+/// proves to be grey, they are made again for one. Spectra take as many places as their layout has, whatever the scene.
+pub(crate) fn compile_shaders(
+    scene: &ValidScene,
+    models: &dyn ModelSource,
+    surroundings: &[Rgb],
+    layout: &Arc<BandLayout>,
+    skipping: Skipping,
+) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
+    let (shaders, table) = compile_for(scene, models, 3, layout)?;
+    if !layout.sampling().is_rgb() {
+        return Ok((shaders, table, layout.places()));
+    }
+    let may_be_grey = skipping.allows(Skip::EqualBands) && shaders.iter().all(Shader::is_grey);
+    if !may_be_grey || !surroundings.iter().all(|color| color.is_grey()) {
+        return Ok((shaders, table, 3));
+    }
+    if !shaders.iter().any(|shader| matches!(shader.kind, Kind::Plugin(_))) {
+        return Ok((shaders, table, 1));
+    }
+    compile_for(scene, models, 1, layout).map(|(shaders, table)| (shaders, table, 1))
+}
+
+fn compile_for(
+    scene: &Scene,
+    models: &dyn ModelSource,
+    bands: usize,
+    layout: &Arc<BandLayout>,
+) -> Result<(Vec<Shader>, ShaderTable), Vec<Diagnostic>> {
+    let mut compiler = Compiler {
+        models,
+        bands,
+        shaders: Vec::new(),
+        errors: Vec::new(),
+        octrees: HashMap::new(),
+        layout: layout.clone(),
+        mixtures: 0,
+    };
+    let table = compiler.compile_scene(scene, &Home::default(), Use::Shown);
+    let Compiler { shaders, errors, .. } = compiler;
+    if errors.is_empty() { Ok((shaders, table)) } else { Err(errors) }
+}
+
+struct Compiler<'a> {
+    models: &'a dyn ModelSource,
+    bands: usize,
+    shaders: Vec<Shader>,
+    errors: Vec<Diagnostic>,
+    octrees: HashMap<(*const Scene, Use), Arc<ShaderTable>>,
+    /// In which bands spectra are wanted.
+    layout: Arc<BandLayout>,
+    /// How many mixtures were compiled, each counted wherever it is used.
+    mixtures: usize,
+}
+
+/// Whether modifiers of a scene are used, or those of its instances override them all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Use {
+    Shown,
+    Overridden,
+}
+
+/// What stands in the table for a modifier that nothing uses.
+const NO_SHADER: ShaderId = ShaderId(u32::MAX);
+
+impl Compiler<'_> {
+    fn compile_scene(&mut self, scene: &Scene, home: &Home, used: Use) -> ShaderTable {
+        let mut of_modifier = vec![NO_SHADER; scene.modifiers.len() + 1];
+        let of_surfaces = scene.surfaces.items().iter().map(|surface| surface.modifier);
+        let of_triangles =
+            scene.meshes.items().iter().flat_map(|mesh| &mesh.triangles).map(|triangle| triangle.modifier);
+        let has_mixtures = scene.modifiers.items().iter().any(|m| matches!(m.kind, ModifierKind::Mixture(_)));
+        let ends_in_material = if has_mixtures { ends_in_material(scene) } else { Vec::new() };
+        let mut chains = Chains { scene, home, of_modifier: &mut of_modifier, ends_in_material, nesting: 0 };
+        for modifier in of_surfaces.chain(of_triangles).filter(|_| used == Use::Shown) {
+            self.compile_chain(&mut chains, modifier);
+        }
+        let mut uses = vec![Use::Overridden; scene.octrees.len()];
+        for surface in scene.surfaces.items() {
+            if let (Shape::Instance(handle), None) = (surface.shape, surface.modifier) {
+                uses[scene.instances[handle].octree.index()] = used;
+            }
+        }
+        let octrees =
+            scene.octrees.items().iter().zip(uses).map(|(octree, used)| self.compile_octree(&octree.scene, used));
+        let octrees = octrees.collect();
+        ShaderTable::new(of_modifier, octrees)
+    }
+
+    /// A scene that several others place is compiled once.
+    fn compile_octree(&mut self, scene: &Arc<Scene>, used: Use) -> Arc<ShaderTable> {
+        let key = (Arc::as_ptr(scene), used);
+        if let Some(known) = self.octrees.get(&key) {
+            return known.clone();
+        }
+        let table = Arc::new(self.compile_scene(scene, &Home(Some(scene.clone())), used));
+        self.octrees.insert(key, table.clone());
+        table
+    }
+
+    /// The shader of a modifier, which is made once.
+    fn compile_chain(&mut self, chains: &mut Chains<'_>, modifier: Option<ModifierHandle>) -> ShaderId {
+        let place = modifier.map_or(0, |handle| handle.index() + 1);
+        if chains.of_modifier[place] != NO_SHADER {
+            return chains.of_modifier[place];
+        }
+        let id = self.compile_after(chains, modifier, &[]);
+        chains.of_modifier[place] = id;
+        id
+    }
+
+    /// The shader of a chain, with the steps that stand before it.
+    fn compile_after(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: Option<ModifierHandle>,
+        before: &[Step],
+    ) -> ShaderId {
+        let nesting = chains.nesting;
+        let (steps, kind) = self.compile(chains, modifier, before).unwrap_or_else(|error| {
+            self.errors.push(error);
+            (Vec::new(), Kind::Transparent)
+        });
+        chains.nesting = nesting;
+        self.shaders.push(recognised(Shader {
+            textures: TextureChain { steps, home: chains.home.clone() },
+            kind,
+            modifier,
+            tracked: None,
+        }));
+        ShaderId((self.shaders.len() - 1) as u32)
+    }
+
+    /// Modifiers that are cut are defined before, so that there is no circle.
+    fn antimatter(
+        &mut self,
+        chains: &mut Chains<'_>,
+        of: ModifierHandle,
+        cuts: &[Option<ModifierHandle>],
+    ) -> Antimatter {
+        let mut compile = |modifier: &Option<ModifierHandle>| {
+            modifier
+                .filter(|modifier| modifier.index() < of.index())
+                .map(|modifier| self.compile_chain(chains, Some(modifier)))
+        };
+        let shade = cuts.first().and_then(&mut compile);
+        Antimatter::new(cuts.iter().filter_map(compile).collect(), shade)
+    }
+
+    /// What stands in for a material when it is seen; `None` for nothing of its own.
+    fn substitute(
+        &mut self,
+        chains: &mut Chains<'_>,
+        of: ModifierHandle,
+        substitute: Substitute,
+    ) -> Result<Option<Substitution>, Diagnostic> {
+        let modifier = match substitute {
+            Substitute::Own => return Ok(None),
+            Substitute::Void => return Ok(Some(Substitution::Void)),
+            Substitute::Modifier(modifier) => modifier,
+        };
+        // A substitute is defined before what it stands in for, so that there is no circle.
+        if modifier.index() >= of.index() || chains.nesting >= MAX_NESTING {
+            let name = chains.scene.modifier_name(Some(of));
+            let message = format!("the materials that stand in for \"{name}\" are nested too deeply");
+            return Err(at(chains.scene.modifiers[of].span, message));
+        }
+        chains.nesting += 1;
+        let id = self.compile_chain(chains, Some(modifier));
+        chains.nesting -= 1;
+        Ok(Some(Substitution::Shader(id)))
+    }
+}
+
+/// The chains of modifiers of one scene.
+struct Chains<'s> {
+    scene: &'s Scene,
+    home: &'s Home,
+    /// By modifier, `void` first.
+    of_modifier: &'s mut Vec<ShaderId>,
+    /// Which modifiers end in a material, by index; empty without mixtures.
+    ends_in_material: Vec<bool>,
+    /// How many materials stand in for one another or are mixed at this point.
+    nesting: u32,
+}
+
+impl Chains<'_> {
+    fn is_material(&self, handle: ModifierHandle) -> bool {
+        self.ends_in_material.get(handle.index()) == Some(&true)
+    }
+}
+
+/// More materials than this do not stand in for one another, or are mixed with a mixture.
+const MAX_NESTING: u32 = 64;
+
+/// More mixtures than this, each counted wherever it is used, are not compiled.
+const MAX_MIXTURES: usize = 1 << 17;
+
+fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
+    at(span, format!("{what} is read but not rendered yet"))
+}
+
+fn at(span: Option<Span>, message: String) -> Diagnostic {
+    let error = Diagnostic::error(message);
+    match span {
+        Some(span) => error.at(span),
+        None => error,
+    }
+}
+
+impl Compiler<'_> {
+    /// Steps and material of a chain, after what stands before it.
+    fn compile(
+        &mut self,
+        chains: &mut Chains<'_>,
+        first: Option<ModifierHandle>,
+        before: &[Step],
+    ) -> Result<(Vec<Step>, Kind), Diagnostic> {
+        let scene = chains.scene;
+        let mut steps = before.to_vec();
+        let mut found = None;
+        for (handle, modifier) in scene.chain(first) {
+            match &modifier.kind {
+                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
+                    steps.push(self.mixed_steps(chains, modifier, mixture)?);
+                }
+                _ if found.is_some() => {
+                    let name = scene.modifier_name(Some(handle));
+                    return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));
+                }
+                ModifierKind::Mixture(mixture) => {
+                    found = Some(self.mixed_materials(chains, modifier, mixture, &steps)?);
+                    // Its parts have these steps among their own.
+                    steps.clear();
+                }
+                ModifierKind::Material(material) => {
+                    found = Some(self.compile_material(chains, handle, material)?);
+                }
+            }
+        }
+        let Some(mut kind) = found else { return Ok((Vec::new(), Kind::Transparent)) };
+        fold_constants(&mut steps, &mut kind);
+        Ok((steps, kind))
+    }
+
+    fn mixed_steps(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: &Modifier,
+        mixture: &Mixture,
+    ) -> Result<Step, Diagnostic> {
+        self.enter(chains, modifier)?;
+        let share = share(chains.scene, modifier, &mixture.amount)?;
+        let mut steps = |arm| self.steps_alone(chains, arm);
+        let (foreground, background) = (steps(mixture.arms.foreground)?, steps(mixture.arms.background)?);
+        chains.nesting -= 1;
+        Ok(Step::Mixture(Box::new(MixedSteps { share, foreground, background })))
+    }
+
+    /// The steps of a chain without a material.
+    fn steps_alone(&mut self, chains: &mut Chains<'_>, first: Option<ModifierHandle>) -> Result<Vec<Step>, Diagnostic> {
+        let scene = chains.scene;
+        let mut steps = Vec::new();
+        for (_, modifier) in scene.chain(first) {
+            match &modifier.kind {
+                ModifierKind::Texture(texture) => steps.extend(texture_step(texture)),
+                ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
+                ModifierKind::Mixture(mixture) => steps.push(self.mixed_steps(chains, modifier, mixture)?),
+                ModifierKind::Material(_) => {
+                    let message = "a material stands where a pattern or a texture is expected".to_owned();
+                    return Err(at(modifier.span, message));
+                }
+            }
+        }
+        Ok(steps)
+    }
+
+    /// The patterns and textures of a modifier that a material names beside its own.
+    fn compile_appearances(
+        &mut self,
+        chains: &mut Chains<'_>,
+        first: ModifierHandle,
+    ) -> Result<Appearances, Diagnostic> {
+        let steps = self.steps_alone(chains, Some(first))?;
+        let home = chains.home.clone();
+        Ok(Appearances::Own(Box::new(TextureChain { steps, home })))
+    }
+
+    fn mixed_materials(
+        &mut self,
+        chains: &mut Chains<'_>,
+        modifier: &Modifier,
+        mixture: &Mixture,
+        before: &[Step],
+    ) -> Result<Kind, Diagnostic> {
+        if let Some(parent) = modifier.modifier {
+            let name = chains.scene.names.get(modifier.name);
+            let parent = chains.scene.modifier_name(Some(parent));
+            return Err(at(modifier.span, format!("\"{parent}\" modifies \"{name}\", a mixture of materials")));
+        }
+        self.enter(chains, modifier)?;
+        let share = share(chains.scene, modifier, &mixture.amount)?;
+        let MixtureArms { foreground, background } = mixture.arms;
+        let arms = [foreground, background].map(|arm| match before {
+            [] => self.compile_chain(chains, arm),
+            _ => self.compile_after(chains, arm, before),
+        });
+        chains.nesting -= 1;
+        let lets_light_through = arms.iter().any(|arm| {
+            let shader = &self.shaders[arm.0 as usize];
+            matches!(shader.kind, Kind::Transparent) || shader.lets_light_through()
+        });
+        Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through })))
+    }
+
+    /// Notes that a mixture is begun: those in mixtures are compiled with each of them.
+    fn enter(&mut self, chains: &mut Chains<'_>, modifier: &Modifier) -> Result<(), Diagnostic> {
+        chains.nesting += 1;
+        self.mixtures += 1;
+        let name = chains.scene.names.get(modifier.name);
+        if chains.nesting > MAX_NESTING {
+            return Err(at(modifier.span, format!("mixture \"{name}\" is nested too deeply")));
+        }
+        if self.mixtures > MAX_MIXTURES {
+            return Err(at(modifier.span, format!("mixture \"{name}\" is one too many")));
+        }
+        Ok(())
+    }
+
+    fn compile_material(
+        &mut self,
+        chains: &mut Chains<'_>,
+        handle: ModifierHandle,
+        material: &Material,
+    ) -> Result<Kind, Diagnostic> {
+        let Compiler { models, bands, .. } = *self;
+        let scene = chains.scene;
+        let modifier = &scene.modifiers[handle];
+        let glossy = |surface: &Glossy, metallic| GlossyKind {
+            color: surface.color,
+            specularity: surface.specularity,
+            roughness: surface.roughness,
+            metallic,
+        };
+        match material {
+            Material::Light { radiance } => Ok(Kind::Emitter(Emitter::light(*radiance))),
+            Material::Glow { radiance, max_radius } => {
+                Ok(Kind::Emitter(Emitter { class: EmitterClass::Glow(*max_radius), ..Emitter::light(*radiance) }))
+            }
+            Material::Spotlight { radiance, cone_angle, direction, .. } => {
+                let cone = Some(((0.5 * cone_angle).cos(), *direction));
+                Ok(Kind::Emitter(Emitter { cone, ..Emitter::light(*radiance) }))
+            }
+            Material::Illum { radiance, substitute } => {
+                let substitute = self.substitute(chains, handle, *substitute)?.unwrap_or(Substitution::Void);
+                let emitter = Emitter { class: EmitterClass::Illum, ..Emitter::light(*radiance) };
+                Ok(Kind::Illum { emitter, substitute })
+            }
+            Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
+            Material::Metal(surface) => Ok(Kind::Glossy(glossy(surface, true))),
+            Material::Mirror { reflectance, substitute } => {
+                let substitute = self.substitute(chains, handle, *substitute)?;
+                Ok(Kind::Mirror { reflectance: *reflectance, substitute })
+            }
+            Material::Dielectric(body) => Ok(Kind::Dielectric(DielectricInterface::of_body(body))),
+            Material::Interface(interface) => Ok(Kind::Dielectric(DielectricInterface::between(interface))),
+            Material::Mist(mist) => Ok(Kind::Mist(MistKind::new(mist))),
+            Material::Prism(prism) => Ok(Kind::Prism(PrismKind::new(prism))),
+            Material::Glass { transmissivity, refractive_index } => {
+                Ok(Kind::Glass { transmissivity: *transmissivity, refractive_index: *refractive_index })
+            }
+            Material::Plugin { library, model, words, numbers, tokens } => {
+                let material = scene.modifier_name(Some(handle));
+                let request =
+                    ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
+                models.model(&request).map(Kind::Plugin)
+            }
+            Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
+            Material::Unusable { .. } => Ok(Kind::Unusable),
+            Material::Bsdf { data, call, form, added_diffuse } => {
+                let bsdf = scene.bsdfs[*data].bsdf.clone();
+                let kind =
+                    MeasuredKind { bsdf, function: Function::new(call), form: *form, added_diffuse: *added_diffuse };
+                Ok(Kind::Scatterer(Box::new(Scatterer::Measured(kind))))
+            }
+            other => {
+                let look = |modifier| self.compile_appearances(chains, modifier);
+                match compile_scatterer(other, modifier.modifier, look) {
+                    Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
+                    None => Err(not_yet("this type of material", modifier.span)),
+                }
+            }
+        }
+    }
+}
+
+/// The paper's construction becomes its lobe, which is sampled exactly.
+fn recognised(mut shader: Shader) -> Shader {
+    let textures = shader.textures.steps.iter().filter(|step| step.is_texture()).count();
+    if let Kind::Glossy(glossy) = shader.kind
+        && textures == 1
+        && glossy.specularity > 0.0
+        && !glossy.is_smooth()
+        && turns_the_normal_to_the_viewer(&shader.textures)
+    {
+        shader.textures.steps.retain(|step| !matches!(step, Step::Texture(_)));
+        shader.kind = Kind::Retro(glossy);
+    }
+    shader
+}

@@ -1,0 +1,97 @@
+//! From the scattering materials of a scene to what renders them.
+
+use radsight_bsdf::{
+    Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
+};
+use radsight_diag::Diagnostic;
+use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandle, ScatteringFunction, Translucent};
+use radsight_texture::Function;
+
+/// The scattering of a material; none if it scatters in some other way. `look` makes the patterns and textures of a modifier that it
+/// names beside its own, which is `own`.
+pub(crate) fn compile_scatterer(
+    material: &Material,
+    own: Option<ModifierHandle>,
+    look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+) -> Option<Result<Scatterer, Diagnostic>> {
+    let opaque = |surface: &Anisotropic<Glossy>, metallic| {
+        let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
+        anisotropic(surface, translucent, metallic)
+    };
+    let sheet = match material {
+        Material::Trans(surface) => sheet(*surface, false),
+        Material::AnisotropicPlastic(surface) => opaque(surface, false),
+        Material::AnisotropicMetal(surface) => opaque(surface, true),
+        Material::AnisotropicTrans(surface) => anisotropic(surface, surface.surface, false),
+        Material::Ashikhmin { orientation, diffuse, specular, exponents } => {
+            return Some(Ok(Scatterer::Ashikhmin(AshikhminKind {
+                orientation: Function::new(orientation),
+                diffuse: *diffuse,
+                specular: *specular,
+                exponents: exponents.map(|exponent| exponent.max(0.0)),
+            })));
+        }
+        Material::WardFunction(function) => return Some(ward_function(function, own, look)),
+        Material::Scattering(function) => return Some(Ok(Scatterer::Function(scattering(function)))),
+        Material::BrtdFunction(function) => return Some(Ok(Scatterer::Brtd(brtd(function)))),
+        _ => return None,
+    };
+    Some(Ok(Scatterer::Sheet(sheet)))
+}
+
+fn sheet(surface: Translucent, metallic: bool) -> Sheet {
+    Sheet {
+        color: surface.surface.color,
+        specularity: surface.surface.specularity,
+        roughness: [surface.surface.roughness; 2],
+        metallic,
+        transmissivity: surface.transmissivity,
+        transmitted_specularity: surface.transmitted_specularity,
+        orientation: None,
+    }
+}
+
+/// Two roughnesses are never smooth; Radiance refuses them below this.
+const LEAST_ROUGHNESS: f64 = 1e-6;
+
+fn anisotropic<S>(material: &Anisotropic<S>, surface: Translucent, metallic: bool) -> Sheet {
+    let roughness = [surface.surface.roughness, material.roughness_v].map(|roughness| roughness.max(LEAST_ROUGHNESS));
+    Sheet { roughness, orientation: Some(Function::new(&material.orientation)), ..sheet(surface, metallic) }
+}
+
+fn scattering(material: &ScatteringFunction) -> ScatteringKind {
+    ScatteringKind {
+        role: material.role,
+        function: Function::new(&material.call),
+        grid: material.grid,
+        color: material.surface.color,
+        specularity: material.surface.specularity,
+        transmissivity: material.transmissivity,
+        transmitted_specularity: material.transmitted_specularity,
+    }
+}
+
+fn brtd(material: &FunctionMaterial) -> BrtdKind {
+    let words = &material.call.words;
+    let is_grey = words.chunks(3).take(3).all(|bands| bands.iter().all(|word| *word == bands[0]));
+    BrtdKind { function: Function::new(&material.call), diffuse: material.diffuse, has_grey_functions: is_grey }
+}
+
+fn ward_function(
+    material: &FunctionMaterial,
+    own: Option<ModifierHandle>,
+    mut look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+) -> Result<Scatterer, Diagnostic> {
+    let mut look_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
+        None => Ok(Appearances::Plain),
+        Some(modifier) if Some(modifier) == own => Ok(Appearances::Main),
+        Some(modifier) => look(modifier),
+    };
+    Ok(Scatterer::WardFunction(WardFunctionKind {
+        function: Function::new(&material.call),
+        diffuse: material.diffuse,
+        reflection: Component { first_root: 0, look: look_of(0)? },
+        transmission: Component { first_root: 3, look: look_of(1)? },
+        diffuse_transmission: look_of(2)?,
+    }))
+}

@@ -1,0 +1,32 @@
+//! What emitters give.
+
+use crate::shader::{Emitter, Shader};
+use radsight_cal::Scratch;
+use radsight_ir::Scene;
+use radsight_texture::{SurfaceInteraction, bands, luminance, product};
+
+/// Radiance that leaves an emitter against the ray.
+pub fn emission<const BANDS: usize>(
+    scene: &Scene,
+    shader: &Shader,
+    emitter: &Emitter,
+    interaction: &SurfaceInteraction,
+    scratch: &mut Scratch,
+) -> [f64; BANDS] {
+    if let Some((cos_half_angle, axis)) = emitter.cone
+        && -interaction.direction.dot(axis) < cos_half_angle
+    {
+        return [0.0; BANDS];
+    }
+    let own = bands(emitter.radiance);
+    if shader.textures.steps.is_empty() {
+        return own;
+    }
+    product(own, shader.appearance::<BANDS>(scene, interaction, scratch).color)
+}
+
+/// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its
+/// table. It is still seen as that, as in Radiance.
+pub fn given<const BANDS: usize>(emission: [f64; BANDS]) -> [f64; BANDS] {
+    if luminance(&emission) > 0.0 { emission } else { [0.0; BANDS] }
+}

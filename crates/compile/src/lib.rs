@@ -1,0 +1,53 @@
+//! Compiles a valid scene for rendering: flat tables with ids, and what work is left out and why.
+//!
+//! A [`RenderPlan`] holds all that following rays asks for, and decides once what a scene needs: shaders by id, lights with their virtual
+//! sources, portals, what can stand between a surface and a light, which media there are. It is plain data; whoever follows rays reads it.
+//!
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a plan depends on scene, options and models alone. Knows no integrator.
+#![forbid(unsafe_code)]
+
+mod antimatter;
+mod compile;
+mod compile_scatter;
+mod compile_steps;
+mod emission;
+mod first_hit;
+mod light_policy;
+mod light_power;
+mod lighting;
+mod medium;
+mod mist_lights;
+mod model_source;
+mod options;
+mod plan;
+mod plan_build;
+mod plan_decisions;
+mod portal_search;
+mod portals;
+mod prism;
+mod prism_image;
+mod refraction;
+mod shader;
+mod shader_sets;
+mod specialise;
+mod substance;
+mod veiled;
+mod veils;
+mod visibility_class;
+
+pub use antimatter::Antimatter;
+pub use emission::{emission, given};
+pub use first_hit::{DISTANT, FirstHit};
+pub use medium::{Medium, MistKind};
+pub use mist_lights::MistLights;
+pub use model_source::{ModelRequest, ModelSource, NoModels};
+pub use options::{
+    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, LightDivision, Lights, PathLimit, Quantity,
+    RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
+};
+pub use plan::{PlanDecision, RenderPlan, Sky};
+pub use portals::{Portal, Portals, VisiblePortals};
+pub use prism::PrismKind;
+pub use refraction::{DielectricInterface, Refracted};
+pub use shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
+pub use visibility_class::{Receiver, Visibility, VisibilityClass};

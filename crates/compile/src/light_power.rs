@@ -1,0 +1,115 @@
+//! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
+
+use crate::emission::emission;
+use crate::plan::RenderPlan;
+use crate::shader::Shader;
+use glam::DVec3;
+use radsight_accel::Ray;
+use radsight_cal::Scratch;
+use radsight_ir::Rgb;
+use radsight_light::{EmissionProfile, Light, LightForm};
+use radsight_texture::SurfaceInteraction;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+
+/// Directions in which the pattern of a light is looked at.
+const LOOKS: u32 = 16;
+
+/// Of no more lights beams are looked for: it takes milliseconds each, and large lights are few.
+const MOST_PROFILES: usize = 16;
+
+impl RenderPlan {
+    /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
+    pub fn typical_radiance(&self, light: &Light) -> f64 {
+        let shader = self.shader(light.surface);
+        let Some(emitter) = shader.kind.emitter() else { return 0.0 };
+        if shader.textures.steps.is_empty() {
+            let Rgb(radiance) = emitter.radiance;
+            return radiance.into_iter().fold(0.0, f64::max);
+        }
+        // What a mirror shows shines as it does itself.
+        let light = self.lights_of(light.surface).next().map_or(light, |id| &self.lights[id.0 as usize]);
+        let mut scratch = Scratch::default();
+        let look = |index: u32| {
+            let interaction =
+                self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
+            self.strongest_emission(shader, &interaction, &mut scratch)
+        };
+        (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
+    }
+
+    /// The strongest band of what an emitter shows; nothing of what is none.
+    pub fn strongest_emission(&self, shader: &Shader, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
+        match self.bands {
+            1 => self.strongest_of::<1>(shader, interaction, scratch),
+            3 => self.strongest_of::<3>(shader, interaction, scratch),
+            27 => self.strongest_of::<27>(shader, interaction, scratch),
+            36 => self.strongest_of::<36>(shader, interaction, scratch),
+            _ => self.strongest_of::<72>(shader, interaction, scratch),
+        }
+    }
+
+    fn strongest_of<const BANDS: usize>(
+        &self,
+        shader: &Shader,
+        interaction: &SurfaceInteraction,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let Some(emitter) = shader.kind.emitter() else { return 0.0 };
+        let radiance: [f64; BANDS] = emission(&self.scene, shader, emitter, interaction, scratch);
+        radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// Finds the beams of lights whose pattern makes them narrow.
+    pub fn find_profiles(&mut self) {
+        let profiles: Vec<(usize, EmissionProfile)> = self
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(_, light)| light.virtual_sources.is_empty() && light.cone.is_none())
+            .filter(|(_, light)| !self.shader(light.surface).textures.steps.is_empty())
+            .take(MOST_PROFILES)
+            .filter_map(|(index, light)| Some((index, self.profile(light)?)))
+            .collect();
+        for (index, profile) in profiles {
+            self.lights[index].profile = Some(Arc::new(profile));
+        }
+    }
+
+    fn profile(&self, light: &Light) -> Option<EmissionProfile> {
+        let shader = self.shader(light.surface);
+        let mut scratch = Scratch::default();
+        EmissionProfile::new(&light.form, |out| {
+            self.strongest_emission(shader, &self.seen_against(light, out), &mut scratch)
+        })
+    }
+
+    /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.
+    fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> SurfaceInteraction {
+        let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
+            (LightForm::Distant { direction, half_angle_sin_squared_half, .. }, ..) => {
+                (*direction, 2.0 * half_angle_sin_squared_half.sqrt().min(1.0).asin())
+            }
+            (_, Some(cone), _) => (cone.axis, cone.half_angle),
+            (_, None, Some((normal, _))) => (normal, FRAC_PI_2),
+            (_, None, None) => (DVec3::Z, PI),
+        };
+        let cos = 1.0 - height * (1.0 - widest.cos());
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (x, y) = axis.any_orthonormal_pair();
+        let (sin_turn, cos_turn) = (TAU * turn).sin_cos();
+        let out = (axis * cos + (x * cos_turn + y * sin_turn) * sin).normalize();
+        if light.radius.is_infinite() { SurfaceInteraction::distant(out) } else { self.seen_against(light, out) }
+    }
+
+    /// A view of the middle of a light that is not distant, against the unit direction `out` of its rays.
+    fn seen_against(&self, light: &Light, out: DVec3) -> SurfaceInteraction {
+        let normal = light.form.plane().map_or(out, |(normal, _)| normal);
+        let distance = self.bounding_sphere().1;
+        let ray = Ray { origin: light.center + out * distance, direction: -out };
+        SurfaceInteraction::new(&ray, light.center, normal, distance, distance)
+    }
+}
+
+/// Turns by this share of a circle never repeat (the golden section).
+const GOLDEN: f64 = 0.618_033_988_749_895;

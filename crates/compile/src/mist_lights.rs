@@ -1,0 +1,47 @@
+//! The lights that mist scatters.
+
+use crate::shader::{Kind, Shader};
+use radsight_diag::Diagnostic;
+use radsight_ir::Scene;
+use radsight_light::{Light, LightId};
+
+/// The most lights that all mist of a scene can name.
+pub(crate) const MAX_MIST_LIGHTS: usize = 64;
+
+/// The lights that mist names: bit k of a medium's lights is entry k.
+#[derive(Debug, Default)]
+pub struct MistLights(pub Vec<LightId>);
+
+impl MistLights {
+    /// Finds the lights that the mist of a scene names, and sets the bits in its shaders. A name that no light has is passed over, as in
+    /// Radiance.
+    pub fn new(scene: &Scene, lights: &[Light], shaders: &mut [Shader]) -> Result<MistLights, Diagnostic> {
+        let mut found = MistLights::default();
+        for shader in shaders {
+            let Kind::Mist(mist) = &mut shader.kind else { continue };
+            for name in &mist.names {
+                let Some(id) = lights.iter().rposition(|light| is_named(scene, light, name)) else { continue };
+                let id = LightId(id as u32);
+                let bit = found.0.iter().position(|known| *known == id).unwrap_or_else(|| {
+                    found.0.push(id);
+                    found.0.len() - 1
+                });
+                if bit >= MAX_MIST_LIGHTS {
+                    let most = MAX_MIST_LIGHTS;
+                    return Err(Diagnostic::error(format!("mist names more than {most} different lights")));
+                }
+                mist.lights |= 1 << bit;
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Whether a name is that of a light: `mirror>lamp` is the image of `lamp` in `mirror`.
+fn is_named(scene: &Scene, light: &Light, name: &str) -> bool {
+    let mut words = name.split('>').rev();
+    let own = words.next() == Some(scene.surface_name(light.surface));
+    // The mirrors of a light stand in the order in which the receiver sees them.
+    let mirrors = light.virtual_sources.iter().rev().map(|mirror| scene.surface_name(mirror.surface));
+    own && words.eq(mirrors)
+}

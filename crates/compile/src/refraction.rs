@@ -1,0 +1,156 @@
+//! The boundary of a solid body that refracts: `dielectric` and `interface`.
+//!
+//! A ray splits into a reflected and a refracted one by Fresnel's equations for unpolarised light. Radiance scales the refracted part by
+//! the square of the ratio of the indices, because radiance is light per solid angle, and a refraction changes the solid angle. Dispersion
+//! is known by the index at 500 nm, Hartmann's equation with λ₀ = 0: `n = n₀ + h/λ`.
+
+use glam::DVec3;
+use radsight_ir::{Dielectric, Interface, Rgb};
+
+/// The wavelength in nm at which an index of refraction is taken.
+const MEAN_WAVELENGTH: f64 = 500.0;
+
+/// Squared cosines below this are total reflection.
+const GRAZING: f64 = 1e-6;
+
+/// A surface between two media.
+#[derive(Clone, Copy, Debug)]
+pub struct DielectricInterface {
+    /// Transmissivity of a scene unit on the back of the surface.
+    pub inside: Rgb,
+    /// The same on its front; `None` is what fills the scene.
+    pub outside: Option<Rgb>,
+    /// Index inside over index outside.
+    ratio: f64,
+}
+
+/// A ray that met a boundary.
+#[derive(Clone, Copy, Debug)]
+pub struct Refracted {
+    /// Share of the radiance that is reflected.
+    pub reflectance: f64,
+    /// Unit direction of the refracted ray, and the factor of its radiance; none where all is reflected.
+    pub onward: Option<(DVec3, f64)>,
+    /// Unit, on the side from which the ray comes.
+    pub normal: DVec3,
+    /// Cosine between that normal and the way back.
+    pub cosine: f64,
+}
+
+impl DielectricInterface {
+    /// The surface of a body.
+    pub fn of_body(body: &Dielectric) -> DielectricInterface {
+        let ratio = body.refractive_index + body.hartmann / MEAN_WAVELENGTH;
+        DielectricInterface { inside: body.transmissivity, outside: None, ratio }
+    }
+
+    /// The surface between two bodies.
+    pub fn between(interface: &Interface) -> DielectricInterface {
+        let Interface { inside, outside } = interface;
+        DielectricInterface {
+            inside: inside.transmissivity,
+            outside: Some(outside.transmissivity),
+            ratio: inside.refractive_index / outside.refractive_index,
+        }
+    }
+
+    /// Whether every band is the same.
+    pub fn is_grey(&self) -> bool {
+        self.inside.is_grey() && self.outside.is_none_or(Rgb::is_grey)
+    }
+
+    /// Transmissivity of the side from which a ray comes, `None` for what fills the scene, and of the other side.
+    pub fn sides(&self, behind: bool) -> [Option<Rgb>; 2] {
+        if behind { [Some(self.inside), self.outside] } else { [self.outside, Some(self.inside)] }
+    }
+
+    /// What becomes of a ray along `direction`; `front` is the unit geometric normal, `perturbation` what textures add to it.
+    pub fn refract(&self, direction: DVec3, front: DVec3, perturbation: DVec3) -> Refracted {
+        let behind = direction.dot(front) > 0.0;
+        let side = if behind { -front } else { front };
+        let normal = perturbed(direction, front, perturbation, behind);
+        let normal = if behind { -normal } else { normal };
+        let cosine = -direction.dot(normal);
+        // The indices of the side of the ray over that of the other side.
+        let ratio = self.index_ratio(behind);
+        let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+        if squared < GRAZING {
+            return Refracted { reflectance: 1.0, onward: None, normal, cosine };
+        }
+        let inner = squared.sqrt();
+        let perpendicular = ((cosine - ratio * inner) / (cosine + ratio * inner)).powi(2);
+        let parallel = ((1.0 / cosine - ratio / inner) / (1.0 / cosine + ratio / inner)).powi(2);
+        let reflectance = 0.5 * (perpendicular + parallel);
+        let bend = ratio * cosine - inner;
+        let mut onward = direction * ratio + normal * bend;
+        if perturbation != DVec3::ZERO && onward.dot(side) >= -GRAZING {
+            onward = direction * ratio + side * bend;
+        }
+        let onward = onward.normalize_or(direction);
+        Refracted { reflectance, onward: Some((onward, (1.0 - reflectance) * ratio * ratio)), normal, cosine }
+    }
+
+    /// Index on the side of a ray over that on the other side.
+    pub fn index_ratio(&self, behind: bool) -> f64 {
+        if behind { self.ratio } else { self.ratio.recip() }
+    }
+}
+
+impl Refracted {
+    /// The reflected direction; one that a texture would send through the surface takes the geometric normal.
+    pub fn reflected(&self, direction: DVec3, front: DVec3) -> DVec3 {
+        let reflected = direction + self.normal * (2.0 * self.cosine);
+        let side = if direction.dot(front) > 0.0 { -front } else { front };
+        if reflected.dot(side) > GRAZING { reflected } else { direction - side * (2.0 * side.dot(direction)) }
+    }
+}
+
+/// The normal with its texture on the front side; one that would turn to the other side of the ray is reflected back (Radiance's
+/// `raynormal`).
+fn perturbed(direction: DVec3, front: DVec3, perturbation: DVec3, behind: bool) -> DVec3 {
+    if perturbation == DVec3::ZERO {
+        return front;
+    }
+    let Some(normal) = (front + perturbation).try_normalize() else { return front };
+    let along = normal.dot(direction);
+    if (along > 0.0) == behind { normal } else { normal - direction * (2.0 * along) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn water() -> DielectricInterface {
+        let body = Dielectric { transmissivity: Rgb::WHITE, refractive_index: 1.5, hartmann: 0.0 };
+        DielectricInterface::of_body(&body)
+    }
+
+    #[test]
+    fn normal_incidence_reflects_by_the_indices_alone() {
+        let met = water().refract(-DVec3::Z, DVec3::Z, DVec3::ZERO);
+        assert!((met.reflectance - 0.04).abs() < 1e-12);
+        let (direction, factor) = met.onward.expect("it is refracted");
+        assert!(direction.distance(-DVec3::Z) < 1e-12);
+        assert!((factor - 0.96 / 2.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_refracted_ray_obeys_snell_from_both_sides() {
+        for (direction, ratio) in [(DVec3::new(0.6, 0.0, -0.8), 1.5), (DVec3::new(0.4, 0.0, 0.84f64.sqrt()), 1.0 / 1.5)]
+        {
+            let met = water().refract(direction, DVec3::Z, DVec3::ZERO);
+            let (onward, _) = met.onward.expect("it is refracted");
+            assert!((onward.x * ratio - direction.x).abs() < 1e-12);
+            assert_eq!(onward.z > 0.0, direction.z > 0.0);
+        }
+    }
+
+    #[test]
+    fn beyond_the_critical_angle_all_is_reflected() {
+        let met = water().refract(DVec3::new(0.8, 0.0, 0.6), DVec3::Z, DVec3::ZERO);
+        assert!(met.onward.is_none());
+        assert_eq!(met.reflectance, 1.0);
+        let reflected = met.reflected(DVec3::new(0.8, 0.0, 0.6), DVec3::Z);
+        assert!(reflected.distance(DVec3::new(0.8, 0.0, -0.6)) < 1e-12);
+    }
+}

@@ -1,0 +1,54 @@
+//! Surfaces that let light through though Radiance counts them as opaque, and that lie on others: a mixture with holes on a wall.
+//!
+//! Where the rule prefers such a veil, what it lies on is not there for a ray, not even for a shadow ray. A search for anything in the
+//! way has to ask only in scenes that have veils; they are found once, before the first ray.
+
+use crate::shader::Shader;
+use glam::DVec3;
+use radsight_accel::{Geometry, MemberId, flat_normal};
+use radsight_ir::{Scene, SurfaceHandle};
+
+/// More pairs of surfaces than this are not looked at.
+const MAX_TESTS: usize = 4_000_000;
+
+/// Unit normals with a cosine above this are those of parallel surfaces.
+const PARALLEL: f64 = 1.0 - 1e-6;
+
+/// A flat member of the scene.
+struct Flat {
+    member: MemberId,
+    normal: DVec3,
+    low: DVec3,
+    high: DVec3,
+}
+
+/// The flat surfaces that let light through, count as opaque, and may lie on another flat one.
+pub(crate) fn find_veils<'a>(
+    scene: &Scene,
+    geometry: &Geometry,
+    shader: impl Fn(SurfaceHandle) -> &'a Shader,
+) -> Vec<MemberId> {
+    let is_veil = |surface| shader(surface).lets_light_through() && geometry.counts_as_opaque(scene, surface);
+    let is_candidate: Vec<bool> = geometry.members().map(|(_, surface)| is_veil(surface)).collect();
+    let candidates = is_candidate.iter().filter(|is| **is).count();
+    if candidates == 0 || candidates.saturating_mul(geometry.len()) > MAX_TESTS {
+        return Vec::new();
+    }
+    let flats: Vec<Flat> = geometry.members().filter_map(|of| flat(scene, geometry, of)).collect();
+    let touch = DVec3::splat(geometry.tolerance());
+    let touches = |a: &Flat, b: &Flat| {
+        a.member != b.member
+            && a.normal.dot(b.normal).abs() > PARALLEL
+            && a.low.cmple(b.high + touch).all()
+            && b.low.cmple(a.high + touch).all()
+    };
+    let veils = flats.iter().filter(|flat| is_candidate[flat.member.0 as usize]);
+    veils.filter(|veil| flats.iter().any(|other| touches(veil, other))).map(|veil| veil.member).collect()
+}
+
+fn flat(scene: &Scene, geometry: &Geometry, (member, surface): (MemberId, SurfaceHandle)) -> Option<Flat> {
+    let shape = scene.surfaces[surface].shape;
+    let normal = flat_normal(scene, shape)?;
+    let bounds = geometry.bounds(scene, shape)?;
+    Some(Flat { member, normal, low: bounds.min, high: bounds.max })
+}

@@ -1,0 +1,494 @@
+//! The forms of lights: places on them, drawn by area or by solid angle.
+
+use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
+use crate::visible_side::VisibleSide;
+use earcut::Earcut;
+use glam::DVec3;
+use radsight_accel::polygon_normal;
+use radsight_ir::{Facing, Scene, Shape};
+use radsight_sampling::unit_disk;
+use std::f64::consts::{PI, TAU};
+
+/// The emitting form, as it is drawn from.
+#[derive(Clone, Debug)]
+pub enum LightForm {
+    /// A ring; `x` and `y` are unit and span its plane.
+    Disk {
+        /// Scene units.
+        center: DVec3,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Perpendicular axes in its plane; in an image they need not be unit vectors.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+        /// Square of the radius of the hole, in units of the axes.
+        inner_squared: f64,
+        /// Square of the outer radius.
+        outer_squared: f64,
+    },
+    /// A parallelogram `corner + u·x + v·y`, unit normal.
+    Parallelogram {
+        /// Where both sides start, scene units.
+        corner: DVec3,
+        /// A side.
+        x: DVec3,
+        /// The other side.
+        y: DVec3,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Square scene units.
+        area: f64,
+    },
+    /// Any other polygon.
+    Triangles {
+        /// The corners of each, scene units.
+        triangles: Vec<[DVec3; 3]>,
+        /// The share of the area up to the end of each triangle; the last is 1.
+        cumulative: Vec<f64>,
+        /// Unit, on the emitting side.
+        normal: DVec3,
+        /// Of all, square scene units.
+        area: f64,
+    },
+    /// A sphere, or a bubble that shines inward.
+    Sphere {
+        /// Scene units.
+        center: DVec3,
+        /// Scene units.
+        radius: f64,
+        /// The side that emits.
+        facing: Facing,
+    },
+    /// A truncated cone or cylinder; `axis` is unit.
+    Cone {
+        /// Where the axis starts, scene units.
+        base: DVec3,
+        /// Unit.
+        axis: DVec3,
+        /// Of the axis, scene units.
+        length: f64,
+        /// At the start and at the end of the axis, scene units.
+        radii: [f64; 2],
+        /// The side that emits.
+        facing: Facing,
+    },
+    /// Infinitely far: a cone of directions about `direction`.
+    Distant {
+        /// Unit, towards its middle.
+        direction: DVec3,
+        /// Unit vectors across the direction.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+        /// `sin²(θ/2)` of the half angle θ that it fills: its solid angle over 4π.
+        half_angle_sin_squared_half: f64,
+    },
+    /// What a prism makes of it: directions `direction + a·x + b·y` within the unit circle; `x` and `y` are perpendicular to the unit `direction`.
+    DistantImage {
+        /// Unit, towards its middle.
+        direction: DVec3,
+        /// Half axes of the ellipse that it fills on the plane that touches the sphere of directions at its middle.
+        x: DVec3,
+        /// The other one.
+        y: DVec3,
+    },
+}
+
+/// A place on a light, seen from a point.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit, from the receiver to the light.
+    pub direction: DVec3,
+    /// Infinite for a distant one.
+    pub distance: f64,
+    /// Per solid angle at the receiver, 1/sr.
+    pub pdf: f64,
+    /// Unit normal there on the emitting side.
+    pub normal: DVec3,
+}
+
+impl LightForm {
+    /// The form of a surface; none for what cannot be drawn from.
+    pub fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
+        match shape {
+            Shape::Polygon { start, count } => polygon_form(&scene.vertices[start as usize..][..count as usize]),
+            Shape::Sphere(handle) => {
+                let sphere = scene.spheres[handle];
+                Some(LightForm::Sphere { center: sphere.center, radius: sphere.radius, facing: sphere.facing })
+            }
+            Shape::Cone(handle) => {
+                let cone = scene.cones[handle];
+                let length = cone.base.distance(cone.apex);
+                let axis = (cone.apex - cone.base) / length;
+                let radii = [cone.base_radius, cone.apex_radius];
+                Some(LightForm::Cone { base: cone.base, axis, length, radii, facing: cone.facing })
+            }
+            Shape::Ring(handle) => {
+                let ring = scene.rings[handle];
+                let (x, y) = ring.normal.any_orthonormal_pair();
+                Some(LightForm::Disk {
+                    center: ring.center,
+                    normal: ring.normal,
+                    x,
+                    y,
+                    inner_squared: ring.inner_radius * ring.inner_radius,
+                    outer_squared: ring.outer_radius * ring.outer_radius,
+                })
+            }
+            Shape::Source(handle) => {
+                let source = scene.sources[handle];
+                let (x, y) = source.direction.any_orthonormal_pair();
+                let sin = (0.25 * source.extent.full_angle).sin();
+                Some(LightForm::Distant { direction: source.direction, x, y, half_angle_sin_squared_half: sin * sin })
+            }
+            Shape::Mesh(_) | Shape::Instance(_) => None,
+        }
+    }
+
+    /// Emitting area in square scene units; the visible disk of a sphere counts whole.
+    pub fn area(&self) -> f64 {
+        match self {
+            LightForm::Disk { inner_squared, outer_squared, .. } => PI * (outer_squared - inner_squared),
+            LightForm::Parallelogram { area, .. } | LightForm::Triangles { area, .. } => *area,
+            LightForm::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            LightForm::Cone { length, radii, .. } => PI * (radii[0] + radii[1]) * length.hypot(radii[1] - radii[0]),
+            LightForm::Distant { .. } | LightForm::DistantImage { .. } => f64::INFINITY,
+        }
+    }
+
+    /// The unit normal of a flat light on its emitting side, and a point of its plane.
+    pub fn plane(&self) -> Option<(DVec3, DVec3)> {
+        match self {
+            LightForm::Disk { center, normal, .. } => Some((*normal, *center)),
+            LightForm::Parallelogram { corner, normal, .. } => Some((*normal, *corner)),
+            LightForm::Triangles { triangles, normal, .. } => Some((*normal, triangles[0][0])),
+            _ => None,
+        }
+    }
+
+    /// A sphere around it: its centre and radius; of a distant light its direction, and no radius that is finite.
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        match self {
+            LightForm::Disk { center, outer_squared, .. } => (*center, outer_squared.sqrt()),
+            LightForm::Parallelogram { corner, x, y, .. } => {
+                (*corner + (*x + *y) * 0.5, 0.5 * (*x + *y).length().max((*x - *y).length()))
+            }
+            LightForm::Triangles { triangles, .. } => {
+                let corners = triangles.iter().flatten();
+                let count = 3.0 * triangles.len() as f64;
+                let center = corners.clone().sum::<DVec3>() / count;
+                (center, corners.map(|corner| corner.distance(center)).fold(0.0, f64::max))
+            }
+            LightForm::Sphere { center, radius, .. } => (*center, *radius),
+            LightForm::Cone { base, axis, length, radii, .. } => {
+                (*base + *axis * (0.5 * length), (0.5 * length).hypot(radii[0].max(radii[1])))
+            }
+            LightForm::Distant { direction, .. } | LightForm::DistantImage { direction, .. } => {
+                (*direction, f64::INFINITY)
+            }
+        }
+    }
+
+    /// A point of a flat form, uniform by area, from a point of the unit square, after its unit normal; `None` for any other form.
+    pub fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
+        let point = match self {
+            LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } => {
+                point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?
+            }
+            LightForm::Parallelogram { corner, x, y, .. } => *corner + *x * u + *y * v,
+            LightForm::Triangles { triangles, cumulative, .. } => point_on_triangles(triangles, cumulative, u, v),
+            _ => return None,
+        };
+        self.plane().map(|(normal, _)| (normal, point))
+    }
+
+    /// Distance along a unit direction to a flat form that turns its front to `receiver`, and the cosine under which it is met.
+    pub fn met(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+        let (normal, place) = self.plane()?;
+        let (cosine, height) = (-normal.dot(direction), normal.dot(receiver - place));
+        if cosine <= 0.0 || height <= 0.0 {
+            return None;
+        }
+        let distance = height / cosine;
+        let point = receiver + direction * distance;
+        let is_inside = match self {
+            LightForm::Disk { center, inner_squared, outer_squared, .. } => {
+                (*inner_squared..=*outer_squared).contains(&point.distance_squared(*center))
+            }
+            LightForm::Parallelogram { corner, x, y, .. } => {
+                coordinates(*x, *y, point - *corner).iter().all(|share| (0.0..=1.0).contains(share))
+            }
+            LightForm::Triangles { triangles, .. } => triangles.iter().any(|triangle| is_in(triangle, point)),
+            _ => false,
+        };
+        is_inside.then_some((distance, cosine))
+    }
+
+    /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
+    #[inline]
+    pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
+        let (point, normal, pdf) = match self {
+            LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => {
+                let area = PI * (outer_squared - inner_squared);
+                if *inner_squared == 0.0 {
+                    let radius = outer_squared.sqrt();
+                    let warp = disk_warp(gradient, *x * radius, *y * radius);
+                    let (a, b) = warp.apply(unit_disk(u, v));
+                    (*center + (*x * a + *y * b) * radius, *normal, warp.pdf((a, b)) / area)
+                } else {
+                    (point_on_ring(*center, *x, *y, *inner_squared, *outer_squared, u, v)?, *normal, area.recip())
+                }
+            }
+            LightForm::Parallelogram { corner, x, y, normal, area } => {
+                let (a, pdf_a) = exponential(gradient.dot(*x), u);
+                let (b, pdf_b) = exponential(gradient.dot(*y), v);
+                (*corner + *x * a + *y * b, *normal, pdf_a * pdf_b / area)
+            }
+            LightForm::Triangles { triangles, cumulative, normal, area } => {
+                (point_on_triangles(triangles, cumulative, u, v), *normal, area.recip())
+            }
+            LightForm::Sphere { center, radius, facing } => {
+                return sample_sphere(*center, *radius, *facing, receiver, [u, v], gradient);
+            }
+            LightForm::Cone { base, axis, length, radii, facing } => {
+                let side = self.visible_side(receiver)?;
+                let share = height_share(*radii, u);
+                let radius = radii[0] + (radii[1] - radii[0]) * share;
+                let (radial, pdf) = side.draw(v);
+                let slope = (radii[1] - radii[0]) / length;
+                let outward = (radial - *axis * slope).normalize();
+                let normal = if *facing == Facing::Outward { outward } else { -outward };
+                (*base + *axis * (share * length) + radial * radius, normal, pdf / self.area())
+            }
+            LightForm::Distant { direction, x, y, half_angle_sin_squared_half: cap } => {
+                let (towards, pdf) = direction_in_cap(*direction, *x, *y, *cap, [u, v], gradient);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, pdf, normal: -towards });
+            }
+            LightForm::DistantImage { direction, x, y } => {
+                let (a, b) = unit_disk(u, v);
+                let towards = (*direction + *x * a + *y * b).normalize();
+                let pdf = ellipse_pdf(*direction, *x, *y, towards);
+                return Some(LightSample { direction: towards, distance: f64::INFINITY, pdf, normal: -towards });
+            }
+        };
+        seen(receiver, point, normal, pdf)
+    }
+
+    /// The density with which [`LightForm::sample`] would find the place at `distance` along `direction`, 1/sr.
+    pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
+        let by_area = distance * distance / (self.area() * cosine);
+        match self {
+            LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } if *inner_squared == 0.0 => {
+                let radius = outer_squared.sqrt();
+                let from_center = receiver + direction * distance - *center;
+                let at = (from_center.dot(*x) / radius, from_center.dot(*y) / radius);
+                by_area * disk_warp(gradient, *x * radius, *y * radius).pdf(at)
+            }
+            LightForm::Parallelogram { corner, x, y, normal, area } => {
+                let from_corner = receiver + direction * distance - *corner;
+                let a = from_corner.cross(*y).dot(*normal) / area;
+                let b = x.cross(from_corner).dot(*normal) / area;
+                by_area * exponential_pdf(gradient.dot(*x), a) * exponential_pdf(gradient.dot(*y), b)
+            }
+            LightForm::Sphere { center, radius, facing: Facing::Outward }
+                if center.distance_squared(receiver) > radius * radius =>
+            {
+                let axis = (*center - receiver).normalize();
+                let (x, y) = axis.any_orthonormal_pair();
+                cap_pdf(axis, x, y, sphere_cap(*center, *radius, receiver), direction, gradient)
+            }
+            LightForm::Distant { direction: axis, x, y, half_angle_sin_squared_half } => {
+                cap_pdf(*axis, *x, *y, *half_angle_sin_squared_half, direction, gradient)
+            }
+            LightForm::Cone { base, axis, .. } => {
+                let from_base = receiver + direction * distance - *base;
+                let from_axis = (from_base - *axis * from_base.dot(*axis)).normalize_or_zero();
+                self.visible_side(receiver).map_or(0.0, |side| by_area * side.pdf(from_axis))
+            }
+            LightForm::DistantImage { direction: axis, x, y } => ellipse_pdf(*axis, *x, *y, direction),
+            _ => by_area,
+        }
+    }
+
+    /// The part of a cone that a point sees; `None` where it is nothing, and for other forms.
+    fn visible_side(&self, receiver: DVec3) -> Option<VisibleSide> {
+        let LightForm::Cone { base, axis, length, radii, facing } = self else { return None };
+        VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
+    }
+
+    /// Solid angle of a distant light, or a bound from the area of a near one, sr.
+    pub fn solid_angle(&self, distance: f64) -> f64 {
+        match self {
+            LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
+            LightForm::DistantImage { x, y, .. } => PI * x.cross(*y).length(),
+            form => form.area() / (distance * distance),
+        }
+    }
+}
+
+/// A place on a surface as a receiver sees it, with its density by area turned into one by solid angle.
+#[inline]
+pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_pdf: f64) -> Option<LightSample> {
+    let offset = point - receiver;
+    let squared = offset.length_squared();
+    let distance = squared.sqrt();
+    let direction = offset / distance;
+    let cosine = -direction.dot(normal);
+    (cosine > 0.0).then(|| LightSample { direction, distance, pdf: squared * area_pdf / cosine, normal })
+}
+
+/// The two numbers whose multiples of `x` and `y` add up to a vector in their plane.
+pub fn coordinates(x: DVec3, y: DVec3, vector: DVec3) -> [f64; 2] {
+    let across = x.cross(y);
+    [vector.cross(y), x.cross(vector)].map(|part| part.dot(across) / across.length_squared())
+}
+
+/// Whether a point of a triangle's plane is in the triangle.
+fn is_in(&[a, b, c]: &[DVec3; 3], point: DVec3) -> bool {
+    let across = (b - a).cross(c - a);
+    [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(point - *from).dot(across) >= 0.0)
+}
+
+/// The tilt of a disk with these radii as its axes.
+#[inline]
+fn disk_warp(gradient: DVec3, x: DVec3, y: DVec3) -> DiskWarp {
+    DiskWarp::new(gradient.dot(x), gradient.dot(y))
+}
+
+fn point_on_ring(center: DVec3, x: DVec3, y: DVec3, inner: f64, outer: f64, u: f64, v: f64) -> Option<DVec3> {
+    let (a, b) = unit_disk(u, v);
+    let squared = a * a + b * b;
+    // The disk is squeezed into the ring's width, uniform by area.
+    let scale = (squared > 0.0).then(|| ((inner + squared * (outer - inner)) / squared).sqrt())?;
+    Some(center + (x * a + y * b) * scale)
+}
+
+/// `sin²(θ/2)` of the half angle θ under which a sphere is seen, without cancellation; 1/2·(1 − cos θ).
+fn sphere_cap(center: DVec3, radius: f64, receiver: DVec3) -> f64 {
+    let squared = center.distance_squared(receiver);
+    let sin_squared = (radius * radius / squared).min(1.0);
+    let cosine = (1.0 - sin_squared).sqrt();
+    0.5 * sin_squared / (1.0 + cosine)
+}
+
+fn cap_solid_angle(sin_squared_half: f64) -> f64 {
+    4.0 * PI * sin_squared_half
+}
+
+/// A unit direction within the cap about `axis`, and its density: cosine and azimuth through the (tilted) concentric map.
+fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, cap: f64, [u, v]: [f64; 2], gradient: DVec3) -> (DVec3, f64) {
+    let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
+    let warp = disk_warp(gradient, x * rim, y * rim);
+    let (a, b) = warp.apply(unit_disk(u, v));
+    // 1 − cos θ' = (a² + b²)·(1 − cos θ), and sin θ' follows without cancellation.
+    let versed = 2.0 * cap * (a * a + b * b);
+    let scale = (2.0 * cap * (2.0 - versed)).sqrt();
+    (axis * (1.0 - versed) + x * (a * scale) + y * (b * scale), warp.pdf((a, b)) / cap_solid_angle(cap))
+}
+
+/// The density of [`direction_in_cap`].
+fn cap_pdf(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient: DVec3) -> f64 {
+    let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
+    let versed = 0.5 * direction.distance_squared(axis);
+    let scale = (2.0 * cap * (2.0 - versed)).sqrt();
+    let at = (direction.dot(x) / scale, direction.dot(y) / scale);
+    disk_warp(gradient, x * rim, y * rim).pdf(at) / cap_solid_angle(cap)
+}
+
+/// Directions that are even on the plane that touches their sphere in `axis`, over an ellipse of that plane, per solid angle.
+fn ellipse_pdf(axis: DVec3, x: DVec3, y: DVec3, towards: DVec3) -> f64 {
+    // A piece of the plane at 1/cos is seen under that cosine.
+    (PI * x.cross(y).length() * axis.dot(towards).powi(3)).recip()
+}
+
+fn sample_sphere(
+    center: DVec3,
+    radius: f64,
+    facing: Facing,
+    receiver: DVec3,
+    [u, v]: [f64; 2],
+    gradient: DVec3,
+) -> Option<LightSample> {
+    let axis = center - receiver;
+    let squared = axis.length_squared();
+    if facing == Facing::Inward || squared <= radius * radius {
+        return sample_sphere_by_area(center, radius, facing, receiver, u, v);
+    }
+    let axis = axis / squared.sqrt();
+    let (x, y) = axis.any_orthonormal_pair();
+    let cap = sphere_cap(center, radius, receiver);
+    let (direction, pdf) = direction_in_cap(axis, x, y, cap, [u, v], gradient);
+    let along = (center - receiver).dot(direction);
+    let miss_squared = (squared - along * along).min(radius * radius);
+    let distance = along - (radius * radius - miss_squared).sqrt();
+    let normal = (receiver + direction * distance - center) / radius;
+    Some(LightSample { direction, distance, pdf, normal })
+}
+
+fn sample_sphere_by_area(
+    center: DVec3,
+    radius: f64,
+    facing: Facing,
+    receiver: DVec3,
+    u: f64,
+    v: f64,
+) -> Option<LightSample> {
+    let z = 1.0 - 2.0 * u;
+    let (sin, cos) = (TAU * v).sin_cos();
+    let rim = (1.0 - z * z).max(0.0).sqrt();
+    let outward = DVec3::new(rim * cos, rim * sin, z);
+    let normal = if facing == Facing::Outward { outward } else { -outward };
+    seen(receiver, center + outward * radius, normal, (4.0 * PI * radius * radius).recip())
+}
+
+/// The share of the height of a truncated cone at which a share `u` of its area lies below.
+fn height_share(radii: [f64; 2], u: f64) -> f64 {
+    let [low, high] = radii;
+    let squared = low * low + u * (high * high - low * low);
+    let radius = squared.max(0.0).sqrt();
+    // s = (r − r₀)/(r₁ − r₀) = u·(r₀ + r₁)/(r + r₀), which also serves the cylinder.
+    if radius + low > 0.0 { u * (low + high) / (radius + low) } else { 0.0 }
+}
+
+fn point_on_triangles(triangles: &[[DVec3; 3]], cumulative: &[f64], u: f64, v: f64) -> DVec3 {
+    let index = cumulative.partition_point(|share| *share <= u).min(triangles.len() - 1);
+    let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
+    let u = ((u - before) / (cumulative[index] - before)).clamp(0.0, 1.0);
+    let [a, b, c] = triangles[index];
+    let root = u.sqrt();
+    a + (b - a) * (root * (1.0 - v)) + (c - a) * (root * v)
+}
+
+fn polygon_form(vertices: &[DVec3]) -> Option<LightForm> {
+    let normal = polygon_normal(vertices)?;
+    if let [a, b, c, d] = vertices {
+        let (x, y) = (*b - *a, *d - *a);
+        if (*a + x + y).distance(*c) <= 1e-9 * (x.length() + y.length()) {
+            return Some(LightForm::Parallelogram { corner: *a, x, y, normal, area: x.cross(y).length() });
+        }
+    }
+    let triangles = triangulate(vertices, normal);
+    let mut area = 0.0;
+    let mut cumulative = Vec::with_capacity(triangles.len());
+    for [a, b, c] in &triangles {
+        area += 0.5 * (*b - *a).cross(*c - *a).length();
+        cumulative.push(area);
+    }
+    if area.is_nan() || area <= 0.0 {
+        return None;
+    }
+    cumulative.iter_mut().for_each(|sum| *sum /= area);
+    Some(LightForm::Triangles { triangles, cumulative, normal, area })
+}
+
+fn triangulate(vertices: &[DVec3], normal: DVec3) -> Vec<[DVec3; 3]> {
+    let (x, y) = normal.any_orthonormal_pair();
+    let flat = vertices.iter().map(|vertex| {
+        let from_first = *vertex - vertices[0];
+        [from_first.dot(x), from_first.dot(y)]
+    });
+    let mut indices: Vec<u32> = Vec::new();
+    Earcut::new().earcut(flat, &[], &mut indices);
+    indices.chunks_exact(3).map(|t| [0, 1, 2].map(|corner| vertices[t[corner] as usize])).collect()
+}

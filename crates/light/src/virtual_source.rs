@@ -1,0 +1,101 @@
+//! Virtual sources: lights as they are seen in plane mirrors and through prisms (Radiance's `virtuals.c`).
+
+use crate::form::LightForm;
+use glam::DVec3;
+use radsight_accel::MemberId;
+use radsight_ir::SurfaceHandle;
+
+/// A plane mirror or prism that relays a light.
+#[derive(Clone, Copy, Debug)]
+pub struct VirtualSource {
+    /// The mirror or prism.
+    pub surface: SurfaceHandle,
+    /// Its name to the search for surfaces.
+    pub member: MemberId,
+    /// A point of its plane, scene units.
+    pub point: DVec3,
+    /// Unit normal of its plane, on the front.
+    pub normal: DVec3,
+    /// How far a point's image is from it, for each unit of its height above the plane: −2 normals for a mirror.
+    pub shift: DVec3,
+    /// For a prism.
+    pub redirection: Option<Redirection>,
+}
+
+/// How a prism relays a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Redirection {
+    /// Which of the prism's faces.
+    pub face: u32,
+    /// Centre of the light as it is seen from the prism, or the unit direction to a distant one.
+    pub target: DVec3,
+    /// Whether `target` is a direction.
+    pub is_distant: bool,
+}
+
+impl VirtualSource {
+    /// Where a point appears, scene units.
+    pub fn image_of_point(&self, point: DVec3) -> DVec3 {
+        point + self.shift * self.normal.dot(point - self.point)
+    }
+
+    /// As long as the direction only for a mirror.
+    pub fn image_of_direction(&self, direction: DVec3) -> DVec3 {
+        direction + self.shift * self.normal.dot(direction)
+    }
+
+    /// The unit image of a unit direction.
+    pub fn image_of_unit(&self, direction: DVec3) -> DVec3 {
+        let image = self.image_of_direction(direction);
+        if self.redirection.is_some() { image.normalize_or(direction) } else { image }
+    }
+}
+
+/// The form seen by way of a mirror or prism. A distant light in a prism
+/// may have an image of another form, which only the prism tells.
+pub fn virtual_form(form: &LightForm, virtual_source: &VirtualSource) -> LightForm {
+    let point = |p: &DVec3| virtual_source.image_of_point(*p);
+    let vector = |v: &DVec3| virtual_source.image_of_direction(*v);
+    let unit = |v: &DVec3| virtual_source.image_of_unit(*v);
+    match form {
+        LightForm::Disk { center, normal, x, y, inner_squared, outer_squared } => LightForm::Disk {
+            center: point(center),
+            normal: unit(normal),
+            x: vector(x),
+            y: vector(y),
+            inner_squared: *inner_squared,
+            outer_squared: *outer_squared,
+        },
+        LightForm::Parallelogram { corner, x, y, normal, area } => LightForm::Parallelogram {
+            corner: point(corner),
+            x: vector(x),
+            y: vector(y),
+            normal: unit(normal),
+            area: *area,
+        },
+        LightForm::Triangles { triangles, cumulative, normal, area } => LightForm::Triangles {
+            triangles: triangles
+                .iter()
+                .map(|triangle| triangle.map(|corner| virtual_source.image_of_point(corner)))
+                .collect(),
+            cumulative: cumulative.clone(),
+            normal: unit(normal),
+            area: *area,
+        },
+        LightForm::Sphere { center, radius, facing } => {
+            LightForm::Sphere { center: point(center), radius: *radius, facing: *facing }
+        }
+        LightForm::Cone { base, axis, length, radii, facing } => {
+            LightForm::Cone { base: point(base), axis: unit(axis), length: *length, radii: *radii, facing: *facing }
+        }
+        LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => LightForm::Distant {
+            direction: unit(direction),
+            x: unit(x),
+            y: unit(y),
+            half_angle_sin_squared_half: *half_angle_sin_squared_half,
+        },
+        LightForm::DistantImage { direction, x, y } => {
+            LightForm::DistantImage { direction: unit(direction), x: vector(x), y: vector(y) }
+        }
+    }
+}

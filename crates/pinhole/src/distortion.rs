@@ -1,0 +1,194 @@
+//! Calibrated cameras: the camera matrix and the distortion of OpenCV and ROS.
+//!
+//! A pixel's distorted place `((u − cx)/fx, (v − cy)/fy)` and the undistorted slopes (x, y) = (X/Z, Y/Z) of its chief ray are
+//! bound by the models of OpenCV's calib3d: `plumb_bob` and `rational` (Brown and Conrady; with thin prism terms), and `fisheye`
+//! (Kannala and Brandt, PAMI 28(8), 2006). x runs right, y down, Z forwards; the middle of the first pixel is (0, 0).
+
+use crate::CameraError;
+
+/// Iterations after which a place is taken to have no ray.
+const MOST_ITERATIONS: u32 = 40;
+/// Slopes are found to this.
+const PRECISION: f64 = 1e-12;
+/// Step of the derivatives.
+const STEP: f64 = 1e-6;
+
+/// How slopes are distorted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Distortion {
+    /// `x_d = x (1+k1 r²+k2 r⁴+k3 r⁶)/(1+k4 r²+k5 r⁴+k6 r⁶) + 2 p1 xy + p2 (r²+2x²) + s1 r² + s2 r⁴`, and y alike, in OpenCV's order
+    /// k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4; trailing ones are 0 (`plumb_bob`: five, `rational_polynomial`: eight).
+    Rational([f64; 12]),
+    /// `θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`, with θ the angle to the axis.
+    Fisheye([f64; 4]),
+}
+
+impl Distortion {
+    /// The distorted place of slopes (x, y).
+    #[must_use]
+    pub fn distort(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        match self {
+            Distortion::Rational([k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4]) => {
+                let r2 = x * x + y * y;
+                let radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / (1.0 + r2 * (k4 + r2 * (k5 + r2 * k6)));
+                [
+                    x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (s1 + r2 * s2),
+                    y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4),
+                ]
+            }
+            Distortion::Fisheye([k1, k2, k3, k4]) => {
+                let r = x.hypot(y);
+                let theta = r.atan();
+                let t2 = theta * theta;
+                let distorted = theta * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))));
+                let scale = if r > 1e-9 { distorted / r } else { 1.0 };
+                [x * scale, y * scale]
+            }
+        }
+    }
+
+    /// The slopes of a distorted place, and by how much area grows on the way to them. `None` where there are none that are
+    /// connected with the middle of the picture: beyond the place at which the model folds back.
+    #[must_use]
+    pub fn undistort(&self, place: [f64; 2]) -> Option<([f64; 2], f64)> {
+        // From the middle outwards: each step starts at the solution of the one before, so no other branch is met.
+        let steps = 1 + (4.0 * place[0].hypot(place[1])) as u32;
+        let mut slopes = [0.0, 0.0];
+        for step in 1..=steps.min(64) {
+            let share = f64::from(step) / f64::from(steps.min(64));
+            slopes = self.solve(place.map(|at| at * share), slopes)?;
+        }
+        let determinant = self.determinant(slopes);
+        (determinant > 0.0).then(|| (slopes, determinant.recip()))
+    }
+
+    /// Newton's method.
+    fn solve(&self, place: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
+        let [mut x, mut y] = start;
+        for _ in 0..MOST_ITERATIONS {
+            let [fx, fy] = self.distort([x, y]);
+            let (dx, dy) = (place[0] - fx, place[1] - fy);
+            if dx.hypot(dy) < PRECISION * (1.0 + place[0].hypot(place[1])) {
+                return Some([x, y]);
+            }
+            let [[a, b], [c, d]] = self.derivatives([x, y]);
+            let determinant = a * d - b * c;
+            if determinant.is_nan() || determinant <= 0.0 {
+                return None;
+            }
+            x += (d * dx - b * dy) / determinant;
+            y += (a * dy - c * dx) / determinant;
+        }
+        None
+    }
+
+    fn determinant(&self, slopes: [f64; 2]) -> f64 {
+        let [[a, b], [c, d]] = self.derivatives(slopes);
+        a * d - b * c
+    }
+
+    fn derivatives(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+        let step = STEP * (1.0 + x.hypot(y));
+        let [right, left] = [step, -step].map(|step| self.distort([x + step, y]));
+        let [above, below] = [step, -step].map(|step| self.distort([x, y + step]));
+        let slope = |high: f64, low: f64| (high - low) / (2.0 * step);
+        [[slope(right[0], left[0]), slope(above[0], below[0])], [slope(right[1], left[1]), slope(above[1], below[1])]]
+    }
+}
+
+/// A calibrated camera: where on the picture which slope appears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraMatrix {
+    /// fx and fy, focal distances in pixels.
+    pub focal: [f64; 2],
+    /// cx and cy: the principal point, pixels from the middle of the first one.
+    pub center: [f64; 2],
+    /// How slopes are distorted.
+    pub distortion: Distortion,
+}
+
+impl CameraMatrix {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// When a focal distance is not positive, or a number is not finite.
+    pub fn checked(self) -> Result<Self, CameraError> {
+        for value in self.focal {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(CameraError::NotPositive { quantity: "focal distance in pixels", value });
+            }
+        }
+        let coefficients: &[f64] = match &self.distortion {
+            Distortion::Rational(all) => all,
+            Distortion::Fisheye(all) => all,
+        };
+        if !self.center.iter().chain(coefficients).all(|value| value.is_finite()) {
+            return Err(CameraError::NotFinite { quantity: "the camera matrix" });
+        }
+        Ok(self)
+    }
+
+    /// The slopes (right, up) of a place of the picture (pixels from its left and top edge), and the growth of area from
+    /// the picture, in units of the focal distances, to them.
+    #[must_use]
+    pub fn slopes(&self, [column, row]: [f64; 2]) -> Option<([f64; 2], f64)> {
+        let place = [(column - 0.5 - self.center[0]) / self.focal[0], (row - 0.5 - self.center[1]) / self.focal[1]];
+        let ([x, y], growth) = self.distortion.undistort(place)?;
+        Some(([x, -y], growth))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODELS: [Distortion; 4] = [
+        Distortion::Rational([0.0; 12]),
+        Distortion::Rational([-0.28, 0.09, 1e-3, -7e-4, -0.012, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        Distortion::Rational([0.5, 0.1, 1e-4, 2e-4, 0.01, 0.8, 0.3, 0.05, 1e-3, 2e-4, -1e-3, 1e-4]),
+        Distortion::Fisheye([-0.01, 0.02, -0.005, 0.001]),
+    ];
+
+    #[test]
+    fn distortion_and_its_inverse_cancel() {
+        for model in MODELS {
+            for k in 0..400 {
+                let (x, y) = (f64::from(k % 20) * 0.06 - 0.6, f64::from(k / 20) * 0.05 - 0.5);
+                let (found, growth) = model.undistort(model.distort([x, y])).unwrap();
+                assert!((found[0] - x).abs() < 1e-9 && (found[1] - y).abs() < 1e-9, "{model:?} at {x} {y}: {found:?}");
+                assert!(growth > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_fisheye_sees_far_to_the_side() {
+        let model = Distortion::Fisheye([0.0; 4]);
+        // 80 degrees from the axis appear at their own angle.
+        let angle = 80f64.to_radians();
+        let (slopes, _) = model.undistort([angle, 0.0]).unwrap();
+        assert!((slopes[0] / angle.tan() - 1.0).abs() < 1e-9);
+        assert_eq!(model.undistort([1.6, 0.0]), None, "more than 90 degrees");
+    }
+
+    #[test]
+    fn places_beyond_the_fold_have_no_ray() {
+        // x − 0.5 x³ is largest at √(2/3), where it is 0.544.
+        let model = Distortion::Rational([-0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!(model.undistort([0.53, 0.0]).is_some());
+        assert_eq!(model.undistort([0.56, 0.0]), None);
+    }
+
+    #[test]
+    fn the_growth_of_area_is_that_of_a_small_square() {
+        for model in MODELS {
+            let place = model.distort([0.3, -0.2]);
+            let (_, growth) = model.undistort(place).unwrap();
+            let corner = |dx: f64, dy: f64| model.undistort([place[0] + dx, place[1] + dy]).unwrap().0;
+            let (o, a, b) = (corner(0.0, 0.0), corner(1e-5, 0.0), corner(0.0, 1e-5));
+            let area = ((a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])) / 1e-10;
+            assert!((area / growth - 1.0).abs() < 1e-3, "{model:?}: {area} {growth}");
+        }
+    }
+}

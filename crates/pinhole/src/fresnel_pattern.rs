@@ -1,0 +1,274 @@
+//! The diffraction pattern of a round hole.
+//!
+//! A point at distance D before a hole of radius a gives, on a sensor f behind it, the irradiance (Fresnel's approximation of scalar
+//! diffraction; Born and Wolf, Principles of Optics, sections 8.3.3 and 8.8.1)
+//!
+//! `I(v) = |2 ∫₀¹ exp(iπN t²) J₀(2πN t v) t dt|²`, N = a² (1/f + 1/D)/λ
+//!
+//! over that of no diffraction at the middle of a small hole. v is the distance from the point's central projection in units of
+//! the geometric shadow's radius a(1 + f/D), so the geometric image is the disk v < 1 whatever D is. All that distance and
+//! wavelength change is the Fresnel number N. As a density over that plane it is `πN² I(v)`, of integral 1 (Parseval).
+
+use std::f64::consts::PI;
+
+/// The pattern of this Fresnel number stands for those of larger ones, too, which are nearer still to the geometric disk.
+pub(crate) const LARGEST_FRESNEL_NUMBER: f64 = 1000.0;
+
+/// Cells of the table to one interference fringe.
+const CELLS_A_FRINGE: f64 = 12.0;
+/// The fewest cells.
+const FEWEST_CELLS: f64 = 2048.0;
+
+/// The relative irradiance I(v), 1 at the middle of a small hole: Lommel's series (Born and Wolf, eqs. 8.8.15, 17 and 20).
+#[must_use]
+pub fn fresnel_irradiance(fresnel_number: f64, v: f64) -> f64 {
+    let u = 2.0 * PI * fresnel_number;
+    let x = u * v;
+    if v >= 1.0 {
+        let [first, second] = lommel(u / x, x, 1);
+        return (2.0 / u).powi(2) * (first * first + second * second);
+    }
+    let [v0, v1] = lommel(v, x, 0);
+    let phase = 0.5 * (u + x * v);
+    let sum = 1.0 + v0 * v0 + v1 * v1 - 2.0 * (v0 * phase.cos() + v1 * phase.sin());
+    (2.0 / u).powi(2) * sum.max(0.0)
+}
+
+/// `Σ (−1)ˢ rⁿ⁺²ˢ Jₙ₊₂ₛ(x)` for n = `first` and one more.
+fn lommel(ratio: f64, x: f64, first: usize) -> [f64; 2] {
+    let bessel = bessel(x);
+    let mut sums = [0.0; 2];
+    let mut power = ratio.powi(first as i32);
+    for (index, value) in bessel.iter().skip(first).enumerate() {
+        let sign = if index / 2 % 2 == 0 { 1.0 } else { -1.0 };
+        sums[index % 2] += sign * power * value;
+        power *= ratio;
+    }
+    sums
+}
+
+/// J₀(x), J₁(x), … up to where they vanish: Miller's downward recurrence, normalised by J₀ + 2J₂ + 2J₄ + … = 1.
+fn bessel(x: f64) -> Vec<f64> {
+    if x < 1e-8 {
+        return vec![1.0, 0.5 * x];
+    }
+    let count = (x + 12.0 * x.cbrt() + 24.0) as usize;
+    let mut values = vec![0.0; count + 1];
+    let (mut above, mut own) = (0.0, 1e-280);
+    let mut sum = 0.0;
+    for order in (0..=count).rev() {
+        values[order] = own;
+        if order % 2 == 0 {
+            sum += if order == 0 { own } else { 2.0 * own };
+        }
+        (above, own) = (own, 2.0 * order as f64 / x * own - above);
+        if own.abs() > 1e250 {
+            values[order..].iter_mut().for_each(|value| *value *= 1e-280);
+            (above, own, sum) = (above * 1e-280, own * 1e-280, sum * 1e-280);
+        }
+    }
+    values.iter_mut().for_each(|value| *value /= sum);
+    values
+}
+
+/// The pattern, ready to be drawn from: of one wavelength, or of several together.
+///
+/// Between the nodes of the table the density is even by area. Beyond the last one the fringes are averaged: what the two ends of
+/// the rim send there falls as `1/(v−1)² + 1/(v+1)²`. Nothing is cut off, so the whole energy is kept.
+#[derive(Clone, Debug)]
+pub(crate) struct FresnelPattern {
+    nodes: Vec<f64>,
+    /// Energy within each node.
+    within: Vec<f64>,
+    /// For each band the energy of each cell, the tail last, over that of the mixture.
+    ratios: Vec<Vec<f64>>,
+}
+
+/// A place of the pattern that was drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Draw {
+    /// In units of the hole's radius.
+    pub(crate) v: f64,
+    pub(crate) cell: u32,
+}
+
+impl FresnelPattern {
+    /// The even mixture of the patterns of bands with these Fresnel numbers.
+    pub(crate) fn new(fresnel_numbers: &[f64]) -> FresnelPattern {
+        let numbers: Vec<f64> = fresnel_numbers.iter().map(|number| number.min(LARGEST_FRESNEL_NUMBER)).collect();
+        let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = numbers.iter().copied().fold(0.0, f64::max);
+        let end = 1.0 + 10.0 / least + 4.0 / least.sqrt();
+        let cells = (end * 2.0 * most * CELLS_A_FRINGE).ceil().max(FEWEST_CELLS) as usize;
+        let nodes: Vec<f64> = (0..=cells).map(|node| end * node as f64 / cells as f64).collect();
+        let of_bands: Vec<Vec<f64>> = numbers.iter().map(|&number| cell_energies(number, &nodes)).collect();
+        let share = (numbers.len() as f64).recip();
+        let mixed: Vec<f64> =
+            (0..=cells).map(|cell| share * of_bands.iter().map(|band| band[cell]).sum::<f64>()).collect();
+        let ratio = |band: &Vec<f64>| {
+            band.iter().zip(&mixed).map(|(own, mixed)| if *mixed > 0.0 { own / mixed } else { 1.0 }).collect()
+        };
+        let mut within = vec![0.0];
+        within.extend(mixed[..cells].iter().scan(0.0, |sum, energy| {
+            *sum += energy;
+            Some(*sum)
+        }));
+        FresnelPattern { ratios: of_bands.iter().map(ratio).collect(), nodes, within }
+    }
+
+    /// The distance from the middle for a number from 0 to 1.
+    #[inline]
+    pub(crate) fn draw(&self, u: f64) -> Draw {
+        let last = self.nodes.len() - 1;
+        let end = self.within[last];
+        if u >= end {
+            // The share of the tail that is farther out, times its integral at the last node.
+            let farther = ((1.0 - u) / (1.0 - end)).max(1e-12);
+            let node = self.nodes[last];
+            let integral = farther * 2.0 * node / (node * node - 1.0);
+            return Draw { v: (1.0 + (1.0 + integral * integral).sqrt()) / integral, cell: last as u32 };
+        }
+        let cell = self.within.partition_point(|within| *within <= u) - 1;
+        let (low, high) = (self.nodes[cell], self.nodes[cell + 1]);
+        let share = (u - self.within[cell]) / (self.within[cell + 1] - self.within[cell]);
+        Draw { v: (low * low + share * (high * high - low * low)).sqrt(), cell: cell as u32 }
+    }
+
+    /// The density of a band at a place over that with which places are drawn.
+    #[inline]
+    pub(crate) fn ratio(&self, band: usize, cell: u32) -> f64 {
+        self.ratios[band.min(self.ratios.len() - 1)][cell as usize]
+    }
+
+    pub(crate) fn bands(&self) -> usize {
+        self.ratios.len()
+    }
+}
+
+/// The energy of one Fresnel number in each cell by Simpson's rule, and what is left beyond the last node.
+fn cell_energies(fresnel_number: f64, nodes: &[f64]) -> Vec<f64> {
+    let density = |v: f64| 2.0 * PI * v * PI * fresnel_number.powi(2) * fresnel_irradiance(fresnel_number, v);
+    let mut before = density(nodes[0]);
+    let mut energies: Vec<f64> = nodes
+        .windows(2)
+        .map(|cell| {
+            let after = density(cell[1]);
+            let energy = (cell[1] - cell[0]) / 6.0 * (before + 4.0 * density(0.5 * (cell[0] + cell[1])) + after);
+            before = after;
+            energy
+        })
+        .collect();
+    let rest = 1.0 - energies.iter().sum::<f64>();
+    energies.push(rest.max(0.0));
+    energies
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The defining integral by Simpson's rule, with J₀ from its own integral: nothing is shared with the series.
+    fn direct(fresnel_number: f64, v: f64) -> f64 {
+        let steps = 2 * (200.0 + 40.0 * fresnel_number * (1.0 + v)) as usize;
+        let j0 = |x: f64| {
+            let angles = 64 + 2 * x as usize;
+            (0..angles).map(|k| (x * (PI * (k as f64 + 0.5) / angles as f64).sin()).cos()).sum::<f64>() / angles as f64
+        };
+        let (mut real, mut imaginary) = (0.0, 0.0);
+        for step in 0..=steps {
+            let t = step as f64 / steps as f64;
+            let weight = if step == 0 || step == steps { 1.0 } else { 2.0 + 2.0 * (step % 2) as f64 };
+            let value = weight * j0(2.0 * PI * fresnel_number * t * v) * t;
+            let (sin, cos) = (PI * fresnel_number * t * t).sin_cos();
+            real += value * cos;
+            imaginary += value * sin;
+        }
+        let scale = 2.0 / (3.0 * steps as f64);
+        (scale * real).powi(2) + (scale * imaginary).powi(2)
+    }
+
+    #[test]
+    fn the_series_are_the_integral_to_a_millionth_of_the_peak() {
+        for number in [0.02, 0.3, 0.578, 1.0, 2.0, 3.7, 12.0] {
+            let places: Vec<f64> = (0..60).map(|k| f64::from(k) * 0.05 * (1.0 + 1.0 / number)).chain([1.0]).collect();
+            let peak = places.iter().map(|&v| direct(number, v)).fold(0.0, f64::max);
+            for v in places {
+                let (found, expected) = (fresnel_irradiance(number, v), direct(number, v));
+                assert!((found - expected).abs() < 1e-6 * peak, "N {number}, v {v}: {found} against {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn on_the_axis_it_is_the_closed_form() {
+        // |2 ∫ exp(iπN t²) t dt|² = (sin(πN/2)/(πN/2))²; an even N is dark.
+        for number in [0.1, 0.578, 2.0, 5.3] {
+            let half = 0.5 * PI * number;
+            assert!((fresnel_irradiance(number, 0.0) - (half.sin() / half).powi(2)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_small_hole_gives_airys_pattern_with_its_zero_at_1_22() {
+        let number = 1e-3;
+        // s = 1.22 λ f/d for a far object is v = s/a = 1.22/(2 N).
+        let dark = 1.219_67 / (2.0 * number);
+        assert!(fresnel_irradiance(number, dark) < 1e-6);
+        assert!(fresnel_irradiance(number, 0.9 * dark) > 1e-3 && fresnel_irradiance(number, 1.1 * dark) > 1e-3);
+        let half = 0.514_5 / (2.0 * number);
+        assert!((fresnel_irradiance(number, half) - 0.5).abs() < 2e-3, "half of the full width 1.029 λ f/d");
+    }
+
+    #[test]
+    fn a_large_hole_gives_the_geometric_disk() {
+        let number = 300.0;
+        let pattern = FresnelPattern::new(&[number]);
+        let energy = |v: f64| {
+            let node = pattern.nodes.partition_point(|node| *node < v);
+            pattern.within[node]
+        };
+        for v in [0.2, 0.5, 0.8] {
+            assert!((energy(v) - v * v).abs() < 0.02, "{v}: {}", energy(v));
+        }
+        assert!(energy(1.1) > 0.99);
+    }
+
+    #[test]
+    fn the_energy_is_kept_to_a_ten_thousandth() {
+        for number in [0.05, 0.3, 0.578, 1.0, 4.0, 20.0, 100.0] {
+            let pattern = FresnelPattern::new(&[number]);
+            let end = *pattern.nodes.last().unwrap();
+            // Beyond the last node, from the rim's two ends: T/(2π²N) with T = 2v/(v²−1).
+            let tail = 2.0 * end / (end * end - 1.0) / (2.0 * PI * PI * number);
+            let whole = pattern.within.last().unwrap() + tail;
+            assert!((whole - 1.0).abs() < 1e-4, "N {number}: {whole}");
+        }
+    }
+
+    #[test]
+    fn draws_follow_the_energy_and_reach_into_the_tail() {
+        let pattern = FresnelPattern::new(&[0.578]);
+        let last = pattern.within.last().copied().unwrap();
+        let end = pattern.nodes.last().copied().unwrap();
+        for (node, within) in pattern.nodes.iter().zip(&pattern.within).skip(1).step_by(37) {
+            assert!((pattern.draw(within - 1e-9).v / node - 1.0).abs() < 1e-4);
+        }
+        assert!((pattern.draw(last + 1e-9).v / end - 1.0).abs() < 1e-3);
+        assert!(pattern.draw(0.5 * (1.0 + last)).v > 1.9 * end);
+        assert!(pattern.draw(1.0).v.is_finite());
+    }
+
+    #[test]
+    fn bands_are_weighted_to_their_own_pattern() {
+        let pattern = FresnelPattern::new(&[0.5, 0.8]);
+        let cells = pattern.nodes.len() - 1;
+        for band in 0..2 {
+            let mean: f64 = (0..cells)
+                .map(|cell| (pattern.within[cell + 1] - pattern.within[cell]) * pattern.ratio(band, cell as u32))
+                .sum::<f64>()
+                + (1.0 - pattern.within[cells]) * pattern.ratio(band, cells as u32);
+            assert!((mean - 1.0).abs() < 1e-9, "{mean}");
+            assert!((0..=cells as u32).all(|cell| pattern.ratio(band, cell) <= 2.0 + 1e-9));
+        }
+    }
+}

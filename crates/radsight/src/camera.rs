@@ -1,0 +1,44 @@
+//! Cameras of one's own.
+
+use glam::DVec3;
+use radsight_render::Ray;
+
+/// A ray of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraRay {
+    /// Where it starts, scene units.
+    pub origin: DVec3,
+    /// Where it goes; need not be of unit length.
+    pub direction: DVec3,
+    /// What its radiance is multiplied by, such as cos⁴ or vignetting.
+    pub weight: f64,
+}
+
+/// Turns points of a film into rays.
+///
+/// ```
+/// use radsight::{Camera, CameraRay, Renderer, Scene};
+/// # use glam::DVec3;
+/// /// Looks along +y, without perspective; the film is two units wide.
+/// struct Orthographic;
+/// impl Camera for Orthographic {
+///     fn ray(&self, [x, y]: [f64; 2], _aperture: [f64; 2]) -> Option<CameraRay> {
+///         let origin = DVec3::new(2.0 * x - 1.0, 0.0, 1.0 - 2.0 * y);
+///         Some(CameraRay { origin, direction: DVec3::Y, weight: 1.0 })
+///     }
+/// }
+/// let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 5 0 .5")?;
+/// let image = Renderer::new(&scene)?.samples(64).render_camera(&Orthographic, 32, 32)?;
+/// let share: f32 = image.pixels().iter().map(|pixel| pixel[0]).sum::<f32>() / 1024.0;
+/// assert!((share - std::f32::consts::PI / 16.0).abs() < 0.002, "{share}");
+/// # Ok::<(), radsight::Error>(())
+/// ```
+pub trait Camera: Sync {
+    /// The ray through a point of the film, (0, 0) its top left corner and (1, 1) the bottom right one, and a point of the
+    /// aperture in the unit square; `None` where nothing is seen. Both are evenly spread.
+    fn ray(&self, film: [f64; 2], aperture: [f64; 2]) -> Option<CameraRay>;
+}
+
+pub(crate) fn checked(ray: CameraRay) -> Option<(Ray, f64)> {
+    Ray::new(ray.origin, ray.direction).map(|traced| (traced, ray.weight))
+}

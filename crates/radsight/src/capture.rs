@@ -1,0 +1,175 @@
+//! A scene through a real camera.
+
+use crate::error::{Error, Report};
+use crate::file_loader::FileLoader;
+use crate::renderer::check_materials;
+use crate::scene::Scene;
+use radsight_camera::CameraFile;
+use radsight_capture::{Exposure, Progress, Silent, expose_to_error, expose_with_samples};
+use radsight_diag::SourceMap;
+use radsight_loader::{FileKind, Loader};
+use radsight_pinhole::Rays;
+use radsight_render::{RenderOptions, RenderPlan};
+use std::path::Path;
+
+/// Error of the exposure when nothing is said.
+const USUAL_ERROR: f64 = 0.005;
+
+/// A camera file (camera, light ring, sensor), and how exactly it is to expose.
+///
+/// ```no_run
+/// use radsight::{Capture, Scene};
+/// let capture = Capture::load("fig14.toml")?.error(0.01);
+/// let scene = capture.with_ring(Scene::builder().files(["sheet-retro.rad", "washer.rad"])?).build()?;
+/// let image = capture.expose(&scene)?;
+/// println!("{:.3e} J/m² in the mean, {:?} %", image.mean_exposure(), image.estimated_error);
+/// let greys = image.greys(&capture)?;
+/// # Ok::<(), radsight::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Capture {
+    file: CameraFile,
+    options: RenderOptions,
+    error: f64,
+    samples: Option<u32>,
+}
+
+/// An exposed picture.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CapturedImage {
+    /// Pixels in a row.
+    pub columns: usize,
+    /// Rows.
+    pub rows: usize,
+    /// Exposure of each pixel, J/m², top row first.
+    pub exposure_j_per_m2: Vec<f64>,
+    /// Estimated rms error over the pixels as a share of the mean exposure, where it was estimated.
+    pub estimated_error: Option<f64>,
+    /// Rays that were traced from the camera.
+    pub rays: u64,
+    seed: u64,
+}
+
+impl Capture {
+    /// Reads a camera file; files that it names stand beside it.
+    ///
+    /// # Errors
+    /// [`Error::Load`], and [`Error::Camera`] with every mistake in it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Capture, Error> {
+        let name = path.as_ref().display().to_string();
+        let loader = FileLoader::default();
+        let bytes = loader.load(&name, FileKind::Other)?.bytes;
+        Capture::from_text(&name, &bytes, &loader)
+    }
+
+    /// Reads the text of a camera file, of this name in messages.
+    ///
+    /// # Errors
+    /// [`Error::Camera`] with every mistake in it.
+    pub fn from_text(name: &str, text: &[u8], loader: &dyn Loader) -> Result<Capture, Error> {
+        let mut sources = SourceMap::default();
+        match CameraFile::read(name, text, &mut sources, loader) {
+            Ok(file) => Ok(Capture { file, options: RenderOptions::default(), error: USUAL_ERROR, samples: None }),
+            Err(errors) => Err(Error::Camera(Report::new(errors, sources))),
+        }
+    }
+
+    /// The relative error of the exposure: rms over the pixels, as a share of the mean. Default 0.005.
+    #[must_use]
+    pub fn error(mut self, error: f64) -> Capture {
+        (self.error, self.samples) = (error, None);
+        self
+    }
+
+    /// So many rays through every pixel.
+    #[must_use]
+    pub fn samples(mut self, samples: u32) -> Capture {
+        self.samples = Some(samples);
+        self
+    }
+
+    /// Chooses the sample sequence and the sensor's noise. Default 0.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Capture {
+        self.options.seed = seed;
+        self
+    }
+
+    /// All render options, to be changed.
+    pub fn options_mut(&mut self) -> &mut RenderOptions {
+        &mut self.options
+    }
+
+    /// Adds the camera file's light ring to a scene.
+    #[must_use]
+    pub fn with_ring<'l>(&self, scene: crate::SceneBuilder<'l>) -> crate::SceneBuilder<'l> {
+        match &self.file.rig {
+            Some(rig) => scene.text("<light ring>", rig.scene_text()),
+            None => scene,
+        }
+    }
+
+    /// Exposes the camera to a scene.
+    ///
+    /// # Errors
+    /// [`Error::Option`], [`Error::Bands`], [`Error::Scene`] and [`Error::Material`].
+    pub fn expose(&self, scene: &Scene) -> Result<CapturedImage, Error> {
+        self.expose_with_progress(scene, &Silent)
+    }
+
+    /// The same; `progress` hears how far it is, and can stop it: pixels that are not done then have 0.
+    ///
+    /// # Errors
+    /// As [`Capture::expose`].
+    pub fn expose_with_progress(&self, scene: &Scene, progress: &dyn Progress) -> Result<CapturedImage, Error> {
+        let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
+        if self.samples == Some(0) {
+            return wrong("samples", "0".to_owned(), "at least 1");
+        }
+        if !(self.error > 0.0 && self.error.is_finite()) {
+            return wrong("error", self.error.to_string(), "a share above 0, such as 0.005");
+        }
+        let plan = RenderPlan::new(scene.scene.clone(), self.options.clone(), &scene.materials)
+            .map_err(|errors| Error::Scene(Report::new(errors, scene.sources.clone())))?;
+        let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
+        let renderer = radsight_render::Renderer::new(plan);
+        let rays = Rays::new(&self.file.camera, self.samples.unwrap_or(1), self.options.seed);
+        let exposure = match self.samples {
+            Some(_) => expose_with_samples(&renderer, &rays, &weights, progress),
+            None => expose_to_error(&renderer, &rays, &weights, self.error, progress),
+        };
+        check_materials(renderer.plan(), &scene.sources)?;
+        Ok(self.image(exposure))
+    }
+
+    fn image(&self, exposure: Exposure) -> CapturedImage {
+        CapturedImage {
+            columns: self.file.camera.columns() as usize,
+            rows: self.file.camera.rows() as usize,
+            exposure_j_per_m2: exposure.values,
+            estimated_error: exposure.estimated_error,
+            rays: exposure.rays,
+            seed: self.options.seed,
+        }
+    }
+}
+
+impl CapturedImage {
+    /// Mean exposure, J/m².
+    #[must_use]
+    pub fn mean_exposure(&self) -> f64 {
+        self.exposure_j_per_m2.iter().sum::<f64>() / self.exposure_j_per_m2.len().max(1) as f64
+    }
+
+    /// The grey values that the camera's sensor gives, top row first.
+    ///
+    /// # Errors
+    /// [`Error::NoSensor`].
+    pub fn greys(&self, camera: &Capture) -> Result<Vec<u16>, Error> {
+        let sensor = camera.file.sensor.as_ref().ok_or(Error::NoSensor)?;
+        // Exposures are stored in single precision, here as in files.
+        let stored: Vec<f64> = self.exposure_j_per_m2.iter().map(|value| f64::from(*value as f32)).collect();
+        Ok(sensor.greys(&stored, self.seed))
+    }
+}

@@ -1,0 +1,129 @@
+//! Pictures, and what is known of their error.
+
+use crate::Error;
+use radsight_film::Estimate;
+use radsight_picture::{FileFormat, Header, write_image};
+use std::fmt;
+use std::path::Path;
+
+/// A picture of radiances.
+#[derive(Clone, Debug)]
+pub struct Image {
+    columns: usize,
+    pixels: Vec<[f32; 3]>,
+    header: Header,
+    report: RenderReport,
+}
+
+impl Image {
+    pub(crate) fn new(columns: usize, pixels: Vec<[f32; 3]>, header: Header, report: RenderReport) -> Image {
+        Image { columns, pixels, header, report }
+    }
+
+    /// Pixels in a row.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.pixels.len() / self.columns.max(1)
+    }
+
+    /// Red, green and blue radiance of each pixel, W/(sr·m²), top row first.
+    #[must_use]
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.pixels
+    }
+
+    /// The radiance of a pixel; row 0 is the top.
+    ///
+    /// # Panics
+    /// If there is no such pixel.
+    #[must_use]
+    pub fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
+        assert!(column < self.columns, "column {column} of {}", self.columns);
+        self.pixels[row * self.columns + column]
+    }
+
+    /// How good it is.
+    #[must_use]
+    pub fn report(&self) -> &RenderReport {
+        &self.report
+    }
+
+    /// Writes a file whose name says the format: `.hdr .pic .exr .tif .tiff .pfm .npy .mtx .png`.
+    ///
+    /// # Errors
+    /// [`Error::Save`] for another name, or a file that cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let failed = |reason: String| Error::Save { path: path.display().to_string(), reason };
+        let Some(format) = FileFormat::from_name(&path.display().to_string()) else {
+            return Err(failed("expected a name that ends with .hdr, .exr, .tif, .pfm, .npy, .mtx or .png".to_owned()));
+        };
+        let values = self.pixels.iter().flatten().copied().collect();
+        let image = radsight_picture::Image::new(self.columns, self.rows(), 3, values);
+        let bytes = image.and_then(|image| write_image(format, &self.header, &image));
+        let bytes = bytes.map_err(|error| failed(error.to_string()))?;
+        std::fs::write(path, bytes).map_err(|error| failed(error.to_string()))
+    }
+}
+
+/// What is known of a picture's error.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct RenderReport {
+    /// Estimated relative noise of the pixels, rms over their bands; `None` where it was not estimated.
+    pub error: Option<f64>,
+    /// With 95 % confidence the error is no farther away from this.
+    pub uncertainty: Option<f64>,
+    /// Mean number of rays a pixel, where it was counted.
+    pub rays_per_pixel: Option<f64>,
+    /// Relative noise of cached irradiance, rms over the cache points; interpolation bias is not in it. `None` without a cache.
+    pub cache_noise: Option<f64>,
+    /// What the plan left out, and why.
+    pub skipped: Vec<String>,
+}
+
+impl RenderReport {
+    pub(crate) fn new(estimate: Option<Estimate>, cache_noise: Option<f64>, skipped: Vec<String>) -> RenderReport {
+        RenderReport {
+            error: estimate.map(|estimate| estimate.error),
+            uncertainty: estimate.map(|estimate| estimate.uncertainty),
+            rays_per_pixel: estimate.map(|estimate| estimate.rays),
+            cache_noise,
+            skipped,
+        }
+    }
+}
+
+impl fmt::Display for RenderReport {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.error, self.uncertainty) {
+            (Some(error), Some(uncertainty)) => writeln!(
+                formatter,
+                "pixels: {:.2} % ± {:.2} % noise (95 %), {:.1} rays each",
+                100.0 * error,
+                100.0 * uncertainty,
+                self.rays_per_pixel.unwrap_or(0.0)
+            )?,
+            _ => writeln!(formatter, "pixels: noise not estimated")?,
+        }
+        if let Some(noise) = self.cache_noise {
+            writeln!(formatter, "irradiance cache: {:.2} % noise; interpolation bias is not estimated", 100.0 * noise)?;
+        }
+        self.skipped.iter().try_for_each(|skipped| writeln!(formatter, "skipped: {skipped}"))
+    }
+}
+
+/// The bytes of a PNG file of 8 bits a component: red, green and blue of each pixel, top row first; `None` where their number does not
+/// fit the columns. For showing pictures that were mapped to a display.
+#[must_use]
+pub fn png_rgb8(columns: usize, values: Vec<u8>) -> Option<Vec<u8>> {
+    let rows = values.len().checked_div(3 * columns)?;
+    let image = radsight_picture::Image::new(columns, rows, 3, values).ok()?;
+    radsight_picture::write_png_rgb8(&image, None).ok()
+}

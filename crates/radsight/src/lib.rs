@@ -1,0 +1,56 @@
+//! radsight as a library: Radiance scenes in; radiances, pictures, exposures and grey values out.
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`Scene`] | what scene files say, read and checked; materials of one's own can be added |
+//! | [`View`], [`Camera`] | where rays start: a view of Radiance's, or a camera of one's own |
+//! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
+//! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
+//! | [`Error`] | what was wrong, as data: each message with file, line and column |
+//!
+//! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
+//! irradiance W/m², exposure J/m². Errors that are asked for are shares: 0.02 is 2 %.
+//!
+//! Guarantees: results are functions of scene, options and seed, whatever the number of threads. Nothing is printed, no command is
+//! run and no shared library is loaded; files are read through a [`Loader`], which can be one's own. Work runs on the rayon pool
+//! that it is called in (`ThreadPool::install`).
+//!
+//! ```
+//! use radsight::{Renderer, Scene, View};
+//! # fn main() -> Result<(), radsight::Error> {
+//! let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")?;
+//! let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+//! let image = Renderer::new(&scene)?.error(0.05).render(&view, 32, 32)?;
+//! assert_eq!(image.pixel(16, 16), [1.0; 3]);
+//! assert!(image.report().error.unwrap() <= 0.05);
+//! # Ok(())
+//! # }
+//! ```
+#![forbid(unsafe_code)]
+
+mod camera;
+mod capture;
+mod error;
+mod error_budget;
+mod file_loader;
+mod image;
+mod material;
+mod renderer;
+mod scene;
+mod view;
+
+pub use camera::{Camera, CameraRay};
+pub use capture::{Capture, CapturedImage};
+pub use error::{Error, Report};
+pub use error_budget::ErrorBudget;
+pub use file_loader::FileLoader;
+pub use image::{Image, RenderReport, png_rgb8};
+pub use material::Material;
+pub use radsight_brdf::{BrdfSample, Density, Lobes};
+pub use radsight_diag::{Diagnostic, Severity};
+pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
+pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
+pub use radsight_render::{Contribution, Ray, RenderOptions, Traced};
+pub use renderer::{ModifierContribution, Renderer};
+pub use scene::{Scene, SceneBuilder};
+pub use view::View;

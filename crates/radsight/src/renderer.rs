@@ -1,0 +1,340 @@
+//! A scene that is ready to answer rays.
+
+use crate::camera::{self, Camera};
+use crate::error::{Error, Report};
+use crate::error_budget::ErrorBudget;
+use crate::image::{Image, RenderReport};
+use crate::{Scene, View};
+use radsight_diag::SourceMap;
+use radsight_film::{Film, SamplingBudget, ViewCamera};
+use radsight_picture::Header;
+use radsight_render::{Ray, RaySpacing, RenderOptions, RenderPlan, Traced};
+use radsight_sampling::{DimensionSet, RaySampler};
+use rayon::prelude::*;
+
+/// A picture needs memory for each of its pixels until it is done.
+const MOST_PIXELS: usize = 1 << 27;
+
+/// Rays through a pixel of a camera of one's own, unless it is said.
+const USUAL_SAMPLES: u32 = 16;
+
+/// Bits of a ray's number that tell the samples of a pixel.
+const SEQUENCE_LOG2: u32 = 16;
+
+/// Hears how much of the work is done, from 0 to 1; what it gives says whether to go on.
+type ProgressCallback<'p> = dyn FnMut(f64) -> bool + 'p;
+
+/// Renders a scene.
+///
+/// ```
+/// use radsight::{Ray, Renderer, Scene};
+/// # use glam::DVec3;
+/// let scene = Scene::from_text("void glow sky 0 0 4 2 2 2 0 sky source dome 0 0 4 0 0 1 360")?;
+/// let up = Ray::new(DVec3::ZERO, DVec3::Z).expect("a direction");
+/// let mut renderer = Renderer::new(&scene)?;
+/// assert_eq!(renderer.trace(&[up])?[0].value, [2.0; 3]);
+/// # Ok::<(), radsight::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Renderer {
+    scene: Scene,
+    options: RenderOptions,
+    budget: ErrorBudget,
+    jitter: Option<f64>,
+    /// What answers rays, for the options with which it was made.
+    ready: Option<(RenderOptions, radsight_render::Renderer)>,
+}
+
+/// What a ray owes to one of the modifiers that were asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModifierContribution {
+    /// The place of the modifier among those that were asked for.
+    pub modifier: usize,
+    /// Red, green and blue, W/(sr·m²); W/m² where irradiance is asked for.
+    pub value: [f64; 3],
+}
+
+impl Renderer {
+    /// For a scene, with Radiance's defaults for pictures.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a material or light that cannot be rendered.
+    pub fn new(scene: &Scene) -> Result<Renderer, Error> {
+        let gathering = radsight_render::Gathering {
+            accuracy: 0.2,
+            resolution: 64,
+            divisions: 512,
+            super_samples: 128,
+            ..radsight_render::Gathering::default()
+        };
+        let options =
+            RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() };
+        Renderer::with_options(scene, options)
+    }
+
+    /// The same with options of one's own.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn with_options(scene: &Scene, options: RenderOptions) -> Result<Renderer, Error> {
+        let budget = ErrorBudget::default();
+        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None };
+        let options = renderer.options.clone();
+        renderer.prepare(options)?;
+        Ok(renderer)
+    }
+
+    /// Diffuse interreflections that are followed (`-ab`). Default 0.
+    #[must_use]
+    pub fn ambient_bounces(mut self, bounces: u32) -> Renderer {
+        self.options.ambient_bounces = bounces;
+        self
+    }
+
+    /// Error at which interpolation of irradiance aims, as a share (`-aa`); 0 caches nothing. Default 0.2.
+    #[must_use]
+    pub fn ambient_accuracy(mut self, accuracy: f64) -> Renderer {
+        self.options.gathering.accuracy = accuracy;
+        self
+    }
+
+    /// Rays of a cache point, and further ones (`-ad`, `-as`). Default 512 and 128.
+    #[must_use]
+    pub fn ambient_divisions(mut self, divisions: u32, super_samples: u32) -> Renderer {
+        self.options.gathering.divisions = divisions;
+        self.options.gathering.super_samples = super_samples;
+        self
+    }
+
+    /// Goes on until a picture's estimated relative error is this, such as 0.02.
+    #[must_use]
+    pub fn error(self, error: f64) -> Renderer {
+        self.budget(ErrorBudget::error(error))
+    }
+
+    /// Traces so many rays through every pixel.
+    #[must_use]
+    pub fn samples(self, samples: u32) -> Renderer {
+        self.budget(ErrorBudget::samples(samples))
+    }
+
+    /// How good pictures are to be. Default a preview, as Radiance's defaults give.
+    #[must_use]
+    pub fn budget(mut self, budget: ErrorBudget) -> Renderer {
+        self.budget = budget;
+        self
+    }
+
+    /// Side of the square in a pixel over which its rays are spread, in pixels (`-pj`). Default the whole pixel, in a preview 0.67.
+    #[must_use]
+    pub fn pixel_jitter(mut self, side: f64) -> Renderer {
+        self.jitter = Some(side);
+        self
+    }
+
+    /// Chooses the sample sequence. Default 0.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Renderer {
+        self.options.seed = seed;
+        self
+    }
+
+    /// All options, to be changed.
+    pub fn options_mut(&mut self) -> &mut RenderOptions {
+        &mut self.options
+    }
+
+    /// Renders a view within a size; the picture has the view's own proportions.
+    ///
+    /// # Errors
+    /// [`Error::Size`], [`Error::Option`], and [`Error::Material`] where a ray met a material that cannot be used.
+    pub fn render(&mut self, view: &View, columns: usize, rows: usize) -> Result<Image, Error> {
+        let image = self.render_with_progress(view, columns, rows, &mut |_| true)?;
+        Ok(image.expect("nobody stopped it"))
+    }
+
+    /// The same; `progress` hears the share that is done and says whether to go on. `None` if it did not.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with_progress(
+        &mut self,
+        view: &View,
+        columns: usize,
+        rows: usize,
+        progress: &mut ProgressCallback<'_>,
+    ) -> Result<Option<Image>, Error> {
+        let (columns, rows) = view.0.fit(columns, rows, 1.0);
+        check_size(columns, rows)?;
+        let mut camera = ViewCamera::new(view.0, columns, rows);
+        camera.jitter = self.jitter.unwrap_or(self.budget.pixel_jitter());
+        let mut options = self.options.clone();
+        let pixels = self.budget.apply(&mut options);
+        check_budget(pixels)?;
+        let side = self.budget.prepass_spacing();
+        let sources = self.scene.sources.clone();
+        let renderer = self.prepare(options)?;
+        renderer.gather_irradiance(&camera.prepass_rays(side), camera.spread(side));
+        let mut film = Film::new(renderer, camera, pixels);
+        let mut image = Vec::with_capacity(columns * rows);
+        let mut row = 0;
+        while row < rows {
+            let block = film.block_of(row);
+            image.extend(film.finish_block(block.clone()));
+            row = block.end;
+            if !progress(row as f64 / rows as f64) {
+                return Ok(None);
+            }
+        }
+        check_materials(renderer.plan(), &sources)?;
+        let report = report(renderer, film.estimate());
+        Ok(Some(Image::new(columns, image, header(&view.to_args()), report)))
+    }
+
+    /// Renders what a camera of one's own sees, with as many rays a pixel as [`Renderer::samples`] asks for (16 without that).
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
+        check_size(columns, rows)?;
+        let mut options = self.options.clone();
+        let samples = match self.budget.apply(&mut options) {
+            SamplingBudget::Samples(samples) => samples,
+            _ => USUAL_SAMPLES,
+        };
+        check_budget(SamplingBudget::Samples(samples))?;
+        let (seed, sources) = (options.seed, self.scene.sources.clone());
+        let renderer = self.prepare(options)?;
+        let place = |pixel: usize, [x, y]: [f64; 2]| {
+            [((pixel % columns) as f64 + x) / columns as f64, ((pixel / columns) as f64 + y) / rows as f64]
+        };
+        let middle = |pixel: usize| camera.ray(place(pixel, [0.5; 2]), [0.5; 2]).and_then(camera::checked);
+        let first: Vec<Option<Ray>> = (0..columns * rows).map(|pixel| middle(pixel).map(|(ray, _)| ray)).collect();
+        renderer.gather_irradiance(&first, RaySpacing::UNKNOWN);
+        let renderer = &*renderer;
+        let pixels: Vec<[f32; 3]> = (0..columns * rows)
+            .into_par_iter()
+            .with_min_len(16)
+            .map_init(
+                || renderer.worker(),
+                |worker, pixel| {
+                    let mut sum = [0.0; 3];
+                    for sample in 0..samples {
+                        let index = (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample);
+                        let [x, y, across, along] = RaySampler::new(seed, index).take(DimensionSet::CAMERA);
+                        let ray = camera.ray(place(pixel, [x, y]), [across, along]).and_then(camera::checked);
+                        let Some((ray, weight)) = ray else { continue };
+                        let value = worker.trace(index, &ray).value;
+                        sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
+                    }
+                    sum.map(|band| (band / f64::from(samples)) as f32)
+                },
+            )
+            .collect();
+        check_materials(renderer.plan(), &sources)?;
+        Ok(Image::new(columns, pixels, header(""), report(renderer, None)))
+    }
+
+    /// Answers rays: radiance (or irradiance, as the options ask), first hit and effective distance of each. Rays are told apart by
+    /// their place in the list.
+    ///
+    /// # Errors
+    /// [`Error::Material`] where a ray met a material that cannot be used.
+    pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
+        let sources = self.scene.sources.clone();
+        let mut options = self.options.clone();
+        options.gathering.uncached = radsight_render::Uncached::Split;
+        let renderer = self.prepare(options)?;
+        let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
+        renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
+        let traced = renderer.trace_all(0, &rays);
+        check_materials(renderer.plan(), &sources)?;
+        Ok(traced.into_iter().flatten().collect())
+    }
+
+    /// What each ray owes to modifiers of these names: the radiance of emitters among them times what of it arrives, as `rcontrib`
+    /// finds it.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn contributions(&mut self, rays: &[Ray], modifiers: &[&str]) -> Result<Vec<Vec<ModifierContribution>>, Error> {
+        let sources = self.scene.sources.clone();
+        let mut options = self.options.clone();
+        options.tracked_modifiers = modifiers.iter().map(|name| (*name).to_owned()).collect();
+        options.tracked_value = radsight_render::TrackedValue::Radiance;
+        options.gathering.accuracy = 0.0;
+        options.gathering.uncached = radsight_render::Uncached::Split;
+        let renderer = &*self.prepare(options)?;
+        let owed = rays
+            .par_iter()
+            .enumerate()
+            .map_init(
+                || renderer.worker(),
+                |worker, (index, ray)| {
+                    let mut sums = vec![[0.0; 3]; modifiers.len()];
+                    worker.contributions(index as u64, ray, |contribution| {
+                        let bands = contribution.value.as_slice();
+                        let sum = &mut sums[contribution.modifier];
+                        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
+                    });
+                    let told = sums.into_iter().enumerate();
+                    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
+                },
+            )
+            .collect();
+        check_materials(renderer.plan(), &sources)?;
+        Ok(owed)
+    }
+
+    /// What answers rays with these options; made anew where they are others than before.
+    fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
+        if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
+            self.ready = None;
+            let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
+                .map_err(|errors| Error::Scene(Report::new(errors, self.scene.sources.clone())))?;
+            self.ready = Some((options, radsight_render::Renderer::new(plan)));
+        }
+        Ok(&mut self.ready.as_mut().expect("it was just made").1)
+    }
+}
+
+/// How good a picture is, and what was left out for it.
+fn report(renderer: &radsight_render::Renderer, estimate: Option<radsight_film::Estimate>) -> RenderReport {
+    let skipped = renderer.plan().decisions().iter().filter(|decision| decision.skip.is_some());
+    let skipped = skipped.map(|decision| format!("{}: {}", decision.what, decision.why)).collect();
+    RenderReport::new(estimate, renderer.irradiance_noise(), skipped)
+}
+
+fn header(view: &str) -> Header {
+    let mut header = Header::new("RADIANCE");
+    header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
+    if !view.is_empty() {
+        header.push_variable("VIEW", view);
+    }
+    header
+}
+
+fn check_size(columns: usize, rows: usize) -> Result<(), Error> {
+    let pixels = columns.checked_mul(rows).filter(|pixels| (1..=MOST_PIXELS).contains(pixels));
+    pixels.map(|_| ()).ok_or(Error::Size { columns, rows, most: MOST_PIXELS })
+}
+
+fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
+    let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
+    match budget {
+        SamplingBudget::Error { error, .. } if !(error > 0.0 && error.is_finite()) => {
+            wrong("error", error.to_string(), "a share above 0, such as 0.02")
+        }
+        SamplingBudget::Samples(samples) if !(1..=radsight_film::MAX_SAMPLES).contains(&samples) => {
+            wrong("samples", samples.to_string(), "1 to 65536")
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(crate) fn check_materials(plan: &RenderPlan, sources: &SourceMap) -> Result<(), Error> {
+    match plan.unusable_met() {
+        Some(error) => Err(Error::Material(Report::new(vec![error], sources.clone()))),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,148 @@
+//! What scene files say, read and checked.
+
+use crate::error::{Error, Report};
+use crate::file_loader::FileLoader;
+use crate::material::Materials;
+use radsight_brdf::Brdf;
+use radsight_diag::{Diagnostic, SourceMap};
+use radsight_ir::ValidScene;
+use radsight_loader::{FileKind, Loader};
+use radsight_parse::{Input, Read, ReadOptions, read_scene};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene: surfaces, materials, patterns and lights, checked.
+///
+/// ```
+/// use radsight::{Error, Scene};
+/// let error = Scene::from_text("chrome sphere ball 0 0 4 0 0 0 -1").unwrap_err();
+/// let Error::Scene(report) = error else { panic!("the scene is wrong") };
+/// assert_eq!(report.position(&report.diagnostics[0]).unwrap(), ("<text>", 1, 1));
+/// assert!(report.to_string().contains("undefined modifier \"chrome\""));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(crate) scene: ValidScene,
+    pub(crate) sources: SourceMap,
+    pub(crate) materials: Materials,
+    warnings: Vec<Diagnostic>,
+}
+
+impl Scene {
+    /// Reads scene files and octrees. Files that they name are looked for in the working folder, and then beside the scenes.
+    ///
+    /// # Errors
+    /// [`Error::Load`] for a file that cannot be read, [`Error::Scene`] with every mistake in them.
+    pub fn load<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Scene, Error> {
+        let paths: Vec<PathBuf> = paths.into_iter().map(|path| path.as_ref().to_owned()).collect();
+        let beside = paths.iter().filter_map(|path| path.parent().filter(|folder| *folder != Path::new("")));
+        let folders: Vec<PathBuf> = std::iter::once(Path::new(".")).chain(beside).map(Path::to_owned).collect();
+        Scene::builder().loader(FileLoader::new(folders)).files(paths)?.build()
+    }
+
+    /// Reads scene text. Files that it names are looked for in the working folder.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with every mistake in it.
+    pub fn from_text(text: impl Into<Vec<u8>>) -> Result<Scene, Error> {
+        Scene::builder().text("<text>", text).build()
+    }
+
+    /// A scene from several sources, with materials and a loader of one's own.
+    #[must_use]
+    pub fn builder() -> SceneBuilder<'static> {
+        SceneBuilder {
+            inputs: Vec::new(),
+            loader: Box::new(FileLoader::default()),
+            materials: Materials::default(),
+            options: ReadOptions::default(),
+        }
+    }
+
+    /// What is suspect in it, as text with lines, carets and hints; empty if nothing is.
+    #[must_use]
+    pub fn warnings(&self) -> Report {
+        Report { diagnostics: self.warnings.clone(), sources: self.sources.clone() }
+    }
+
+    /// How many surfaces it has; those of meshes and placed octrees count once.
+    #[must_use]
+    pub fn surface_count(&self) -> usize {
+        self.scene.surfaces.len()
+    }
+}
+
+/// Collects what a scene is read from.
+///
+/// ```
+/// use radsight::{MemoryLoader, Scene};
+/// let files = MemoryLoader::default().with("half.cal", "half = .5;");
+/// let text = "void brightfunc dim 2 half half.cal 0 0 dim glow panel 0 0 4 2 2 2 0 panel ring disk 0 0 8 0 9 0 0 -1 0 0 1";
+/// let scene = Scene::builder().loader(files).text("panel.rad", text).build()?;
+/// assert_eq!(scene.surface_count(), 1);
+/// # Ok::<(), radsight::Error>(())
+/// ```
+pub struct SceneBuilder<'l> {
+    inputs: Vec<Input>,
+    loader: Box<dyn Loader + 'l>,
+    materials: Materials,
+    options: ReadOptions,
+}
+
+impl<'l> SceneBuilder<'l> {
+    /// Adds scene files and octrees of the disk.
+    ///
+    /// # Errors
+    /// [`Error::Load`] for a file that cannot be read.
+    pub fn files<P: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = P>) -> Result<SceneBuilder<'l>, Error> {
+        for path in paths {
+            let name = path.as_ref().display().to_string();
+            let loaded = self.loader.load(&name, FileKind::Scene)?;
+            self.inputs.push(Input::Text { name: loaded.path, text: loaded.bytes.into() });
+        }
+        Ok(self)
+    }
+
+    /// Adds scene text, of this name in messages.
+    #[must_use]
+    pub fn text(mut self, name: &str, text: impl Into<Vec<u8>>) -> SceneBuilder<'l> {
+        self.inputs.push(Input::Text { name: name.to_owned(), text: text.into().into() });
+        self
+    }
+
+    /// Finds all files that are named from now on.
+    #[must_use]
+    pub fn loader<'n>(self, loader: impl Loader + 'n) -> SceneBuilder<'n>
+    where
+        'l: 'n,
+    {
+        SceneBuilder { loader: Box::new(loader), inputs: self.inputs, materials: self.materials, options: self.options }
+    }
+
+    /// Replaces the material of this name by a model of one's own.
+    #[must_use]
+    pub fn material(mut self, name: &str, model: Arc<dyn Brdf>) -> SceneBuilder<'l> {
+        self.materials.insert(name, model);
+        self
+    }
+
+    /// Reads and checks the scene.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with every mistake in it.
+    pub fn build(self) -> Result<Scene, Error> {
+        let options = ReadOptions { brdf: self.materials.replacements(), ..self.options };
+        let read = read_scene(&self.inputs, &*self.loader, &options);
+        if read.has_errors() {
+            return Err(Error::Scene(Report::new(read.diagnostics, read.sources)));
+        }
+        let Read { scene, sources, diagnostics, .. } = read;
+        match scene.validate() {
+            Ok(valid) => {
+                let warnings = diagnostics.into_iter().chain(valid.warnings).collect();
+                Ok(Scene { scene: valid.scene, sources, materials: self.materials, warnings })
+            }
+            Err(errors) => Err(Error::Scene(Report::new(errors, sources))),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Each example runs to its end.
+
+#[path = "../examples/capture_fig14.rs"]
+mod capture_fig14;
+#[path = "../examples/error_budget.rs"]
+mod error_budget;
+#[path = "../examples/minimal.rs"]
+mod minimal;
+#[path = "../examples/own_camera.rs"]
+mod own_camera;
+#[path = "../examples/own_material.rs"]
+mod own_material;
+#[path = "../examples/rays.rs"]
+mod rays;
+
+#[test]
+fn minimal_renders_a_picture() {
+    minimal::main().unwrap();
+}
+
+#[test]
+fn capture_fig14_gives_grey_values() {
+    capture_fig14::main().unwrap();
+}
+
+#[test]
+fn rays_bring_radiance() {
+    rays::main().unwrap();
+}
+
+#[test]
+fn own_material_is_rendered() {
+    own_material::main().unwrap();
+}
+
+#[test]
+fn own_camera_sees() {
+    own_camera::main().unwrap();
+}
+
+#[test]
+fn error_budget_is_kept() {
+    error_budget::main().unwrap();
+}

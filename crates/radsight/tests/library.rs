@@ -1,0 +1,96 @@
+//! What the library promises: units, errors as data, and results that do not depend on who asks.
+
+use glam::DVec3;
+use radsight::{Capture, Error, ErrorBudget, FileLoader, Ray, Renderer, SamplingBudget, Scene, View};
+use std::f64::consts::PI;
+
+const TABLE: &str = "void light lamp 0 0 3 100 100 100  void plastic grey 0 0 5 .5 .4 .3 0 0
+    lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .05  grey ring table 0 0 8 0 0 0 0 0 1 0 6";
+
+#[test]
+fn radiance_below_a_small_lamp_is_that_of_the_inverse_square_law() {
+    let scene = Scene::from_text(TABLE).unwrap();
+    let down = Ray::new(DVec3::new(0.0, 0.0, 1.0), -DVec3::Z).unwrap();
+    let traced = Renderer::new(&scene).unwrap().trace(&[down]).unwrap();
+    let irradiance = 100.0 * PI * 0.05 * 0.05 / 16.0;
+    for (value, reflectance) in traced[0].value.iter().zip([0.5, 0.4, 0.3]) {
+        let expected = reflectance * irradiance / PI;
+        assert!((value / expected - 1.0).abs() < 1e-3, "{value} instead of {expected}");
+    }
+    assert_eq!(traced[0].first_hit.unwrap().distance, 1.0);
+}
+
+#[test]
+fn contributions_add_up_to_the_radiance() {
+    let text = format!("{TABLE} void light second 0 0 3 50 60 70 second sphere bulb2 0 0 4 2 0 3 .1");
+    let scene = Scene::from_text(text).unwrap();
+    let ray = Ray::new(DVec3::new(0.5, 0.0, 1.0), -DVec3::Z).unwrap();
+    let mut renderer = Renderer::new(&scene).unwrap();
+    let whole = renderer.trace(&[ray]).unwrap()[0].value;
+    let parts = renderer.contributions(&[ray], &["lamp", "second"]).unwrap();
+    for (band, whole) in whole.iter().enumerate() {
+        let sum: f64 = parts[0].iter().map(|part| part.value[band]).sum();
+        assert!((sum / whole - 1.0).abs() < 0.02, "band {band}: {sum} of {whole}");
+    }
+}
+
+#[test]
+fn all_mistakes_come_with_their_places() {
+    let error = Scene::from_text(
+        "chrome sphere ball 0 0 4 0 0 0 1\nvoid plastic p 0 0 4 1 1 1 0\np ring r 0 0 8 0 0 0 0 0 1 0 1\n",
+    );
+    let Err(Error::Scene(report)) = error else { panic!("two mistakes") };
+    let lines: Vec<u32> =
+        report.diagnostics.iter().filter_map(|d| report.position(d)).map(|(_, line, _)| line).collect();
+    assert!(lines.contains(&1) && lines.contains(&2), "{report}");
+}
+
+#[test]
+fn no_command_of_a_scene_is_run() {
+    let marker = std::env::temp_dir().join("radsight-library-ran-a-command");
+    let text = format!("!touch {}\nvoid glow g 0 0 4 1 1 1 0\ng sphere s 0 0 4 0 0 0 1\n", marker.display());
+    let _ = Scene::from_text(text);
+    assert!(!marker.exists());
+}
+
+#[test]
+fn options_out_of_range_are_errors() {
+    let scene = Scene::from_text(TABLE).unwrap();
+    let view = View::from_args("-vp 0 0 2 -vd 0 0 -1 -vu 0 1 0").unwrap();
+    let renderer = || Renderer::new(&scene).unwrap();
+    assert!(matches!(renderer().error(-1.0).render(&view, 8, 8), Err(Error::Option { option: "error", .. })));
+    assert!(matches!(renderer().error(f64::NAN).render(&view, 8, 8), Err(Error::Option { option: "error", .. })));
+    assert!(matches!(renderer().samples(0).render(&view, 8, 8), Err(Error::Option { option: "samples", .. })));
+    assert!(matches!(renderer().render(&view, 0, 8), Err(Error::Size { .. })));
+    assert!(matches!(View::from_args("-vx 1"), Err(Error::View(_))));
+    assert!(matches!(Scene::load(["no such file.rad"]), Err(Error::Load(_))));
+    assert!(matches!(Capture::from_text("c.toml", b"[camera]\n", &FileLoader::default()), Err(Error::Camera(_))));
+}
+
+#[test]
+fn a_smaller_error_takes_more_rays() {
+    let scene = Scene::from_text(TABLE).unwrap();
+    let view = View::from_args("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 60").unwrap();
+    let rays = |error| {
+        let image = Renderer::new(&scene).unwrap().error(error).render(&view, 48, 48).unwrap();
+        assert!(image.report().error.unwrap() <= error, "{}", image.report());
+        image.report().rays_per_pixel.unwrap()
+    };
+    assert!(rays(0.005) > 1.5 * rays(0.1));
+}
+
+#[test]
+fn rendering_can_be_stopped() {
+    let scene = Scene::from_text(TABLE).unwrap();
+    let view = View::from_args("-vp 0 -4 3 -vd 0 4 -3").unwrap();
+    let mut renderer = Renderer::new(&scene).unwrap();
+    let stopped = renderer.render_with_progress(&view, 16, 300, &mut |_| false).unwrap();
+    assert!(stopped.is_none());
+}
+
+#[test]
+fn a_preview_is_interpolated_and_an_error_is_not() {
+    let mut options = radsight::RenderOptions::default();
+    assert!(matches!(ErrorBudget::default().apply(&mut options), SamplingBudget::Interpolated(_)));
+    assert!(matches!(ErrorBudget::samples(4).apply(&mut options), SamplingBudget::Samples(4)));
+}

@@ -1,0 +1,15 @@
+//! How often a light is sampled.
+
+use glam::DVec3;
+use radsight_compile::RenderPlan;
+use radsight_light::{LightId, Reception, TreeCut};
+
+/// How many places on a light are sampled at a point, on average.
+pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Reception, id: LightId) -> f64 {
+    match &plan.light_tree {
+        Some(tree) if reception.draws > 0 => {
+            f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
+        }
+        _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
+    }
+}

@@ -1,0 +1,71 @@
+//! Sensors whose data have been published.
+//!
+//! Only what a source states is filled in, or follows from it by the standard's own definitions; a camera file gives the rest.
+
+/// What is known of a type of sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Preset {
+    /// As a camera file writes it.
+    pub name: &'static str,
+    /// Where the numbers come from.
+    pub source: &'static str,
+    /// Side of a square pixel, metres.
+    pub pixel_pitch_m: f64,
+    /// Electrons a photon, and the wavelength (metres) for which that is stated.
+    pub quantum_efficiency: Option<(f64, f64)>,
+    /// Depth of the well, electrons.
+    pub full_well_e: f64,
+    /// Noise in the dark, electrons.
+    pub read_noise_e: f64,
+    /// Electrons a grey level of a picture of 16 bits.
+    pub electrons_per_16_bit_grey: Option<f64>,
+}
+
+impl Preset {
+    /// All of them.
+    pub const ALL: [Preset; 2] = [
+        Preset {
+            name: "imx174",
+            source: "EMVA 1288 figures of a Sony IMX174, quoted at \
+                     fhotolab.fherb.de/2016/09/07/sony-exmor-sensoren-dateblattrekonstruktion-imx157",
+            pixel_pitch_m: 5.86e-6,
+            quantum_efficiency: Some((0.77, 525e-9)),
+            full_well_e: 32_691.0,
+            read_noise_e: 6.83,
+            electrons_per_16_bit_grey: Some(0.51),
+        },
+        Preset {
+            name: "imx250",
+            source: "EMVA 1288 figures of the mvBlueFOX3-2051 (Sony IMX250), www.matrix-vision.com/manuals: SNR 40.3 dB, so \
+                     a well of 10^4.03 e; dynamic range 71.2 dB = well/(noise + 0.5 e)",
+            pixel_pitch_m: 3.45e-6,
+            quantum_efficiency: None,
+            full_well_e: 10_715.0,
+            read_noise_e: 2.45,
+            electrons_per_16_bit_grey: None,
+        },
+    ];
+
+    /// The preset of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Preset> {
+        Preset::ALL.into_iter().find(|preset| preset.name.eq_ignore_ascii_case(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_derived_follows_from_what_the_source_states() {
+        let sony = Preset::from_name("IMX250").unwrap();
+        let decibels = |ratio: f64| 20.0 * ratio.log10();
+        assert!((decibels(sony.full_well_e.sqrt()) - 40.3).abs() < 0.05);
+        assert!((decibels(sony.full_well_e / (sony.read_noise_e + 0.5)) - 71.2).abs() < 0.05);
+        // 45.12 dB and 73 dB stand beside the figures of the other.
+        let other = Preset::from_name("imx174").unwrap();
+        assert!((decibels(other.full_well_e.sqrt()) - 45.12).abs() < 0.05);
+        assert!((decibels(other.full_well_e / (other.read_noise_e + 0.5)) - 73.0).abs() < 0.1);
+    }
+}

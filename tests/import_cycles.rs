@@ -1,0 +1,129 @@
+//! No file of the renderer's rooms imports another in a circle.
+//!
+//! A file that is in no circle can be read, tested and lifted out with what stands below it alone. Only `use` and paths count that
+//! begin with `crate` or `super`; a `mod` line is no import, so a child may build on its parent.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The crates that are held to it.
+const ROOMS: &[&str] = &["accel", "bsdf", "compile", "film", "light", "render", "texture"];
+
+/// The modules of a crate by their paths, `a::b`; the root is `lib`.
+fn modules(source: &Path) -> BTreeMap<String, PathBuf> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![source.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).expect("the folder is read") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let inner = path.strip_prefix(source).expect("it is inside").with_extension("");
+                let words: Vec<_> =
+                    inner.iter().map(|word| word.to_string_lossy()).filter(|word| word != "mod").collect();
+                found.insert(words.join("::"), path);
+            }
+        }
+    }
+    found
+}
+
+/// The code of a file without comments and without its tests, which may use anything.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("the file is read");
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+}
+
+/// The paths in a file that begin with `crate` or `super`, those of a list in braces one by one, as seen from the root of the crate.
+fn paths(module: &str, code: &str) -> Vec<String> {
+    let parent = module.rsplit_once("::").map_or("", |(parent, _)| parent);
+    let mut found = Vec::new();
+    for (root, base) in [("crate::", ""), ("super::", parent)] {
+        for (at, _) in code.match_indices(root) {
+            let rest = &code[at + root.len()..];
+            let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(rest.len());
+            let path = rest[..end].trim_end_matches(':');
+            let joined = |more: &str| {
+                [base, path, more].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("::")
+            };
+            match rest[end..].strip_prefix('{').and_then(|list| list.split('}').next()) {
+                Some(list) => found.extend(list.split(',').map(str::trim).filter(|name| !name.is_empty()).map(joined)),
+                None => found.push(joined("")),
+            }
+        }
+    }
+    found
+}
+
+/// The module that a path names or leads into.
+fn target<'m>(modules: &'m BTreeMap<String, PathBuf>, path: &str) -> Option<&'m str> {
+    let mut path = path;
+    loop {
+        if let Some((module, _)) = modules.get_key_value(path) {
+            return Some(module);
+        }
+        path = path.rsplit_once("::")?.0;
+    }
+}
+
+/// Which modules each imports.
+fn imports(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
+    let modules = modules(source);
+    let of = |(module, path): (&String, &PathBuf)| {
+        let found = paths(module, &code(path));
+        let targets = found.iter().filter_map(|path| target(&modules, path)).filter(|target| target != module);
+        (module.clone(), targets.map(str::to_owned).collect())
+    };
+    modules.iter().map(of).collect()
+}
+
+/// What is left when modules without imports are taken away again and again: those in circles, and what imports them.
+fn in_circles(mut imports: BTreeMap<String, BTreeSet<String>>) -> BTreeMap<String, BTreeSet<String>> {
+    loop {
+        let free: BTreeSet<String> =
+            imports.iter().filter(|(_, targets)| targets.is_empty()).map(|(module, _)| module.clone()).collect();
+        if free.is_empty() {
+            return imports;
+        }
+        imports.retain(|module, _| !free.contains(module));
+        imports.values_mut().for_each(|targets| targets.retain(|target| !free.contains(target)));
+    }
+}
+
+#[test]
+fn no_file_of_the_rooms_imports_in_a_circle() {
+    for room in ROOMS {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates").join(room).join("src");
+        let left = in_circles(imports(&source));
+        assert!(left.is_empty(), "{room}: {left:#?}");
+    }
+}
+
+#[test]
+fn a_circle_is_found() {
+    let imports = [("a", "b"), ("b", "c"), ("c", "a"), ("d", "a"), ("e", "f")];
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::from([("f".to_owned(), BTreeSet::new())]);
+    for (from, to) in imports {
+        graph.entry(from.to_owned()).or_default().insert(to.to_owned());
+    }
+    assert_eq!(in_circles(graph).into_keys().collect::<String>(), "abcd");
+}
+
+#[test]
+fn imports_are_read_from_lists_and_parents() {
+    let code = "use crate::{a::One, b};\nuse super::c::{Two, Three};\nlet x = crate::d::four();";
+    assert_eq!(paths("trace::shade", code), ["a::One", "b", "d::four", "trace::c::Two", "trace::c::Three"]);
+}
+
+#[test]
+fn every_room_stands_and_is_read() {
+    for room in ROOMS {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates").join(room).join("src");
+        assert!(modules(&source).contains_key("lib"), "{room}");
+    }
+    let render = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/render/src");
+    assert!(imports(&render).values().map(BTreeSet::len).sum::<usize>() > 50, "imports are found");
+}
