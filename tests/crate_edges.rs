@@ -34,7 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("cal", &["diag"]),
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
-    ("compile", &["accel", "brdf", "bsdf", "cal", "diag", "ir", "light", "sampling", "spectrum", "texture"]),
+    ("compile", &["accel", "brdf", "bsdf", "cal", "diag", "ir", "light", "retro", "sampling", "spectrum", "texture"]),
     ("diag", &[]),
     ("film", &["picture", "render", "sampling"]),
     ("flux", &["measured", "sampling", "sky"]),

@@ -26,7 +26,8 @@ pub struct Fitted {
     pub unit: &'static str,
     /// The best.
     pub value: f64,
-    /// Bounds of 95 % confidence; none where there are no more rows than parameters, or where it lies at an end of its range.
+    /// Bounds of 95 % confidence; none where the data do not tell it: there are no more rows than parameters, it lies at an end
+    /// of its range, or others can stand in for it.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -77,6 +78,8 @@ impl std::fmt::Display for FitError {
 impl std::error::Error for FitError {}
 
 const MOST_STEPS: u32 = 200;
+/// Half of an interval, as a logarithm, beyond which the data do not tell the parameter: a factor of 1000.
+const VAGUE: f64 = 6.9;
 
 /// One model, its data and how they count.
 struct Problem<'a> {
@@ -235,7 +238,7 @@ impl Problem<'_> {
             let is_inside = at[index] > low + 1e-9 && at[index] < high - 1e-9;
             let deviation = (covariance.as_ref()?[index][index] * variance).sqrt();
             let half = student_t(freedom)? * deviation;
-            (is_inside && half.is_finite()).then(|| [(at[index] - half).exp(), (at[index] + half).exp()])
+            (is_inside && half < VAGUE).then(|| [(at[index] - half).exp(), (at[index] + half).exp()])
         };
         let parameters = (0..self.free)
             .map(|index| {

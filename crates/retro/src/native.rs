@@ -256,8 +256,8 @@ fn complete_numbers(info: &ModelInfo, given: &[f64]) -> Result<Vec<f64>, ModelEr
             Some(number) if number >= row.range[0] && number <= row.range[1] => complete.push(number),
             Some(number) => {
                 let [least, most] = row.range;
-                let message =
-                    format!("{} is {number} {}, expected at least {least} and at most {most}", row.name, row.unit);
+                let unit = if row.unit == "1" { String::new() } else { format!(" {}", row.unit) };
+                let message = format!("{} is {number}{unit}, expected at least {least} and at most {most}", row.name);
                 return Err(ModelError::Number { index, message });
             }
             None => {
@@ -271,7 +271,7 @@ fn complete_numbers(info: &ModelInfo, given: &[f64]) -> Result<Vec<f64>, ModelEr
 
 fn table(has_rotation: bool, numbers: &[f64], before: usize) -> Result<RetroTable, ModelError> {
     let columns = if has_rotation { 4 } else { 3 };
-    if numbers.len() % columns != 0 {
+    if !numbers.len().is_multiple_of(columns) {
         let message = format!(
             "the table has {} numbers, expected a multiple of {columns}: observation, entrance, {}R_A in each row",
             numbers.len(),

@@ -38,7 +38,7 @@ impl SharpLobe {
         let shape = |angle: f64| (-LN_2 * (angle / half_width).powf(order)).exp();
         let end = (half_width * (END / LN_2).powf(1.0 / order)).min(PI);
         let angles: Vec<f64> = (0..=CELLS).map(|knot| end * f64::from(knot) / f64::from(CELLS)).collect();
-        let peak = 1.0 / integral(&shape, end);
+        let peak = 1.0 / integral(shape, end);
         SharpLobe { half_width, order, peak, end, density: RadialDensity::new(&angles, shape) }
     }
 

@@ -257,7 +257,8 @@ fn check_rows(rows: &[Row]) -> Result<(), TableError> {
         if !(0.0..=FRAC_PI_2).contains(&geometry.observation) {
             return Err(TableError::Row(index, "an observation angle of 0…90°"));
         }
-        if !(geometry.entrance.abs() <= 89f64.to_radians() + SAME) {
+        let steepest = 89f64.to_radians() + SAME;
+        if !(-steepest..=steepest).contains(&geometry.entrance) {
             return Err(TableError::Row(index, "an entrance angle of −89…89°"));
         }
         if !geometry.rotation.is_finite() {
