@@ -132,7 +132,7 @@ fn a_directive_leaves_the_scene_legal_for_radiance() {
     let ordinary = "void plastic m 0 0 5 .5 .5 .5 0 0\n#@radsight brdf m retro glass_bead paint 7.5";
     assert_eq!(ours(&folder, &scene(ordinary, 5.0), &rays(&[4.8])), native);
     if let Some(radiance) = Radiance::find() {
-        let file = folder.file("legal.rad", &scene(ordinary, 5.0));
+        let file = folder.file("legal.rad", scene(ordinary, 5.0));
         let output = radiance.command("oconv", &[&file]).output().expect("oconv runs");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
@@ -147,7 +147,7 @@ fn mistakes_in_a_scene_stand_at_their_tokens() {
         ("void brdfplugin m 3 retro sharp flat 0 3 .5 .01 9", ["extra word \"flat\"", "1:33"]),
         ("void brdfplugin m 2 retro sharp 0 4 .9 .01 6 .5", ["expected at most 100 %", "1:27"]),
     ] {
-        let file = folder.file("wrong.rad", &scene(material, 0.0));
+        let file = folder.file("wrong.rad", scene(material, 0.0));
         let run = radsight_with(&["rtrace", "-h", &file], rays(&[0.0]).as_bytes());
         assert_eq!(run.code, 1, "{material}: {}", run.messages);
         assert!(expected.iter().all(|part| run.messages.contains(part)), "{material}: {}", run.messages);
@@ -159,7 +159,7 @@ fn coefficients_survive_conversion() {
     let folder = Folder::new();
     let table = "observation,entrance,ra\n.1,-4,1200\n.2,30,550.25\n2,60,.003\n.5,45,85\n";
     let data = folder.file("data.csv", table);
-    let brdf = folder.file("brdf.csv", &radsight(&["retro", "convert", &data, "--to", "brdf"]).text());
+    let brdf = folder.file("brdf.csv", radsight(&["retro", "convert", &data, "--to", "brdf"]).text());
     let back = radsight(&["retro", "convert", &brdf, "--to", "ra"]).text();
     let found: Vec<f64> = back.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
     assert_near(&found, &[1200.0, 550.25, 0.003, 85.0], 1e-12, "R_A");
