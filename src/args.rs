@@ -42,6 +42,9 @@ pub(crate) enum Command {
     /// BRDF plugins: start one, list them, check one, draw its lobe
     #[command(subcommand)]
     Plugin(Plugin),
+    /// Retroreflectors: tables and plots of R_A, fits to data sheets, conversion, minimum tables, materials for scenes
+    #[command(subcommand)]
+    Retro(crate::commands::retro::Retro),
     /// Makes links named after Radiance's programs
     InstallLinks(InstallLinks),
 }

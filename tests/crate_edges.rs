@@ -34,7 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("cal", &["diag"]),
     ("camera", &["diag", "loader", "pinhole", "sensor"]),
     ("capture", &["pinhole", "render", "sampling"]),
-    ("compile", &["accel", "brdf", "bsdf", "cal", "diag", "ir", "light", "sampling", "spectrum", "texture"]),
+    ("compile", &["accel", "brdf", "bsdf", "cal", "diag", "ir", "light", "retro", "sampling", "spectrum", "texture"]),
     ("diag", &[]),
     ("film", &["picture", "render", "sampling"]),
     ("flux", &["measured", "sampling", "sky"]),
@@ -98,6 +98,8 @@ const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[
 /// What a plugin may know: the layer for plugin authors. The plugin of the built-in models wraps them.
 const ALLOWED_IN_PLUGINS: &[&str] = &["brdf-sdk"];
 const ALLOWED_IN_BUILTIN_PLUGIN: &[&str] = &["brdf", "brdf-sdk"];
+/// The plugin of cube corners wraps the one of `retro`: one implementation, two ways to it.
+const ALLOWED_IN_PRISMATIC_PLUGIN: &[&str] = &["brdf-sdk", "retro"];
 const ALLOWED_IN_PLUGIN_TESTS: &[&str] = &["brdf-host"];
 
 /// Crates that know nothing of each other, in either direction and by no detour, but for the edges of `CROSSINGS`.
@@ -195,8 +197,12 @@ fn crates_know_what_the_list_allows() {
 #[test]
 fn plugins_know_the_layer_for_plugin_authors() {
     for manifest in manifests("plugins") {
-        let is_builtin = manifest.path.parent().is_some_and(|folder| folder.ends_with("builtin"));
-        let list = if is_builtin { ALLOWED_IN_BUILTIN_PLUGIN } else { ALLOWED_IN_PLUGINS };
+        let is = |name: &str| manifest.path.parent().is_some_and(|folder| folder.ends_with(name));
+        let list = match () {
+            () if is("builtin") => ALLOWED_IN_BUILTIN_PLUGIN,
+            () if is("prismatic") => ALLOWED_IN_PRISMATIC_PLUGIN,
+            () => ALLOWED_IN_PLUGINS,
+        };
         for edge in Manifest::edges(&manifest.dependencies) {
             assert!(list.contains(&edge), "plugin {} knows {edge}", manifest.name);
         }

@@ -18,6 +18,7 @@ mod pinhole;
 mod plugin;
 mod rad;
 mod rcontrib;
+pub(crate) mod retro;
 mod rfluxmtx;
 mod rig;
 mod rpict;
@@ -102,6 +103,7 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
         Command::Sensor(arguments) => sensor::run(&arguments, trust),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Target(arguments) => target::run(&arguments),
+        Command::Retro(command) => retro::run(&command),
         Command::Calibrate(arguments) => calibrate::run(&arguments, trust),
         Command::Plugin(_) | Command::InstallLinks(_) if trust.origin() == Origin::File => Err(Failure::input(
             "plugin and install-links are not run with words of a file\nhint: only the command line itself may call them",

@@ -5,6 +5,7 @@ use crate::compile_scatter::compile_scatterer;
 use crate::compile_steps::{ends_in_material, fold_constants, pattern_step, share, texture_step};
 use crate::medium::MistKind;
 use crate::model_source::{ModelRequest, ModelSource};
+use crate::native_model::native_or;
 use crate::options::{Skip, Skipping};
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
@@ -433,7 +434,7 @@ impl Compiler<'_> {
                 let material = scene.modifier_name(Some(handle));
                 let request =
                     ModelRequest { material, span: modifier.span, library, model, words, numbers, tokens, bands };
-                models.model(&request).map(Kind::Plugin)
+                native_or(models, &request).map(Kind::Plugin)
             }
             Material::Antimatter { cuts } => Ok(Kind::Antimatter(self.antimatter(chains, handle, cuts))),
             Material::Unusable { .. } => Ok(Kind::Unusable),

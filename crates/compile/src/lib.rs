@@ -18,6 +18,7 @@ mod lighting;
 mod medium;
 mod mist_lights;
 mod model_source;
+mod native_model;
 mod options;
 mod plan;
 mod plan_build;

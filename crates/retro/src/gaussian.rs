@@ -49,7 +49,7 @@ fn density(spread: f64, angle: f64) -> f64 {
 }
 
 /// A direction at angle δ from `outgoing`, δ² exponential with mean 4α².
-fn draw(spread: f64, outgoing: DVec3, u: f64, v: f64) -> Option<(DVec3, f64)> {
+pub(crate) fn draw(spread: f64, outgoing: DVec3, u: f64, v: f64) -> Option<(DVec3, f64)> {
     let angle = 2.0 * spread * (-(1.0 - u).ln()).sqrt();
     if angle >= PI {
         return None;

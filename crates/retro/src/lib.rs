@@ -3,19 +3,42 @@
 //! δ is always the angle between the outgoing and the incident direction (the *observation angle* of retroreflectometry), taken
 //! from the chord, never from the cosine: a lobe is a fraction of a degree wide.
 //!
-//! Knows neither scenes nor renderers.
+//! Guarantees: every model draws directions with exactly the density that it tells. Those that [`MODELS`] calls reciprocal are.
+//! Knows neither scenes nor renderers, and reads no files.
 //!
 //! ```
-//! use radsight_retro::Paper1991;
-//! use glam::DVec3;
-//! let sheet = Paper1991 { reflectance: [0.086], spread: 0.00612 };
-//! let peak = sheet.reflected_density(0.0);
-//! // More than 300 times a white Lambertian surface, as the paper says of the sheeting.
-//! assert!(0.086 * peak > 50.0 / std::f64::consts::PI);
-//! # let _ = DVec3::Z;
+//! use radsight_retro::{Geometry, model};
+//! // White sheeting with a flat-topped lobe, by the words and numbers of a scene.
+//! let sheet = model("sharp", &[], &[0.086, 0.0102, 6.0]).unwrap();
+//! let at = Geometry::from_degrees(0.2, -4.0, 0.0);
+//! let (observer, light) = at.directions();
+//! let coefficient = at.coefficient(sheet.value_and_pdf(observer, light).0);
+//! assert!(coefficient > 200.0, "{coefficient} cd/(lx m²)");
 //! ```
 #![forbid(unsafe_code)]
 
+mod coefficient;
+mod fit;
+mod fresnel;
 mod gaussian;
+mod ggx;
+mod glass_bead;
+mod minimum;
+mod mrm;
+mod native;
+mod prism;
+mod radial;
+mod sharp;
+mod sheeting;
+mod table;
 
+pub use coefficient::Geometry;
+pub use fit::{Fit, FitError, Fitted, Weights, fit};
+pub use fresnel::fresnel_dielectric;
 pub use gaussian::{Paper1991, ReciprocalGaussian, observation_angle};
+pub use glass_bead::{Binder, entrance_factor, observation_factor};
+pub use minimum::{MINIMUM_TABLES, MinimumRow, MinimumTable, minimum_table};
+pub use native::{LIBRARY, MODELS, ModelError, ModelInfo, Parameter, model, model_info};
+pub use prism::{CubeCornerSheeting, Faces};
+pub use sheeting::{Sheeting, Surroundings};
+pub use table::{RetroTable, Row, TableError};

@@ -33,61 +33,10 @@
 //! The prisms' axes are on the normal, and the azimuth of the pattern is that of the frame's x axis. Light that is not retroreflected is
 //! lost, and so is the front's mirror image: put the sheeting in a mixture with a glossy material if it matters.
 
-mod cube_corner;
-mod polygon;
+use radsight_brdf_sdk::{CreateError, DVec3, Description, Lobes, Model, Parameter, Parameters, Sample};
+use radsight_retro::{CubeCornerSheeting, Faces};
 
-use cube_corner::{BEAMS, Beam, CubeCorner, Faces};
-use radsight_brdf_sdk::{CreateError, DVec3, Description, Lobes, Model, Parameter, Parameters, Sample, direction_near};
-use std::f64::consts::TAU;
-
-struct Sheeting {
-    corner: CubeCorner,
-    /// κ = 1/s²: a spot is `κ/2π exp(−κ |x|²/2)` in the distance x of directions.
-    sharpness: f64,
-    /// No spot reaches further from the direction of incidence: it is 1e-17 of its peak there.
-    reach: f64,
-}
-
-/// Probability of a beam without light, times the number of beams: keeps the density above zero next to where beams end.
-const LEAST_SHARE: f64 = 1e-3;
-/// Standard deviations after which a spot has ended.
-const SPOT_END: f64 = 9.0;
-
-impl Sheeting {
-    /// A spot at this distance from its middle, 1/sr.
-    fn spot(&self, distance: DVec3) -> f64 {
-        self.sharpness / TAU * (-0.5 * self.sharpness * distance.length_squared()).exp()
-    }
-
-    /// Symmetric in the two directions: beams come in pairs of opposite deviation, which belong to opposite orders of the faces.
-    fn shape(&self, outgoing: DVec3, incident: DVec3) -> f64 {
-        let between = outgoing - incident;
-        if outgoing.z <= 0.0 || incident.z <= 0.0 || between.length() > self.reach {
-            return 0.0;
-        }
-        let beams = self.corner.beams((outgoing + incident).normalize());
-        let sum: f64 = beams
-            .iter()
-            .map(|beam| beam.share * (self.spot(between - beam.deviation) + self.spot(between + beam.deviation)))
-            .sum();
-        sum / outgoing.z.max(incident.z)
-    }
-
-    /// Middles of the spots for light to come from, seen from `outgoing`, and the probabilities with which they are chosen.
-    fn targets(&self, outgoing: DVec3) -> [(DVec3, f64); 2 * BEAMS] {
-        let beams = self.corner.beams(outgoing);
-        let total: f64 = beams.iter().map(|beam| 2.0 * (beam.share + LEAST_SHARE)).sum();
-        std::array::from_fn(|index| {
-            let Beam { deviation, share } = beams[index / 2];
-            let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
-            ((outgoing - deviation * sign).normalize(), (share + LEAST_SHARE) / total)
-        })
-    }
-
-    fn density(&self, targets: &[(DVec3, f64)], incident: DVec3) -> f64 {
-        targets.iter().map(|(middle, probability)| probability * self.spot(incident - *middle)).sum::<f64>()
-    }
-}
+struct Sheeting(CubeCornerSheeting);
 
 impl Model for Sheeting {
     const DESCRIPTION: Description = Description {
@@ -111,46 +60,24 @@ impl Model for Sheeting {
             _ => Faces::Bare,
         };
         let (index, error) = (parameters.number("index"), parameters.number("dihedral_error"));
-        let spread = parameters.number("spread");
-        // Deviations are 3.27 n ε at normal incidence and grow with obliqueness.
-        let reach = 20.0 * index * error.abs() + SPOT_END * spread;
-        Ok(Sheeting { corner: CubeCorner::new(index, error, faces), sharpness: 1.0 / (spread * spread), reach })
+        Ok(Sheeting(CubeCornerSheeting::new(index, error, parameters.number("spread"), faces)))
     }
 
     fn value(&self, outgoing: DVec3, incident: DVec3, values: &mut [f64]) {
-        values.fill(self.shape(outgoing, incident));
+        values.fill(self.0.value(outgoing, incident));
     }
 
     fn pdf(&self, outgoing: DVec3, incident: DVec3) -> f64 {
-        let far = (outgoing - incident).length() > self.reach;
-        if outgoing.z <= 0.0 || incident.z <= 0.0 || far {
-            return 0.0;
-        }
-        self.density(&self.targets(outgoing), incident)
+        self.0.pdf(outgoing, incident)
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Sample {
-        if outgoing.z <= 0.0 {
+        let Some(incident) = self.0.sample(outgoing, u) else { return Sample::Absorbed };
+        let pdf = self.0.pdf(outgoing, incident);
+        if pdf <= 0.0 {
             return Sample::Absorbed;
         }
-        let targets = self.targets(outgoing);
-        let mut left = u[2];
-        let chosen = targets.iter().find(|(_, probability)| {
-            left -= probability;
-            left < 0.0
-        });
-        let middle = chosen.unwrap_or(&targets[0]).0;
-        // 1 − cos δ is drawn exponentially: with |x|² = 2 (1 − cos δ) that is the spot's density on the sphere.
-        let fall = -(1.0 - u[0]).ln() / self.sharpness;
-        if fall >= 2.0 {
-            return Sample::Absorbed;
-        }
-        let incident = direction_near(middle, 2.0 * (0.5 * fall).sqrt().asin(), TAU * u[1]);
-        let pdf = if incident.z > 0.0 { self.density(&targets, incident) } else { 0.0 };
-        if pdf <= 0.0 || (outgoing - incident).length() > self.reach {
-            return Sample::Absorbed;
-        }
-        weights.fill(self.shape(outgoing, incident) * incident.z / pdf);
+        weights.fill(self.0.value(outgoing, incident) * incident.z / pdf);
         Sample::Continuous { incident, pdf }
     }
 }

@@ -1,32 +1,36 @@
 //! One prism: which share of the light it returns, and in which directions.
 
-use crate::polygon::{Point, Polygon};
-use radsight_brdf_sdk::{DVec3, fresnel_dielectric};
+use super::polygon::{Point, Polygon};
+use crate::fresnel::fresnel_dielectric;
+use glam::DVec3;
 
 /// Pairs of opposite beams: three of a prism, and two ways in which prisms are turned.
-pub(crate) const BEAMS: usize = 6;
+pub(super) const BEAMS: usize = 6;
 
 /// A pair of returned beams: the light of one order of faces, and of the opposite order.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Beam {
+pub(super) struct Beam {
     /// From the direction to the lamp to the returned direction, of the first beam; the second has the opposite.
-    pub(crate) deviation: DVec3,
+    pub(super) deviation: DVec3,
     /// Share of the light that falls on the sheeting, of each of the two.
-    pub(crate) share: f64,
+    pub(super) share: f64,
 }
 
 /// What the prisms' faces are.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Faces {
+pub enum Faces {
     /// Against air: total reflection, or a little.
     Bare,
     /// Coated with metal, of the same reflectance at every angle.
-    Coated { reflectance: f64 },
+    Coated {
+        /// 0…1.
+        reflectance: f64,
+    },
 }
 
 /// A corner prism with its point at the origin and its triangular front in the plane z = 1.
 #[derive(Clone, Debug)]
-pub(crate) struct CubeCorner {
+pub(super) struct CubeCorner {
     index: f64,
     faces: Faces,
     /// Unit normals into the prism when the corner is square; they lie along its edges.
@@ -40,7 +44,7 @@ pub(crate) struct CubeCorner {
 
 impl CubeCorner {
     /// A prism of index `index` whose dihedral angles are 90° plus `dihedral_error` radians.
-    pub(crate) fn new(index: f64, dihedral_error: f64, faces: Faces) -> Self {
+    pub(super) fn new(index: f64, dihedral_error: f64, faces: Faces) -> Self {
         let square = [90f64, 210.0, 330.0].map(|degrees| {
             let (sin, cos) = degrees.to_radians().sin_cos();
             DVec3::new((2.0f64 / 3.0).sqrt() * cos, (2.0f64 / 3.0).sqrt() * sin, (1.0f64 / 3.0).sqrt())
@@ -53,7 +57,7 @@ impl CubeCorner {
     }
 
     /// The beams for light that comes from the unit vector `direction` (z > 0), half of the prisms turned by 180°.
-    pub(crate) fn beams(&self, direction: DVec3) -> [Beam; BEAMS] {
+    pub(super) fn beams(&self, direction: DVec3) -> [Beam; BEAMS] {
         let turned = DVec3::new(-direction.x, -direction.y, direction.z);
         let (upright, mut other) = (self.beams_of_one(direction), self.beams_of_one(turned));
         for beam in &mut other {

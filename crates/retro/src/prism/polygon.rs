@@ -1,20 +1,20 @@
 //! Convex polygons in the plane of the front.
 
 /// A point of the plane.
-pub(crate) type Point = (f64, f64);
+pub(super) type Point = (f64, f64);
 
 /// More corners than a triangle cut by seven lines can have.
 const MOST_CORNERS: usize = 12;
 
 /// A convex polygon, counter-clockwise.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Polygon {
+pub(super) struct Polygon {
     corners: [Point; MOST_CORNERS],
     count: usize,
 }
 
 impl Polygon {
-    pub(crate) fn triangle(corners: [Point; 3]) -> Self {
+    pub(super) fn triangle(corners: [Point; 3]) -> Self {
         let mut all = [(0.0, 0.0); MOST_CORNERS];
         all[..3].copy_from_slice(&corners);
         Polygon { corners: all, count: 3 }
@@ -22,7 +22,7 @@ impl Polygon {
 
     /// The part on the left of the line through `from` along `direction`. Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM
     /// 17(1), 1974.
-    pub(crate) fn left_of(&self, from: Point, direction: Point) -> Polygon {
+    pub(super) fn left_of(&self, from: Point, direction: Point) -> Polygon {
         let height = |point: Point| direction.0 * (point.1 - from.1) - direction.1 * (point.0 - from.0);
         let mut cut = Polygon { corners: [(0.0, 0.0); MOST_CORNERS], count: 0 };
         for index in 0..self.count {
@@ -46,7 +46,7 @@ impl Polygon {
         }
     }
 
-    pub(crate) fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         let twice: f64 = (0..self.count)
             .map(|index| {
                 let (here, next) = (self.corners[index], self.corners[(index + 1) % self.count]);

@@ -1,0 +1,34 @@
+//! The program's own retroreflectors, which a scene names as it names those of a plugin.
+
+use crate::model_source::{ModelRequest, ModelSource};
+use radsight_brdf::Brdf;
+use radsight_diag::{Diagnostic, hint_nearest};
+use radsight_retro::{LIBRARY, MODELS, ModelError};
+use std::sync::Arc;
+
+/// The model of a `brdfplugin` primitive: ours where the library's name is [`LIBRARY`], else one from elsewhere.
+pub(crate) fn native_or(models: &dyn ModelSource, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
+    if request.library != LIBRARY {
+        return models.model(request);
+    }
+    let made = radsight_retro::model(request.model, request.words, request.numbers);
+    made.map(|sheet| Arc::new(sheet) as Arc<dyn Brdf>).map_err(|error| at_token(&error, request))
+}
+
+/// The error at the token that is wrong; at the model's name where one is missing.
+fn at_token(error: &ModelError, request: &ModelRequest<'_>) -> Diagnostic {
+    let token = match error {
+        ModelError::Word { index, .. } => 2 + index,
+        ModelError::Number { index, .. } => 2 + request.words.len() + index,
+        _ => 1,
+    };
+    let hint = match error {
+        ModelError::Unknown { name } => hint_nearest(name, MODELS.iter().map(|model| model.name)),
+        _ => None,
+    };
+    let diagnostic = Diagnostic::error(error.to_string()).maybe_hint(hint);
+    match request.tokens.get(token).copied().or(request.span) {
+        Some(span) => diagnostic.at(span),
+        None => diagnostic,
+    }
+}

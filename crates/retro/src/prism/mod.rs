@@ -1,0 +1,142 @@
+//! `cube_corner`: sheeting of corner prisms, by ray optics.
+//!
+//! | parameter | meaning | unit | range |
+//! |---|---|---|---|
+//! | backing | `air`: total reflection; `metal`: coated faces | | |
+//! | index | refraction of the prisms | 1 | 1.3…2.2 |
+//! | dihedral error | by which the angles between faces are above 90° | rad | −0.002…0.002 |
+//! | spread s | rms width of a spot in each of two directions | rad | 0.0005…0.05 |
+//!
+//! For each direction the prism is traced: refraction at the front, the three faces in each of six orders, refraction out.
+//! The share of the light in each order is the area of the front through which rays of that order enter and leave again
+//! (after Eckhardt, "Simple Model of Corner Reflector Phenomena", Applied Optics 10(7), 1971). Half of the prisms are turned
+//! by 180°, as in sheeting. Each spot is a Gaussian: scratches, waviness and diffraction are in its width. The azimuth of the
+//! pattern is that of the frame's x axis. Reciprocal; keeps energy.
+
+mod corner;
+mod polygon;
+
+pub use corner::Faces;
+
+use crate::radial::direction_near;
+use corner::{BEAMS, Beam, CubeCorner};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Sheeting of cube corners.
+#[derive(Clone, Debug)]
+pub struct CubeCornerSheeting {
+    corner: CubeCorner,
+    /// κ = 1/s²: a spot is `κ/2π exp(−κ |x|²/2)` in the distance x of directions.
+    sharpness: f64,
+    /// No spot reaches further from the direction of incidence: it is 1e-17 of its peak there.
+    reach: f64,
+    /// Probability of drawing from spots that are [`TAIL_WIDTH`] times as wide.
+    tail_share: f64,
+}
+
+/// Probability of a beam without light, times the number of beams: keeps the density above zero next to where beams end.
+const LEAST_SHARE: f64 = 1e-3;
+/// Standard deviations after which a spot has ended.
+const SPOT_END: f64 = 9.0;
+/// Where the prisms stop returning light, what is left comes from the tails of the spots alone.
+const TAIL_WIDTH: f64 = 2.5;
+
+impl CubeCornerSheeting {
+    /// Prisms of this index, whose dihedral angles are 90° plus `dihedral_error` (radians), with spots of rms width `spread`
+    /// (radians).
+    #[must_use]
+    pub fn new(index: f64, dihedral_error: f64, spread: f64, faces: Faces) -> CubeCornerSheeting {
+        // Deviations are 3.27 n ε at normal incidence and grow with obliqueness.
+        let reach = 20.0 * index * dihedral_error.abs() + SPOT_END * spread;
+        let corner = CubeCorner::new(index, dihedral_error, faces);
+        CubeCornerSheeting { corner, sharpness: 1.0 / (spread * spread), reach, tail_share: 0.0 }
+    }
+
+    /// The same sheeting, drawn from wider spots with this probability (0…1): less noise where light only just comes back.
+    #[must_use]
+    pub fn with_tail(self, tail_share: f64) -> CubeCornerSheeting {
+        CubeCornerSheeting { tail_share, ..self }
+    }
+
+    /// A spot at this distance from its middle, 1/sr.
+    fn spot(&self, distance: DVec3) -> f64 {
+        spot(self.sharpness, distance)
+    }
+
+    fn is_far(&self, outgoing: DVec3, incident: DVec3) -> bool {
+        outgoing.z <= 0.0 || incident.z <= 0.0 || (outgoing - incident).length() > self.reach
+    }
+
+    /// f, 1/sr. Symmetric in the two directions: beams come in pairs of opposite deviation, which belong to opposite orders of
+    /// the faces.
+    #[must_use]
+    pub fn value(&self, outgoing: DVec3, incident: DVec3) -> f64 {
+        if self.is_far(outgoing, incident) {
+            return 0.0;
+        }
+        let between = outgoing - incident;
+        let beams = self.corner.beams((outgoing + incident).normalize());
+        let sum: f64 = beams
+            .iter()
+            .map(|beam| beam.share * (self.spot(between - beam.deviation) + self.spot(between + beam.deviation)))
+            .sum();
+        sum / outgoing.z.max(incident.z)
+    }
+
+    /// Density of [`CubeCornerSheeting::sample`], 1/sr.
+    #[must_use]
+    pub fn pdf(&self, outgoing: DVec3, incident: DVec3) -> f64 {
+        if self.is_far(outgoing, incident) { 0.0 } else { self.density(&self.targets(outgoing), incident) }
+    }
+
+    /// An incident direction; none where the light is absorbed. `u` is uniform in [0, 1)³, the third chooses a spot.
+    #[must_use]
+    pub fn sample(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
+        if outgoing.z <= 0.0 {
+            return None;
+        }
+        let targets = self.targets(outgoing);
+        let mut left = u[2];
+        let chosen = targets.iter().find(|(_, probability)| {
+            left -= probability;
+            left < 0.0
+        });
+        let (middle, probability) = *chosen.unwrap_or(&targets[0]);
+        let in_tail = 1.0 + left / probability < self.tail_share;
+        let sharpness = if in_tail { self.sharpness / (TAIL_WIDTH * TAIL_WIDTH) } else { self.sharpness };
+        // 1 − cos δ is drawn exponentially: with |x|² = 2 (1 − cos δ) that is the spot's density on the sphere.
+        let fall = -(1.0 - u[0]).ln() / sharpness;
+        if fall >= 2.0 {
+            return None;
+        }
+        let incident = direction_near(middle, 2.0 * (0.5 * fall).sqrt().asin(), TAU * u[1]);
+        (!self.is_far(outgoing, incident)).then_some(incident)
+    }
+
+    /// Middles of the spots for light to come from, seen from `outgoing`, and the probabilities with which they are chosen.
+    fn targets(&self, outgoing: DVec3) -> [(DVec3, f64); 2 * BEAMS] {
+        let beams = self.corner.beams(outgoing);
+        let total: f64 = beams.iter().map(|beam| 2.0 * (beam.share + LEAST_SHARE)).sum();
+        std::array::from_fn(|index| {
+            let Beam { deviation, share } = beams[index / 2];
+            let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
+            ((outgoing - deviation * sign).normalize(), (share + LEAST_SHARE) / total)
+        })
+    }
+
+    fn density(&self, targets: &[(DVec3, f64)], incident: DVec3) -> f64 {
+        let drawn = |distance: DVec3| {
+            if self.tail_share == 0.0 {
+                return self.spot(distance);
+            }
+            let tail = spot(self.sharpness / (TAIL_WIDTH * TAIL_WIDTH), distance);
+            self.tail_share * tail + (1.0 - self.tail_share) * self.spot(distance)
+        };
+        targets.iter().map(|(middle, probability)| probability * drawn(incident - *middle)).sum::<f64>()
+    }
+}
+
+fn spot(sharpness: f64, distance: DVec3) -> f64 {
+    sharpness / TAU * (-0.5 * sharpness * distance.length_squared()).exp()
+}
