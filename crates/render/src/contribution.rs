@@ -17,7 +17,7 @@ pub struct Contribution {
     /// Which of the tracked modifiers, in the order of the options.
     pub modifier: usize,
     /// Red, green, blue, or the bands that are traced. Of an emitter W/(sr·m²), or W/m² where irradiance is asked for; else as
-    /// [`TrackedValue`] says.
+    /// [`TrackedValue`](crate::TrackedValue) says.
     pub value: BandValues,
     interaction: SurfaceInteraction,
 }
