@@ -9,7 +9,7 @@ use radsight_picture::read_image;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const HINT: &str = "; build it with `cargo build --release -p radsight`";
+const HINT: &str = "; build it with `cargo build --release -p radsight-cli`";
 
 /// The `radsight` program.
 #[derive(Debug)]

@@ -10,7 +10,7 @@
 use crate::interpolated::{self, Interpolation};
 use crate::sample_allocation::{PooledVariance, chosen};
 use crate::view_camera::{CameraRay, ViewCamera};
-use radsight_render::{Ray, RayWorker, Renderer};
+use radsight_render::{Ray, RayWorker, Renderer, Traced};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -346,28 +346,23 @@ fn sum(
         let index = ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample);
         let sampler = RaySampler::new(renderer.plan().seed(), index);
         let Some(ray) = camera.ray(column, row, &sampler) else { continue };
-        for (sum, band) in sum.iter_mut().zip(radiance(worker, index, &ray)) {
+        let Some(traced) = traced(worker, index, &ray) else { continue };
+        for (sum, band) in sum.iter_mut().zip(traced.value) {
             *sum += band;
         }
     }
     sum
 }
 
-/// The radiance of a ray; nothing is seen beyond the aft clipping plane.
-fn radiance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> [f64; 3] {
-    let Some(traced) = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray)) else {
-        return [0.0; 3];
-    };
+/// What a ray finds; `None` for nothing, as beyond the aft clipping plane.
+pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<Traced> {
+    let traced = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray))?;
     let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
-    if is_clipped { [0.0; 3] } else { traced.value }
+    (!is_clipped).then_some(traced)
 }
 
 fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> f64 {
-    let Some(traced) = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray)) else {
-        return NOWHERE;
-    };
-    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
-    if is_clipped { NOWHERE } else { traced.effective_distance.min(NOWHERE) }
+    traced(worker, index, ray).map_or(NOWHERE, |traced| traced.effective_distance.min(NOWHERE))
 }
 
 /// The mean of each band over the pixels that are not black in it, of which a few may be dazzling.

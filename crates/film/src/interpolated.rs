@@ -9,6 +9,7 @@
 //! Source of the scheme: Radiance's `rpict` (Ward 1994), with the tests of surfaces and noise of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
+use crate::adaptive::traced;
 use crate::view_camera::{CameraRay, ViewCamera};
 use glam::DVec3;
 use radsight_render::{FirstHit, Ray, RayWorker, Renderer};
@@ -286,11 +287,7 @@ impl Block<'_> {
         let mut smooth = Vec::new();
         let mut finer = spacing;
         while !cells.is_empty() {
-            let is_smooth: Vec<bool> = cells
-                .par_iter()
-                .with_min_len(64)
-                .map_init(|| self.renderer, |renderer, cell| self.is_smooth(renderer, cell))
-                .collect();
+            let is_smooth: Vec<bool> = cells.par_iter().with_min_len(64).map(|cell| self.is_smooth(cell)).collect();
             let mut divided = Vec::new();
             let mut wanted = Vec::new();
             for (cell, is_smooth) in cells.into_iter().zip(is_smooth) {
@@ -381,10 +378,7 @@ impl Block<'_> {
                 } else {
                     self.camera.ray(column, row, &sampler)
                 };
-                match ray {
-                    Some(ray) => tally.add(traced(worker, index, &ray)),
-                    None => tally.add(([0.0; 3], OUTSIDE)),
-                }
+                tally.add(ray.map_or(([0.0; 3], OUTSIDE), |ray| seen(worker, index, &ray)));
             }
             let sample = tally.sample();
             let is_exact = sample.variance.sqrt() <= self.allowed_noise(&sample) + self.darkness;
@@ -396,7 +390,7 @@ impl Block<'_> {
     }
 
     /// Whether all pixels of a cell can be told from its corners.
-    fn is_smooth(&self, renderer: &Renderer, cell: &Cell) -> bool {
+    fn is_smooth(&self, cell: &Cell) -> bool {
         let corners = cell.corners().map(|corner| self.sampled(corner));
         let [Some(first), Some(second), Some(third), Some(fourth)] = corners else { return false };
         let corners = [first, second, third, fourth];
@@ -407,7 +401,7 @@ impl Block<'_> {
                 }
             }
         }
-        self.probes(cell).all(|pixel| self.probe(renderer, pixel, &first.surface))
+        self.probes(cell).all(|pixel| self.probe(pixel, &first.surface))
     }
 
     /// Whether two samples differ by no more than is allowed, or than moderate noise.
@@ -434,10 +428,15 @@ impl Block<'_> {
     }
 
     /// Whether a pixel sees the surface of a corner first.
-    fn probe(&self, renderer: &Renderer, (column, row): (usize, usize), corner: &Surface) -> bool {
-        let Some(ray) = self.camera.central_ray(column, row + self.first_row) else { return false };
-        let Some(seen) = Ray::new(ray.origin, ray.direction) else { return false };
-        corner.continues(&Surface::new(1, renderer.plan().cast(&seen), ray.direction))
+    fn probe(&self, (column, row): (usize, usize), corner: &Surface) -> bool {
+        let ray = self.camera.central_ray(column, row + self.first_row);
+        ray.and_then(|ray| self.first_surface(&ray)).is_some_and(|surface| corner.continues(&surface))
+    }
+
+    /// What a ray meets first, without what it brings.
+    fn first_surface(&self, ray: &CameraRay) -> Option<Surface> {
+        let cast = Ray::new(ray.origin, ray.direction)?;
+        Some(Surface::new(1, self.renderer.plan().cast(&cast), ray.direction))
     }
 
     /// All pixels: those that were sampled, averaged with those around as far as their noise goes,
@@ -503,8 +502,7 @@ impl Block<'_> {
     ) -> Option<[f64; 3]> {
         let sampler = RaySampler::new(self.renderer.plan().seed(), index);
         let ray = self.camera.ray(column, row + self.first_row, &sampler)?;
-        let seen = Ray::new(ray.origin, ray.direction)?;
-        let met = Surface::new(1, self.renderer.plan().cast(&seen), ray.direction);
+        let met = self.first_surface(&ray)?;
         if own.continues(&met) {
             return None;
         }
@@ -587,10 +585,10 @@ impl Block<'_> {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for (index, weight) in self.neighbors((at % columns, at / columns)) {
             let (Some(other), near) = (&self.samples[index], &patches[index]) else { continue };
-            let own = square(mean(&sample.value) - mean(&other.value)) / (patch.variance + near.variance);
-            let together = square(patch.mean - near.mean) / (patch.variance_of_mean + near.variance_of_mean);
+            let own = (mean(&sample.value) - mean(&other.value)).powi(2) / (patch.variance + near.variance);
+            let together = (patch.mean - near.mean).powi(2) / (patch.variance_of_mean + near.variance_of_mean);
             let difference = if index == at { 0.0 } else { 0.5 * own.max(together) };
-            let weight = weight * f64::from(other.rays) / (1.0 + square(difference));
+            let weight = weight * f64::from(other.rays) / (1.0 + difference.powi(2));
             sum = std::array::from_fn(|band| sum[band] + weight * other.value[band]);
             weights += weight;
         }
@@ -605,10 +603,6 @@ struct Patch {
     variance: f64,
     mean: f64,
     variance_of_mean: f64,
-}
-
-fn square(value: f64) -> f64 {
-    value * value
 }
 
 fn mean(value: &[f64; 3]) -> f64 {
@@ -631,15 +625,9 @@ fn morton(number: u64) -> u64 {
     (0..8).map(|bit| (number >> bit & 1) << (2 * bit)).sum()
 }
 
-/// What a ray finds; nothing is seen beyond the aft clipping plane.
-fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> ([f64; 3], Surface) {
-    let Some(traced) = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray)) else {
-        return ([0.0; 3], Surface::NONE);
-    };
-    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
-    if is_clipped {
-        ([0.0; 3], OUTSIDE)
-    } else {
+/// The radiance of a ray, and the surfaces that it shows.
+fn seen(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> ([f64; 3], Surface) {
+    traced(worker, index, ray).map_or(([0.0; 3], OUTSIDE), |traced| {
         (traced.value, Surface::new(traced.surface_key, traced.first_hit, ray.direction))
-    }
+    })
 }
