@@ -16,6 +16,18 @@ pub struct Image {
 }
 
 impl Image {
+    /// No picture has more pixels: it needs memory for each of them until it is done.
+    pub const MOST_PIXELS: usize = 1 << 27;
+
+    /// Whether a picture can have this size.
+    ///
+    /// # Errors
+    /// [`Error::Size`] for no pixels, and for more than [`Image::MOST_PIXELS`].
+    pub fn check_size(columns: usize, rows: usize) -> Result<(), Error> {
+        let pixels = columns.checked_mul(rows).filter(|pixels| (1..=Image::MOST_PIXELS).contains(pixels));
+        pixels.map(drop).ok_or(Error::Size { columns, rows, most: Image::MOST_PIXELS })
+    }
+
     pub(crate) fn new(columns: usize, pixels: Vec<[f32; 3]>, header: Header, report: RenderReport) -> Image {
         Image { columns, pixels, header, report }
     }

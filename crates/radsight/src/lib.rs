@@ -11,7 +11,8 @@
 //! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
 //! irradiance W/m², exposure J/m². Errors that are asked for are shares: 0.02 is 2 %.
 //!
-//! Guarantees: results are functions of scene, options and seed, whatever the number of threads. Nothing is printed, no command is
+//! Guarantees: results are functions of scene, options and seed, whatever the number of threads. A [`Renderer`] keeps the irradiance that
+//! it has cached, so that with `ambient_bounces` a second picture of one renderer also rests on what the first gathered. Nothing is printed, no command is
 //! run and no shared library is loaded; files are read through a [`Loader`], which can be one's own. Work runs on the rayon pool
 //! that it is called in (`ThreadPool::install`).
 //!

@@ -8,12 +8,9 @@ use crate::{Scene, View};
 use radsight_diag::SourceMap;
 use radsight_film::{Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
-use radsight_render::{Ray, RaySpacing, RenderOptions, RenderPlan, Traced};
+use radsight_render::{Gathering, Ray, RaySpacing, RenderOptions, RenderPlan, Traced, Uncached};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
-
-/// A picture needs memory for each of its pixels until it is done.
-const MOST_PIXELS: usize = 1 << 27;
 
 /// Rays through a pixel of a camera of one's own, unless it is said.
 const USUAL_SAMPLES: u32 = 16;
@@ -60,16 +57,21 @@ impl Renderer {
     /// # Errors
     /// [`Error::Scene`] for a material or light that cannot be rendered.
     pub fn new(scene: &Scene) -> Result<Renderer, Error> {
-        let gathering = radsight_render::Gathering {
+        Renderer::with_options(scene, Renderer::picture_options())
+    }
+
+    /// Radiance's defaults for pictures (`rpict -defaults`).
+    #[must_use]
+    pub fn picture_options() -> RenderOptions {
+        let gathering = Gathering {
             accuracy: 0.2,
             resolution: 64,
             divisions: 512,
             super_samples: 128,
-            ..radsight_render::Gathering::default()
+            uncached: Uncached::DrawOne,
+            ..Gathering::default()
         };
-        let options =
-            RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() };
-        Renderer::with_options(scene, options)
+        RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() }
     }
 
     /// The same with options of one's own.
@@ -165,7 +167,7 @@ impl Renderer {
         progress: &mut ProgressCallback<'_>,
     ) -> Result<Option<Image>, Error> {
         let (columns, rows) = view.0.fit(columns, rows, 1.0);
-        check_size(columns, rows)?;
+        Image::check_size(columns, rows)?;
         let mut camera = ViewCamera::new(view.0, columns, rows);
         camera.jitter = self.jitter.unwrap_or(self.budget.pixel_jitter());
         let mut options = self.options.clone();
@@ -196,7 +198,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
-        check_size(columns, rows)?;
+        Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
             SamplingBudget::Samples(samples) => samples,
@@ -243,7 +245,7 @@ impl Renderer {
     pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
         let sources = self.scene.sources.clone();
         let mut options = self.options.clone();
-        options.gathering.uncached = radsight_render::Uncached::Split;
+        options.gathering.uncached = Uncached::Split;
         let renderer = self.prepare(options)?;
         let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
         renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
@@ -263,7 +265,7 @@ impl Renderer {
         options.tracked_modifiers = modifiers.iter().map(|name| (*name).to_owned()).collect();
         options.tracked_value = radsight_render::TrackedValue::Radiance;
         options.gathering.accuracy = 0.0;
-        options.gathering.uncached = radsight_render::Uncached::Split;
+        options.gathering.uncached = Uncached::Split;
         let renderer = &*self.prepare(options)?;
         let owed = rays
             .par_iter()
@@ -312,11 +314,6 @@ fn header(view: &str) -> Header {
         header.push_variable("VIEW", view);
     }
     header
-}
-
-fn check_size(columns: usize, rows: usize) -> Result<(), Error> {
-    let pixels = columns.checked_mul(rows).filter(|pixels| (1..=MOST_PIXELS).contains(pixels));
-    pixels.map(|_| ()).ok_or(Error::Size { columns, rows, most: MOST_PIXELS })
 }
 
 fn check_budget(budget: SamplingBudget) -> Result<(), Error> {

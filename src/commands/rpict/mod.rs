@@ -15,14 +15,12 @@ use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Replaces, Start};
+use radsight::Image;
 use radsight_film::{Estimate, Film, SamplingBudget, ViewCamera};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use report::Report;
 use sequence::Sequence;
-
-/// A picture needs memory for each of its pixels until it is done.
-const MOST_PIXELS: usize = 1 << 27;
 
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
@@ -36,8 +34,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         let mut renderer = Renderer::new(plan);
-        let side = options.prepass_spacing();
-        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
+        picture.gather_irradiance(&options, &mut renderer);
         picture.render(&options, &renderer)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
@@ -47,8 +44,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        let side = options.prepass_spacing();
-        renderer.gather_irradiance(&picture.lens.prepass_rays(side), picture.lens.spread(side));
+        picture.gather_irradiance(&options, &mut renderer);
         picture.render(&options, &renderer)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
@@ -95,11 +91,7 @@ impl Picture {
         }
         let view = view_args::checked(view)?;
         let (columns, rows) = view.fit(columns, rows, aspect);
-        if columns == 0 || rows == 0 || columns.checked_mul(rows).is_none_or(|pixels| pixels > MOST_PIXELS) {
-            return Err(Failure::usage(format!(
-                "rpict: a picture of {columns} by {rows} pixels, expected 1 to {MOST_PIXELS} pixels"
-            )));
-        }
+        Image::check_size(columns, rows).map_err(|error| Failure::usage(format!("rpict: {error}")))?;
         let mut lens = ViewCamera::new(view, columns, rows);
         lens.jitter = options.jitter();
         lens.aperture = options.aperture;
@@ -108,6 +100,12 @@ impl Picture {
         }
         let header = header(options, &lens, number);
         Ok(Picture { lens, header, output, depths: named(&options.depths), recovered, replaces })
+    }
+
+    /// Fills the irradiance cache where the picture's rays will want it.
+    fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer) {
+        let side = options.prepass_spacing();
+        renderer.gather_irradiance(&self.lens.prepass_rays(side), self.lens.spread(side));
     }
 
     /// Renders from the first row that is not done and writes row by row.

@@ -17,7 +17,7 @@ use crate::view_args;
 use radsight::{ErrorBudget, Interpolation, SamplingBudget};
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
-use radsight_render::{Gathering, RenderOptions, Uncached};
+use radsight_render::RenderOptions;
 
 /// Takes one option from the front; gives how many words it used, 0 for something else.
 type Taker = fn(&mut Options, &[String]) -> Result<usize, Failure>;
@@ -67,22 +67,8 @@ pub(super) struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        // Radiance's defaults for pictures.
-        let gathering = Gathering {
-            accuracy: 0.2,
-            resolution: 64,
-            divisions: 512,
-            super_samples: 128,
-            uncached: Uncached::DrawOne,
-            ..Gathering::default()
-        };
         Options {
-            render: RenderOptions {
-                mirror_sources: 1,
-                gathering,
-                highlight_threshold: 0.15,
-                ..RenderOptions::default()
-            },
+            render: radsight::Renderer::picture_options(),
             reading: Reading::default(),
             view: ViewOptions::default(),
             size: [512, 512],
