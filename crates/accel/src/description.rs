@@ -137,7 +137,7 @@ fn place(found: Described, to_scene: &Transform, to_local: &Transform, overridin
     let inner = found.placed.unwrap_or(Placed { to_object: None, uv: [0.0; 2], perturbation: DVec3::ZERO });
     let to_object = match overriding {
         Some(_) => None,
-        None => Some(inner.to_object.map_or(*to_local, |onward| to_local.then(&onward))),
+        None => Some(inner.to_object.map_or(*to_local, |placed| to_local.then(&placed))),
     };
     Described {
         shader: overriding.unwrap_or(found.shader),

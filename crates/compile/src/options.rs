@@ -92,16 +92,16 @@ impl Default for RenderOptions {
 pub struct Gathering {
     /// Error that sharing aims at, as a share (`-aa`); 0 shares nothing. Default 0.
     pub accuracy: f64,
-    /// Standard error that shared irradiance may keep, as a share; it gets up to four times `divisions` rays for that, more
+    /// Standard error that cached irradiance may keep, as a share; it gets up to four times `divisions` rays for that, more
     /// where this is less than 0.03, and fewer, a quarter at least, where it is more than 0.01. Default 0.02.
     pub noise: f64,
     /// The scene's size over the least distance at which details of irradiance are wanted, times `accuracy` (`-ar`); 0 is no bound. Default 256.
     pub resolution: u32,
-    /// Rays that look around from a point (`-ad`). Default 1024.
+    /// Hemisphere samples of a cache point (`-ad`). Default 1024.
     pub divisions: u32,
     /// Further ones, spread like the others (`-as`). Default 0.
     pub super_samples: u32,
-    /// What a point does that no shared irradiance reaches.
+    /// What a point does that no cached irradiance reaches.
     pub uncached: Uncached,
     /// The share by which records may disagree around a point of a scene with caustics before it does the same: single rays hardly find those, so this is
     /// only for pixels that get as many as they need. Default infinite.
@@ -112,7 +112,7 @@ pub struct Gathering {
     /// Rays that cache records trace in the mean, as a share of `divisions` and `super_samples`, at
     /// most; the noise that is left then stays. Default infinite.
     pub record_share: f64,
-    /// Places look around the more often the more of the picture they serve; those that serve nothing do so as if it were this share of what places serve in
+    /// Cache points have the more samples the more of the picture they serve; those that serve nothing do so as if it were this share of what places serve in
     /// the mean. More makes noise more even, less makes less of it in all. Default 0.5.
     pub evenness: f64,
 }
@@ -138,13 +138,13 @@ impl Gathering {
     /// Where records disagree by more than this share, drawing single rays is more exact.
     pub const MAX_INTERPOLATION_ERROR: f64 = 0.2;
 
-    /// All rays that look around from a point; with fewer than two a single one is drawn instead.
+    /// All hemisphere samples of a point; with fewer than two a single one is drawn instead.
     pub fn rays(&self) -> usize {
         self.divisions as usize + self.super_samples as usize
     }
 }
 
-/// What a point does that no shared irradiance reaches.
+/// What a point does that no cached irradiance reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncached {
     /// Draws one ray: for pictures, whose pixels are means over many.

@@ -1,7 +1,7 @@
 //! Where light from outside comes in: panes with sky behind them, and glows that are not sampled as lights.
 //!
-//! Rays that look around from a point in a room find its windows by chance only. Half of those that are drawn one by one, and some more of those
-//! that look around together, are sent towards openings instead; all are weighted with the balance heuristic (Veach and Guibas, SIGGRAPH
+//! Hemisphere samples of a point in a room find its windows by chance only. Half of those that are drawn one by one, and some more of those
+//! that are taken together, are sent towards portals instead; all are weighted with the balance heuristic (Veach and Guibas, SIGGRAPH
 //! 1995), so that nothing is counted twice and an opening that turns out to be dark costs little.
 //!
 //! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings

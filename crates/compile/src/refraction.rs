@@ -30,7 +30,7 @@ pub struct Refracted {
     /// Share of the radiance that is reflected.
     pub reflectance: f64,
     /// Unit direction of the refracted ray, and the factor of its radiance; none where all is reflected.
-    pub onward: Option<(DVec3, f64)>,
+    pub transmitted: Option<(DVec3, f64)>,
     /// Unit, on the side from which the ray comes.
     pub normal: DVec3,
     /// Cosine between that normal and the way back.
@@ -75,19 +75,19 @@ impl DielectricInterface {
         let ratio = self.index_ratio(behind);
         let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
         if squared < GRAZING {
-            return Refracted { reflectance: 1.0, onward: None, normal, cosine };
+            return Refracted { reflectance: 1.0, transmitted: None, normal, cosine };
         }
         let inner = squared.sqrt();
         let perpendicular = ((cosine - ratio * inner) / (cosine + ratio * inner)).powi(2);
         let parallel = ((1.0 / cosine - ratio / inner) / (1.0 / cosine + ratio / inner)).powi(2);
         let reflectance = 0.5 * (perpendicular + parallel);
         let bend = ratio * cosine - inner;
-        let mut onward = direction * ratio + normal * bend;
-        if perturbation != DVec3::ZERO && onward.dot(side) >= -GRAZING {
-            onward = direction * ratio + side * bend;
+        let mut transmitted = direction * ratio + normal * bend;
+        if perturbation != DVec3::ZERO && transmitted.dot(side) >= -GRAZING {
+            transmitted = direction * ratio + side * bend;
         }
-        let onward = onward.normalize_or(direction);
-        Refracted { reflectance, onward: Some((onward, (1.0 - reflectance) * ratio * ratio)), normal, cosine }
+        let transmitted = transmitted.normalize_or(direction);
+        Refracted { reflectance, transmitted: Some((transmitted, (1.0 - reflectance) * ratio * ratio)), normal, cosine }
     }
 
     /// Index on the side of a ray over that on the other side.
@@ -129,7 +129,7 @@ mod tests {
     fn normal_incidence_reflects_by_the_indices_alone() {
         let met = water().refract(-DVec3::Z, DVec3::Z, DVec3::ZERO);
         assert!((met.reflectance - 0.04).abs() < 1e-12);
-        let (direction, factor) = met.onward.expect("it is refracted");
+        let (direction, factor) = met.transmitted.expect("it is refracted");
         assert!(direction.distance(-DVec3::Z) < 1e-12);
         assert!((factor - 0.96 / 2.25).abs() < 1e-12);
     }
@@ -139,16 +139,16 @@ mod tests {
         for (direction, ratio) in [(DVec3::new(0.6, 0.0, -0.8), 1.5), (DVec3::new(0.4, 0.0, 0.84f64.sqrt()), 1.0 / 1.5)]
         {
             let met = water().refract(direction, DVec3::Z, DVec3::ZERO);
-            let (onward, _) = met.onward.expect("it is refracted");
-            assert!((onward.x * ratio - direction.x).abs() < 1e-12);
-            assert_eq!(onward.z > 0.0, direction.z > 0.0);
+            let (transmitted, _) = met.transmitted.expect("it is refracted");
+            assert!((transmitted.x * ratio - direction.x).abs() < 1e-12);
+            assert_eq!(transmitted.z > 0.0, direction.z > 0.0);
         }
     }
 
     #[test]
     fn beyond_the_critical_angle_all_is_reflected() {
         let met = water().refract(DVec3::new(0.8, 0.0, 0.6), DVec3::Z, DVec3::ZERO);
-        assert!(met.onward.is_none());
+        assert!(met.transmitted.is_none());
         assert_eq!(met.reflectance, 1.0);
         let reflected = met.reflected(DVec3::new(0.8, 0.0, 0.6), DVec3::Z);
         assert!(reflected.distance(DVec3::new(0.8, 0.0, -0.6)) < 1e-12);

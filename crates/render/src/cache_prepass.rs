@@ -131,8 +131,8 @@ struct Level<const BANDS: usize> {
     looks: u64,
     /// Rays that each of the newest records traces by itself at least, whatever its neighbours have traced.
     least_own_rays: f64,
-    /// How many times as many rays as others each of the newest records deserves ([`favours`]).
-    favours: Vec<f64>,
+    /// How many times as many rays as others each of the newest records deserves ([`sample_allocation`]).
+    allocations: Vec<f64>,
 }
 
 impl<const BANDS: usize> GatheredIrradiance<BANDS> {
@@ -181,11 +181,11 @@ impl<const BANDS: usize> Level<BANDS> {
             budget: 0,
             looks: first_look,
             least_own_rays: 0.0,
-            favours: Vec::new(),
+            allocations: Vec::new(),
         }
     }
 
-    /// How many rays may look around for these.
+    /// How many hemisphere samples may be taken for these.
     fn allowance(&self, rays: &[Option<Ray>]) -> usize {
         let usual = MOST_RAYS_OF_FEW.max(MOST_RAYS * rays.len());
         (usual as f64 * self.rigour()) as usize
@@ -290,7 +290,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 }
             }
         }
-        self.favours = favours(&served, plan.options.gathering.evenness);
+        self.allocations = sample_allocation(&served, plan.options.gathering.evenness);
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
@@ -302,8 +302,8 @@ impl<const BANDS: usize> Level<BANDS> {
     ) -> usize {
         let typical = self.cache.typical();
         let missing: Vec<usize> = (first..)
-            .zip(&self.favours)
-            .map(|(index, pdf_ratio)| self.gathers_missing(plan, index, typical, *pdf_ratio))
+            .zip(&self.allocations)
+            .map(|(index, allocation)| self.gathers_missing(plan, index, typical, *allocation))
             .collect();
         let wanted = missing.iter().sum::<usize>() * self.hemisphere.len();
         // Where there is not enough for all, all get the same share.
@@ -328,13 +328,13 @@ impl<const BANDS: usize> Level<BANDS> {
     }
 
     /// How many more looks a record needs if its neighbours look as often again: the rays that all rest on grow as those of each.
-    fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, pdf_ratio: f64) -> usize {
+    fn gathers_missing(&self, plan: &RenderPlan, index: usize, typical: f64, allocation: f64) -> usize {
         let (record, fit) = self.cache.fitted(index);
         let wanted = plan.options.gathering.rays() as f64;
         let allowed = self.noise * weighed_against(fit, typical);
         let noisy = (fit.standard_error() / allowed.max(f64::MIN_POSITIVE)).powi(2) * fit.rays();
         let least = (SPARING_NOISE / self.noise.max(f64::MIN_POSITIVE)).clamp(LEAST_RAYS, 1.0);
-        let wanted = pdf_ratio * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
+        let wanted = allocation * noisy.clamp(least * wanted, MOST_FURTHER * self.rigour() * wanted);
         let missing = record.rays() * (wanted / fit.rays() - 1.0);
         let missing = missing.max(self.least_own_rays - record.rays());
         (missing / self.hemisphere.len() as f64 - 0.5).ceil().max(0.0) as usize
@@ -397,7 +397,7 @@ fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
 /// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
 /// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
 /// as much is seen as with equal noise.
-fn favours(served: &[f64], evenness: f64) -> Vec<f64> {
+fn sample_allocation(served: &[f64], evenness: f64) -> Vec<f64> {
     let least = evenness * served.iter().sum::<f64>() / served.len().max(1) as f64;
     let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
     let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
@@ -434,7 +434,7 @@ fn cache_query<const BANDS: usize>(
         .collect()
 }
 
-/// Rays like those that will look around from places where irradiance is wanted.
+/// Rays like the hemisphere samples of cache points.
 struct SecondaryGathers<const BANDS: usize> {
     from: Vec<CachePoint<BANDS>>,
     hemisphere: Hemisphere,
@@ -509,7 +509,7 @@ fn scattered(count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{favours, least_own_rays, scattered};
+    use super::{least_own_rays, sample_allocation, scattered};
 
     #[test]
     fn sensors_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
@@ -538,14 +538,14 @@ mod tests {
     #[test]
     fn as_little_noise_is_seen_for_fewer_rays() {
         let served: Vec<f64> = (0..1000).map(|index| f64::from(index % 10).powi(2)).collect();
-        let favours = favours(&served, 0.1);
-        let (rays, pixels) = (favours.iter().sum::<f64>(), served.iter().sum::<f64>());
-        let seen: f64 = served.iter().zip(&favours).map(|(served, pdf_ratio)| served / pdf_ratio).sum();
+        let sample_allocation = sample_allocation(&served, 0.1);
+        let (rays, pixels) = (sample_allocation.iter().sum::<f64>(), served.iter().sum::<f64>());
+        let seen: f64 = served.iter().zip(&sample_allocation).map(|(served, allocation)| served / allocation).sum();
         // Even noise takes a ray each and shows as much as there are pixels.
         assert!((0.79..0.81).contains(&(rays / served.len() as f64)), "{rays} rays");
         assert!((0.9..1.01).contains(&(seen / pixels)), "{seen} of {pixels}");
-        assert!(favours.iter().all(|pdf_ratio| *pdf_ratio > 0.1));
-        assert_eq!(super::favours(&[0.0; 3], 0.5), [1.0; 3]);
-        assert_eq!(super::favours(&[], 0.5), [0.0; 0]);
+        assert!(sample_allocation.iter().all(|allocation| *allocation > 0.1));
+        assert_eq!(super::sample_allocation(&[0.0; 3], 0.5), [1.0; 3]);
+        assert_eq!(super::sample_allocation(&[], 0.5), [0.0; 0]);
     }
 }

@@ -40,7 +40,7 @@ impl<const BANDS: usize> CachePoint<BANDS> {
     }
 }
 
-/// What a ray wants of shared irradiance.
+/// What a ray asks of the irradiance cache.
 #[derive(Clone, Debug)]
 pub(crate) enum CacheQuery<const BANDS: usize> {
     /// Places whose irradiance is missing, and how wide the ray is that finds them.
@@ -70,7 +70,7 @@ impl<const BANDS: usize> CacheQuery<BANDS> {
     }
 }
 
-/// How to look around.
+/// How to sample the hemisphere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HemisphereGather<'h> {
     pub(crate) hemisphere: &'h Hemisphere,

@@ -30,7 +30,7 @@ const REACH_SEEN: f64 = 2.0;
 /// Steps of the golden section are spread evenly.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-/// Rays that look around are numbered apart from those of the picture.
+/// Hemisphere samples are numbered apart from those of the picture.
 const GATHERING_SEED: u64 = 0x6761_7468_6572;
 const DIRECT_SEED: u64 = 0x6469_7265_6374;
 

@@ -1,6 +1,6 @@
 //! Places that bring much light to points around which rays look: a window, a patch of sun on a wall, also as a mirror shows them.
 //!
-//! Rays that look around find a small bright place seldom, and then all of its light at once. What earlier rays found bright is kept here, as virtual
+//! Hemisphere samples hit a small bright region seldom, and then all of its light at once. What earlier rays found bright is kept here, as virtual
 //! places at the distance at which it appears. From there where rays look next, these places are counted in the cells of a fine hemisphere, and
 //! further rays are sent through cells that promise more light than the others find. All rays are weighted with the balance heuristic
 //! (Veach and Guibas, SIGGRAPH 1995), so nothing is counted twice, and a place that is not seen from here costs no more than its rays.
@@ -43,7 +43,7 @@ struct GuidingRecord {
     bright: Vec<GuidingSample>,
 }
 
-/// The bright places as they are seen from a point.
+/// The guiding distribution of a point.
 #[derive(Clone, Debug)]
 pub(crate) struct GuidingDistribution<'p> {
     hemisphere: &'p Hemisphere,

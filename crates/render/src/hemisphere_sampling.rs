@@ -12,7 +12,7 @@ use radsight_sampling::{DimensionSet, RaySampler};
 use radsight_texture::luminance;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Of rays that look around together, so many more are sent towards openings.
+/// Of hemisphere samples that are taken together, so many more are sent towards portals.
 const OUTWARD_SHARE: f64 = 0.25;
 
 /// Rays towards openings are numbered apart from the others.
@@ -23,7 +23,7 @@ const SHIFT_SEED: u64 = 0x7368_6966_7400;
 /// What is seen at less than this cosine is not told from what is seen at it.
 const GRAZING: f64 = 0.05;
 
-/// So many numbers are kept for each look's rays towards bright places.
+/// So many numbers are kept for the guided samples of each gather.
 const MOST_BRIGHT: u64 = 1 << 12;
 
 /// What the diffuse component sees of openings, where it can be sent there.
@@ -59,7 +59,7 @@ pub(crate) fn sample_outward<const BANDS: usize>(
     Some(BsdfSample { direction, weight, pdf, pdf_ratio })
 }
 
-/// The directions by which rays are sent from a place to look around, and how many go each.
+/// The strategies by which the hemisphere of a point is sampled, and how many rays each has.
 struct GatherTechniques<'p> {
     /// By the cosine.
     around: f64,

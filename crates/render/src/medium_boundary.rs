@@ -136,7 +136,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let met = boundary.refract(direction, hit.front, perturbation);
         // As in Radiance, a body's normal points out of it.
         self.note_normal(path, if behind { -met.normal } else { met.normal });
-        if let Some((onward, factor)) = met.onward {
+        if let Some((transmitted, factor)) = met.transmitted {
             let lights = self.medium(path.medium).lights;
             let next = match boundary.sides(behind)[1] {
                 Some(transmissivity) => Medium::absorbing(transmissivity, pattern, lights),
@@ -144,7 +144,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             };
             let next = self.add_medium(next);
             let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape) && perturbation == DVec3::ZERO;
-            self.specular_into(path, hit, (onward, next), [factor; BANDS], Passage::Refraction { flat });
+            self.specular_into(path, hit, (transmitted, next), [factor; BANDS], Passage::Refraction { flat });
         }
         let reflected = met.reflected(direction, hit.front);
         let image = self.image_behind(hit, perturbation);
@@ -160,9 +160,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             true => mist.left(medium, pattern, &self.global_medium()),
             false => mist.entered(medium, pattern),
         };
-        let mut onward = self.passed_through(*path, hit);
-        onward.medium = self.add_medium(next);
-        self.push(onward);
+        let mut transmitted = self.passed_through(*path, hit);
+        transmitted.medium = self.add_medium(next);
+        self.push(transmitted);
     }
 
     /// A prism: a ray in the direction of each of its faces.

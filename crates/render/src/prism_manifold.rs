@@ -60,12 +60,12 @@ impl PrismManifold<'_> {
         let ray = Ray { origin: self.receiver, direction: before / distance };
         let interaction = SurfaceInteraction::new(&ray, point, self.normal, distance, self.travelled + distance);
         let aim = (self.redirection.target - point).normalize_or_zero();
-        let (_, onward) = self.prism.redirect(self.redirection.face, &interaction, aim, scratch)?;
-        let after = self.light_normal.dot(self.place - point) / self.light_normal.dot(onward);
+        let (_, transmitted) = self.prism.redirect(self.redirection.face, &interaction, aim, scratch)?;
+        let after = self.light_normal.dot(self.place - point) / self.light_normal.dot(transmitted);
         if !after.is_finite() || after <= 0.0 {
             return None;
         }
-        let missed = point + onward * after - self.place;
+        let missed = point + transmitted * after - self.place;
         let [x, y] = self.light_across;
         Some(ManifoldPoint { miss: DVec2::new(missed.dot(x), missed.dot(y)), length: distance + after })
     }

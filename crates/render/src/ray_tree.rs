@@ -61,8 +61,8 @@ impl NodeId {
 pub(crate) enum BounceType {
     /// As if nothing had been met.
     Passed,
-    /// Onward beyond the surface.
-    Onward { image: Image },
+    /// Through the surface, without being scattered.
+    Transmitted { image: Image },
     /// Reflected without being scattered.
     Mirrored { image: Image },
     /// Drawn from a lobe.
@@ -300,7 +300,7 @@ impl<const BANDS: usize> Sum<BANDS> {
                         (brightest[0], sum.mirrored_distance) = (bright, node.distance() + beyond);
                     }
                 }
-                BounceType::Onward { image: Image::InPlace } if bright >= brightest[1] => {
+                BounceType::Transmitted { image: Image::InPlace } if bright >= brightest[1] => {
                     (brightest[1], sum.unmirrored_distance) = (bright, node.distance() + child.distance());
                 }
                 _ => {}

@@ -122,7 +122,7 @@ impl DirectSampler<'_> {
                     AntimatterEvent::Nothing(cut) => {
                         tracer.note_shadow_met(&hit, walk.medium.shadow_transmission(hit.distance));
                         walk.pass(&hit, cut);
-                        tracer.note_shadow_onward(walk.ray, BounceType::Passed, [1.0; BANDS]);
+                        tracer.note_shadow_bounce(walk.ray, BounceType::Passed, [1.0; BANDS]);
                         continue;
                     }
                 }
@@ -161,7 +161,7 @@ impl DirectSampler<'_> {
             walk.ray = Ray { origin: hit.point, direction };
             walk.from = Some(hit.primitive);
             walk.cut = beyond;
-            tracer.note_shadow_onward(walk.ray, BounceType::Onward { image: Image::InPlace }, weight);
+            tracer.note_shadow_bounce(walk.ray, BounceType::Transmitted { image: Image::InPlace }, weight);
         }
         dark
     }
@@ -189,7 +189,7 @@ impl DirectSampler<'_> {
         walk.ray = Ray { origin: hit.point, direction: reflect(walk.ray.direction, hit.front) };
         walk.from = Some(hit.primitive);
         walk.virtual_form += 1;
-        tracer.note_shadow_onward(walk.ray, BounceType::Mirrored { image: Image::InPlace }, reflectance);
+        tracer.note_shadow_bounce(walk.ray, BounceType::Mirrored { image: Image::InPlace }, reflectance);
         walk.through.iter().any(|band| *band > 0.0)
     }
 
@@ -205,10 +205,10 @@ impl DirectSampler<'_> {
         let plan = tracer.plan;
         let direction = walk.ray.direction;
         let behind = direction.dot(hit.front) > 0.0;
-        let onward = ShadowEvent::SpecularBounce(direction, [1.0; BANDS]);
+        let unchanged = ShadowEvent::SpecularBounce(direction, [1.0; BANDS]);
         loop {
             let substitute = match &shader.kind {
-                Kind::Transparent => return onward,
+                Kind::Transparent => return unchanged,
                 Kind::Illum { substitute, .. } => {
                     let is_weak =
                         |light: &Light| plan.shader(light.surface).kind.emitter().is_some_and(|e| e.is_weak());
@@ -225,7 +225,7 @@ impl DirectSampler<'_> {
                 _ => break,
             };
             match substitute {
-                Substitution::Void => return onward,
+                Substitution::Void => return unchanged,
                 Substitution::Shader(id) => shader = plan.shader_at(id),
             }
         }
@@ -245,8 +245,8 @@ impl DirectSampler<'_> {
                     Some(after) => Medium::absorbing(after, pattern, lights),
                     None => Medium { lights, ..global },
                 };
-                match boundary.refract(direction, hit.front, perturbation).onward {
-                    Some((onward, factor)) => ShadowEvent::Into(after, onward, [factor; BANDS]),
+                match boundary.refract(direction, hit.front, perturbation).transmitted {
+                    Some((transmitted, factor)) => ShadowEvent::Into(after, transmitted, [factor; BANDS]),
                     None => ShadowEvent::Blocked,
                 }
             }
@@ -400,10 +400,10 @@ impl DirectSampler<'_> {
         let plan = tracer.plan;
         let scratch = &mut tracer.workspace.scratch;
         let end = distance - plan.geometry.tolerance();
-        let (mut onward, mut from, mut gone) = (*ray, from, 0.0);
+        let (mut rest, mut from, mut gone) = (*ray, from, 0.0);
         let mut through = [1.0; BANDS];
         for _ in 0..MAX_CROSSINGS {
-            let Some(hit) = plan.first_hit(&onward, from).filter(|hit| gone + hit.distance <= end) else {
+            let Some(hit) = plan.first_hit(&rest, from).filter(|hit| gone + hit.distance <= end) else {
                 return through;
             };
             gone += hit.distance;
@@ -412,7 +412,7 @@ impl DirectSampler<'_> {
                 return [0.0; BANDS];
             };
             through = product(through, open);
-            (onward.origin, from) = (hit.point, Some(hit.primitive));
+            (rest.origin, from) = (hit.point, Some(hit.primitive));
         }
         [0.0; BANDS]
     }
@@ -458,7 +458,7 @@ fn redirect<const BANDS: usize>(
     tracer.note_shadow_met(hit, dimmed);
     walk.through = product(walk.through, dimmed).map(|band| band * coefficient);
     walk.ray = Ray { origin: hit.point, direction };
-    tracer.note_shadow_onward(walk.ray, BounceType::Onward { image: Image::InPlace }, [coefficient; BANDS]);
+    tracer.note_shadow_bounce(walk.ray, BounceType::Transmitted { image: Image::InPlace }, [coefficient; BANDS]);
     walk.from = Some(hit.primitive);
     walk.virtual_form += 1;
     walk.bent = true;

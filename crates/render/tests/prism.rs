@@ -106,9 +106,9 @@ fn integral_of_lamp(place: DVec3, [a, b, c]: [f64; 3]) -> f64 {
         let along = |index: i32| (f64::from(index) + 0.5) * step - widest;
         let before = DVec3::new(along(cell % side), along(cell / side), 1.0);
         let point = place + before;
-        let onward = DVec3::new(a * before.x, b * before.y, before.z + c * before.y);
-        let met = point + onward * ((LAMP.z - point.z) / onward.z);
-        if onward.z > 0.0 && (met - LAMP).abs().max_element() < HALF_LAMP {
+        let transmitted = DVec3::new(a * before.x, b * before.y, before.z + c * before.y);
+        let met = point + transmitted * ((LAMP.z - point.z) / transmitted.z);
+        if transmitted.z > 0.0 && (met - LAMP).abs().max_element() < HALF_LAMP {
             // Radiance times the solid angle of a piece of the prism's plane, times the cosine at the floor.
             sum += 0.8 * 100.0 * step * step / before.length_squared().powi(2);
         }

@@ -27,7 +27,7 @@ pub(super) struct Options {
     shown: ShownOptions,
 }
 
-/// Paths of each ray, unless another number is asked for: rays that look around bring each direction of a window about as much noise.
+/// Paths of each ray, unless another number is asked for: hemisphere samples bring each direction of a window about as much noise.
 const USUAL_PATHS: u32 = 8;
 
 /// Paths that no ray exceeds for an asked error.

@@ -25,7 +25,7 @@ pub(super) struct Options {
     ray_words: Vec<String>,
     /// The letters of `-f`: of input and output.
     formats: [char; 2],
-    /// Rays that look around from a point (`-ad`), and whether somebody says how many paths each ray stands for.
+    /// Hemisphere samples of a point (`-ad`), and whether somebody says how many paths each ray stands for.
     divisions: f64,
     says_paths: bool,
     /// `None` for rays from standard input.

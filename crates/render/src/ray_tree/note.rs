@@ -50,7 +50,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The shadow ray goes on from there, weakened.
-    pub(crate) fn note_shadow_onward(&mut self, ray: Ray, bounce: BounceType, weight: [f64; BANDS]) {
+    pub(crate) fn note_shadow_bounce(&mut self, ray: Ray, bounce: BounceType, weight: [f64; BANDS]) {
         let Some(tree) = &mut self.tree else { return };
         let above = tree.shadow;
         if let Some(arrival) = tree.node(above).map(|node| node.arrival) {

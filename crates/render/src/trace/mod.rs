@@ -338,12 +338,12 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             self.first_is_passed = true;
         }
         let path = self.dimmed(path, self.medium(path.medium), hit.distance);
-        let mut onward = self.passed_through(path, hit);
+        let mut continued = self.passed_through(path, hit);
         if let Some(tree) = &mut self.tree {
             tree.end(path.node, FirstHit::at(hit, hit.distance));
-            onward.node = tree.begin(path.node, BounceType::Passed, onward.ray, onward.throughput);
+            continued.node = tree.begin(path.node, BounceType::Passed, continued.ray, continued.throughput);
         }
-        onward
+        continued
     }
 
     /// The same ray, on the other side of what it hit.

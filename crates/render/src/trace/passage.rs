@@ -33,11 +33,11 @@ impl Passage {
             Passage::Mirror { straight } => BounceType::Mirrored { image: Image::in_place_if(straight && flat) },
             Passage::Reflection { image } => BounceType::Mirrored { image },
             Passage::Other => BounceType::Mirrored { image: Image::AtSurface },
-            Passage::Pane { undisturbed } => BounceType::Onward { image: Image::in_place_if(undisturbed) },
+            Passage::Pane { undisturbed } => BounceType::Transmitted { image: Image::in_place_if(undisturbed) },
             Passage::Refraction { flat } | Passage::Prism { flat } => {
-                BounceType::Onward { image: Image::in_place_if(flat) }
+                BounceType::Transmitted { image: Image::in_place_if(flat) }
             }
-            Passage::Sheet { image, .. } => BounceType::Onward { image },
+            Passage::Sheet { image, .. } => BounceType::Transmitted { image },
         }
     }
 }

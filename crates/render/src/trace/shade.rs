@@ -158,14 +158,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let (appearance, normal) = self.appearance(path, shader, interaction);
         let cosine = -interaction.direction.dot(normal);
         let [reflected, transmitted] = pane(transmissivity, refractive_index, cosine.max(1e-9));
-        let mut onward = interaction.direction;
+        let mut direction = interaction.direction;
         if appearance.perturbation != DVec3::ZERO {
-            let bent = onward + appearance.perturbation * (2.0 * (1.0 - refractive_index));
-            onward = bent.normalize_or(onward);
+            let bent = direction + appearance.perturbation * (2.0 * (1.0 - refractive_index));
+            direction = bent.normalize_or(direction);
         }
-        let undisturbed = onward == interaction.direction;
+        let undisturbed = direction == interaction.direction;
         let through = product(transmitted, appearance.color);
-        self.specular(path, hit, onward, through, Passage::Pane { undisturbed });
+        self.specular(path, hit, direction, through, Passage::Pane { undisturbed });
         let image = self.image_behind(hit, appearance.perturbation);
         self.specular(path, hit, reflect(interaction.direction, normal), reflected, Passage::Reflection { image });
     }

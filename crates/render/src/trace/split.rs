@@ -17,7 +17,7 @@
 //!
 //! Radiance looks into a highlight along one ray (`-ss`), which itself splits into a·ρ rays at the
 //! next surface. Here it is √(a ρ) rays, which split into as many each: about as much work, without
-//! the noise of a single direction. What it sees of shared irradiance costs nothing more, so that
+//! the noise of a single direction. What the irradiance cache gives it costs nothing more, so that
 //! one ray is left there.
 
 use super::PathIntegrator;
