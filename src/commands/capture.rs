@@ -6,16 +6,15 @@ use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
 use crate::progress::Bar;
+use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
 use radsight_output::interrupt;
-use radsight_picture::{
-    FileFormat, Header, Image, write_image, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16,
-};
+use radsight_picture::{FileFormat, Image, write_image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
-use radsight_sensor::{Bayer, Demosaic, Sensor};
+use radsight_sensor::Sensor;
 
 /// Error that is asked for when nothing is said.
 const DEFAULT_ERROR: f64 = 0.005;
@@ -32,9 +31,8 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     if arguments.color.is_some() && camera.mosaic.is_none() {
         return Err(no_mosaic(&arguments.camera));
     }
-    for path in
-        [&arguments.output, &arguments.color, &arguments.exposure].into_iter().flatten().filter(|path| *path != "-")
-    {
+    let outputs = [&arguments.output, &arguments.color, &arguments.exposure, &arguments.specimen];
+    for path in outputs.into_iter().flatten().filter(|path| *path != "-") {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     let options = RenderOptions { seed: arguments.seed, ..render };
@@ -154,12 +152,16 @@ fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, expo
         let bytes = write_image(format, &header, &image).map_err(|error| Failure::fault(error.to_string()))?;
         write_file(path, &bytes)?;
     }
-    if let (Some(path), Some(sensor), Some(mosaic)) = (&arguments.color, sensor, camera.mosaic) {
-        write_file(path, &color_png(sensor, mosaic, &image, arguments.seed, &header)?)?;
+    let Some(sensor) = sensor.filter(|_| arguments.output.is_some() || arguments.color.is_some()) else {
+        return Ok(());
+    };
+    let picture = SensorPicture::new(sensor, &image, arguments.seed);
+    if let (Some(path), Some(mosaic)) = (&arguments.color, camera.mosaic) {
+        write_file(path, &picture.color_png(mosaic, &header)?)?;
     }
-    match (&arguments.output, sensor) {
-        (Some(path), Some(sensor)) => write_file(path, &grey_png(sensor, &image, arguments.seed, &header)?),
-        _ => Ok(()),
+    match &arguments.output {
+        Some(path) => write_file(path, &picture.grey_png(&header)?),
+        None => Ok(()),
     }
 }
 
@@ -168,40 +170,4 @@ pub(crate) fn exposure_image(camera: &PinholeCamera, values: &[f64]) -> Result<I
     let data = values.iter().map(|value| *value as f32).collect();
     Image::new(camera.columns() as usize, camera.rows() as usize, 1, data)
         .map_err(|error| Failure::fault(error.to_string()))
-}
-
-/// The grey picture of a stored exposure.
-pub(crate) fn grey_png(sensor: &Sensor, exposure: &Image<f32>, seed: u64, header: &Header) -> Result<Vec<u8>, Failure> {
-    let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
-    let greys = sensor.greys(&exposures, seed);
-    let (width, height) = (exposure.width(), exposure.height());
-    let written = if sensor.bits().bits() <= 8 {
-        let greys = greys.into_iter().map(|grey| grey.min(255) as u8).collect();
-        Image::new(width, height, 1, greys).and_then(|image| write_png_grey8(&image, Some(header)))
-    } else {
-        Image::new(width, height, 1, greys).and_then(|image| write_png_grey16(&image, Some(header)))
-    };
-    written.map_err(|error| Failure::fault(error.to_string()))
-}
-
-/// The demosaiced picture of a stored exposure behind a mosaic.
-pub(crate) fn color_png(
-    sensor: &Sensor,
-    mosaic: Bayer,
-    exposure: &Image<f32>,
-    seed: u64,
-    header: &Header,
-) -> Result<Vec<u8>, Failure> {
-    let exposures: Vec<f64> = exposure.data().iter().map(|value| f64::from(*value)).collect();
-    let greys = sensor.greys(&exposures, seed);
-    let (width, height) = (exposure.width(), exposure.height());
-    let largest = sensor.bits().largest();
-    let colors = mosaic.demosaic(&greys, width, Demosaic::GradientCorrected, largest);
-    let written = if sensor.bits().bits() <= 8 {
-        let colors = colors.into_iter().map(|value| value.min(255) as u8).collect();
-        Image::new(width, height, 3, colors).and_then(|image| write_png_rgb8(&image, Some(header)))
-    } else {
-        Image::new(width, height, 3, colors).and_then(|image| write_png_rgb16(&image, Some(header)))
-    };
-    written.map_err(|error| Failure::fault(error.to_string()))
 }

@@ -1,10 +1,10 @@
 //! `radsight sensor`: exposure on standard input, grey PNG on standard output; or the sensor's characterisation.
 
 use crate::args::Sensor;
-use crate::commands::capture::{color_png, grey_png};
 use crate::failure::{Failure, Outcome};
 use crate::input::{history, read_camera, read_standard_input};
 use crate::output::{check_writable, write_file, write_standard_output};
+use crate::sensor_picture::SensorPicture;
 use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
 use radsight_picture::read_image;
@@ -36,11 +36,12 @@ pub(crate) fn run(arguments: &Sensor, trust: &Trust) -> Outcome {
     let mut header = read.header.map(|header| header.history()).unwrap_or_default();
     let own = history();
     own.lines().for_each(|line| header.push_line(&String::from_utf8_lossy(line)));
+    let picture = SensorPicture::new(&sensor, &read.image, arguments.seed);
     if let Some(path) = &arguments.color {
         let mosaic = file.mosaic.ok_or_else(|| no_mosaic(&arguments.camera))?;
-        write_file(path, &color_png(&sensor, mosaic, &read.image, arguments.seed, &header)?)?;
+        write_file(path, &picture.color_png(mosaic, &header)?)?;
     }
-    write_standard_output(&grey_png(&sensor, &read.image, arguments.seed, &header)?)
+    write_standard_output(&picture.grey_png(&header)?)
 }
 
 /// Why there are no colours.

@@ -9,8 +9,8 @@
 
 use crate::interpolated::{self, Interpolation};
 use crate::sample_allocation::{PooledVariance, chosen};
-use crate::view_camera::{CameraRay, ViewCamera};
-use radsight_render::{Ray, RayWorker, Renderer, Traced};
+use crate::view_camera::{CameraRay, ViewCamera, traced};
+use radsight_render::{RayWorker, Renderer};
 use radsight_sampling::RaySampler;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -352,13 +352,6 @@ fn sum(
         }
     }
     sum
-}
-
-/// What a ray finds; `None` for nothing, as beyond the aft clipping plane.
-pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<Traced> {
-    let traced = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray))?;
-    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
-    (!is_clipped).then_some(traced)
 }
 
 fn distance(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> f64 {

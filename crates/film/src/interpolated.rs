@@ -9,8 +9,7 @@
 //! Source of the scheme: Radiance's `rpict` (Ward 1994), with the tests of surfaces and noise of
 //! edge-aware reconstruction (Bala, Walter and Greenberg 2003; Rousselle, Manzi and Zwicker 2013).
 
-use crate::adaptive::traced;
-use crate::view_camera::{CameraRay, ViewCamera};
+use crate::view_camera::{CameraRay, ViewCamera, traced};
 use glam::DVec3;
 use radsight_render::{FirstHit, Ray, RayWorker, Renderer};
 use radsight_sampling::RaySampler;

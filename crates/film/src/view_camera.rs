@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use radsight_picture::{View, ViewKind};
-use radsight_render::{Ray, RaySpacing};
+use radsight_render::{Ray, RaySpacing, RayWorker, Traced};
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_8;
@@ -200,4 +200,11 @@ fn between(to: &CameraRay, from: &CameraRay, share: f64) -> Option<CameraRay> {
         (length, _) => length,
     };
     Some(CameraRay { origin: to.origin.lerp(from.origin, share), direction, length })
+}
+
+/// What a ray finds; `None` for nothing, as beyond the aft clipping plane.
+pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<Traced> {
+    let traced = Ray::new(ray.origin, ray.direction).map(|ray| worker.trace(index, &ray))?;
+    let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
+    (!is_clipped).then_some(traced)
 }
