@@ -27,6 +27,8 @@ mod ray_spacing;
 mod ray_tree;
 mod renderer;
 mod shadow;
+mod specular_chain;
+mod specular_return;
 mod subtraction;
 mod trace;
 
