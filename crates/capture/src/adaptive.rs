@@ -8,6 +8,7 @@
 //! than an edge.
 
 use crate::fixed::radiance;
+use crate::mirrored_lights::PixelImages;
 use crate::{Exposure, Progress};
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::Renderer;
@@ -71,7 +72,8 @@ pub fn expose_to_error(
     error: f64,
     progress: &dyn Progress,
 ) -> Exposure {
-    let work = Work { renderer, rays, weights };
+    let images = PixelImages::find(renderer, rays);
+    let work = Work { renderer, rays, weights, images: &images };
     let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
     let mut pixels = vec![Pixel::default(); columns * rows];
     let all: Vec<usize> = (0..pixels.len()).collect();
@@ -121,6 +123,7 @@ struct Work<'a> {
     renderer: &'a Renderer,
     rays: &'a Rays,
     weights: &'a BandWeights,
+    images: &'a PixelImages,
 }
 
 impl Work<'_> {
@@ -173,8 +176,8 @@ impl Work<'_> {
             .map(|sample| {
                 let index = first | u64::from(sample);
                 let u = RaySampler::new(self.rays.seed(), index).take(DimensionSet::CAMERA);
-                let ray = self.rays.ray(pixel as u64, u);
-                ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
+                let Some((ray, weight)) = self.images.ray(self.rays, pixel, u) else { return 0.0 };
+                weight * ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
             })
             .sum()
     }

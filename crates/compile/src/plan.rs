@@ -38,7 +38,7 @@ pub struct RenderPlan {
     pub light_draws: [u32; 2],
     /// Where light that is no light's comes in; none where no interreflection is followed.
     pub portals: Portals,
-    /// Curved mirrors that may show a retroreflector its lights.
+    /// Curved mirrors that may show lights.
     pub reflectors: Vec<Reflector>,
     /// Whether irradiance has details as fine as can be seen.
     pub has_caustics: bool,

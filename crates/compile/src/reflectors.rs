@@ -1,4 +1,4 @@
-//! Curved mirrors, by way of which a retroreflector may be lit without any light sampling finding it.
+//! Curved mirrors, by way of which lights are seen, and light retroreflectors, without any light sampling finding them.
 
 use crate::shader::{Kind, Shader};
 use glam::DVec3;
@@ -20,6 +20,15 @@ pub struct Reflector {
 }
 
 impl Reflector {
+    /// Unit direction towards it from a point outside, and the tangent of the angle under which its radius is seen.
+    #[must_use]
+    pub fn cone(&self, from: DVec3) -> Option<(DVec3, f64)> {
+        let offset = self.center - from;
+        let distance = offset.length();
+        (distance > self.radius)
+            .then(|| (offset / distance, self.radius / (distance * distance - self.radius * self.radius).sqrt()))
+    }
+
     /// Whether some of it may be within reach of the unit direction from a point.
     #[inline]
     #[must_use]
@@ -35,16 +44,12 @@ impl Reflector {
     }
 }
 
-/// The mirrors of a scene that relay no lights; empty where nothing returns light to where it comes from.
+/// The mirrors of a scene that relay no lights.
 pub(crate) fn find_reflectors<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<Reflector> {
-    let returns = |handle: SurfaceHandle| matches!(shader(handle).kind, Kind::Retro(_) | Kind::Plugin(_));
-    if !geometry.members().any(|(_, handle)| returns(handle)) {
-        return Vec::new();
-    }
     let is_mirror = |handle: SurfaceHandle| match scene.surfaces[handle].shape {
         // What they are made of is not looked into.
         Shape::Mesh(_) | Shape::Instance(_) => true,

@@ -18,6 +18,7 @@ mod hemisphere_sampling;
 mod indirect;
 mod light_selection;
 mod medium_boundary;
+mod mirrored_light;
 mod mis;
 mod mixture;
 mod model_batch;
@@ -33,6 +34,7 @@ mod subtraction;
 mod trace;
 
 pub use contribution::Contribution;
+pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
     AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,

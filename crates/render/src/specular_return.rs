@@ -21,7 +21,7 @@ use radsight_texture::strongest;
 use std::f64::consts::PI;
 
 /// Tangent of the angle at which rays beside another leave it: less than an image's size, more than rounding.
-const BESIDE: f64 = 1e-4;
+const BESIDE: f64 = 1e-6;
 
 /// An image farther from the traced ray than this, as a tangent, or larger, is not drawn from: the map is not linear there.
 const FARTHEST: f64 = 1.0;
@@ -37,6 +37,18 @@ const MOST_MIRRORS: usize = 3;
 
 /// Rays towards no more lamps are looked at closer.
 const MOST_SEEDS: usize = 4;
+
+/// An image that is worth less than this share of all is left to the lobe.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// A ray to the middle of an image that ends within this share of the light's radius from its middle is good enough.
+const NEAR: f64 = 0.1;
+
+/// Images are this much larger than the map makes them, since it is not quite linear.
+const MARGIN: f64 = 1.15;
+
+/// Newton's method takes no more steps.
+const MOST_STEPS: u32 = 4;
 
 /// A lamp where the lobe is below this share of its peak is not looked for.
 const FAINT: f64 = 1e-9;
@@ -76,18 +88,18 @@ impl LightImage {
 
 /// The plane that touches the unit sphere of directions at one of them.
 #[derive(Clone, Copy, Debug)]
-struct TangentPlane {
+pub(crate) struct TangentPlane {
     axis: DVec3,
     across: [DVec3; 2],
 }
 
 impl TangentPlane {
-    fn new(axis: DVec3) -> TangentPlane {
+    pub(crate) fn new(axis: DVec3) -> TangentPlane {
         let x = axis.any_orthonormal_vector();
         TangentPlane { axis, across: [x, axis.cross(x)] }
     }
 
-    fn direction(&self, at: DVec2) -> DVec3 {
+    pub(crate) fn direction(&self, at: DVec2) -> DVec3 {
         (self.axis + self.across[0] * at.x + self.across[1] * at.y).normalize()
     }
 
@@ -144,15 +156,15 @@ impl SpecularReturn {
 }
 
 /// Where a ray and two beside it end after the same interactions.
-struct RayBundle {
-    frame: TangentPlane,
-    middle: Ray,
+pub(crate) struct RayBundle {
+    pub(crate) frame: TangentPlane,
+    pub(crate) middle: Ray,
     beside: [Ray; 2],
 }
 
 impl RayBundle {
     /// The image of a light: centre in the tangent plane, and map from the unit disk.
-    fn image_of(&self, light: &Light) -> Option<(DVec2, DMat2)> {
+    pub(crate) fn image_of(&self, light: &Light) -> Option<(DVec2, DMat2)> {
         if !light.virtual_sources.is_empty() || light.misses(self.middle.origin) {
             return None;
         }
@@ -170,7 +182,7 @@ impl RayBundle {
 }
 
 /// Where a ray passes the middle of a light, in the plane through it across `plane`'s axis, and the light's radius there.
-fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> Option<(DVec2, f64)> {
+pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> Option<(DVec2, f64)> {
     let along = ray.direction.dot(plane.axis);
     let (place, radius) = match light.form {
         LightForm::Distant { direction, half_angle_sin_squared_half: half, .. } => {
@@ -267,18 +279,57 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         (axis, events): (DVec3, &[SpecularEvent]),
     ) {
         let Some(first) = self.bundle(from, axis, events) else { return };
-        let near = self.images(&first, point);
-        let best = near.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
-        let Some(axis) = best.map(|image| image.frame.direction(image.center)) else { return };
-        // The map again where most is expected.
-        let images = self.bundle(from, axis, events).map(|second| self.images(&second, point));
-        let images = images.filter(|images| !images.is_empty()).unwrap_or(near);
-        if !images.iter().any(|image| found.holds(image)) {
-            found.images.extend(images);
+        let mut images = self.images(&first, point);
+        if images.iter().any(|image| found.holds(image)) {
+            return;
+        }
+        let total: f64 = images.iter().map(|image| image.chance).sum();
+        images.retain(|image| image.chance > NEGLIGIBLE * total);
+        for mut image in images {
+            if !self.is_met(from, &image, events)
+                && let Some(better) = self.refined(from, point, &image, events)
+            {
+                image = better;
+            }
+            found.images.push(image);
         }
     }
 
-    fn bundle(
+    /// Whether the ray to the middle of an image ends near enough to the middle of its light.
+    fn is_met(
+        &mut self,
+        (at, primitive): (DVec3, Option<PrimitiveId>),
+        image: &LightImage,
+        events: &[SpecularEvent],
+    ) -> bool {
+        let direction = image.frame.direction(image.center);
+        let end = self.retrace(Ray { origin: at, direction }, primitive, events.iter().copied());
+        let passed =
+            end.and_then(|end| passing_place(&self.plan.lights[image.light], &TangentPlane::new(end.direction), &end));
+        passed.is_some_and(|(place, radius)| place.length() <= NEAR * radius)
+    }
+
+    /// The image of the same light from a bundle about its own middle: Newton's method; `None` where that does not converge.
+    fn refined(
+        &mut self,
+        from: (DVec3, Option<PrimitiveId>),
+        point: &Bsdf<'_, BANDS>,
+        image: &LightImage,
+        events: &[SpecularEvent],
+    ) -> Option<LightImage> {
+        let mut axis = image.frame.direction(image.center);
+        for _ in 0..MOST_STEPS {
+            let bundle = self.bundle(from, axis, events)?;
+            let (center, map) = bundle.image_of(&self.plan.lights[image.light])?;
+            if (map.inverse() * center).length() <= 0.5 {
+                return self.image(&bundle, (image.light, center, map), point);
+            }
+            axis = bundle.frame.direction(center);
+        }
+        None
+    }
+
+    pub(crate) fn bundle(
         &mut self,
         (at, primitive): (DVec3, Option<PrimitiveId>),
         axis: DVec3,
@@ -296,26 +347,34 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     /// The images of all lights that a bundle ends near, each with what it is worth.
     fn images(&mut self, bundle: &RayBundle, point: &Bsdf<'_, BANDS>) -> Vec<LightImage> {
-        let frame = bundle.frame;
-        let peak = point.peak();
         let mut images = Vec::new();
         for (index, light) in self.plan.lights.iter().enumerate() {
             let Some((center, map)) = bundle.image_of(light) else { continue };
-            let inverse = map.inverse();
-            // The lobe at the middle of the image and where it is nearest to the way back.
-            let back = frame.components(point.outgoing) / point.outgoing.dot(frame.axis).max(FARTHEST / 2.0);
-            let step = inverse * (back - center);
-            let nearest = center + map * (step / step.length().max(1.0));
-            let lobe = self.lobe(point, frame.direction(center)) + self.lobe(point, frame.direction(nearest));
-            let chance = lobe * map.determinant().abs();
-            if !(chance > 0.0 && chance.is_finite()) {
-                continue;
-            }
-            let gradient = map.transpose() * frame.components(peak.gradient(frame.direction(center)));
-            let warp = DiskWarp::new(gradient.x, gradient.y);
-            images.push(LightImage { light: index, frame, center, map, inverse, warp, chance, density: 0.0 });
+            images.extend(self.image(bundle, (index, center, map), point));
         }
         images
+    }
+
+    /// A light's image with what it is worth; `None` where that is nothing.
+    fn image(
+        &mut self,
+        bundle: &RayBundle,
+        (light, center, map): (usize, DVec2, DMat2),
+        point: &Bsdf<'_, BANDS>,
+    ) -> Option<LightImage> {
+        let frame = bundle.frame;
+        let map = map * MARGIN;
+        let inverse = map.inverse();
+        // The lobe at the middle of the image and where it is nearest to the way back.
+        let back = frame.components(point.outgoing) / point.outgoing.dot(frame.axis).max(FARTHEST / 2.0);
+        let step = inverse * (back - center);
+        let nearest = center + map * (step / step.length().max(1.0));
+        let lobe = self.lobe(point, frame.direction(center)) + self.lobe(point, frame.direction(nearest));
+        let chance = lobe * map.determinant().abs();
+        let gradient = map.transpose() * frame.components(point.peak().gradient(frame.direction(center)));
+        let warp = DiskWarp::new(gradient.x, gradient.y);
+        let image = LightImage { light, frame, center, map, inverse, warp, chance, density: 0.0 };
+        (chance > 0.0 && chance.is_finite()).then_some(image)
     }
 
     /// The strongest band of the highlight times the cosine, 1/sr.
