@@ -75,7 +75,8 @@ fn mirrors(kind: &Kind, is_flat: bool) -> bool {
         Kind::Mirror { substitute, .. } => substitute.is_none() && !is_flat,
         Kind::Glossy(glossy) => glossy.is_smooth() && glossy.specularity > 0.0,
         Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)),
-        // What shines through a body is found by way of shadow rays; what it mirrors is weak.
+        // A few hundredths of a lamp are still the brightest that a camera sees.
+        Kind::Dielectric(_) => true,
         _ => false,
     }
 }

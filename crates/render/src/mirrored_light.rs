@@ -14,8 +14,9 @@ const MOST_RAYS: f64 = 1e5;
 const LEAST_SIDE: usize = 8;
 const MOST_SIDE: usize = 96;
 
-/// A ray is followed over no more mirrors.
+/// A ray is followed over no more mirrors, and through no more panes.
 const MOST_MIRRORS: usize = 3;
+const MOST_EVENTS: usize = 8;
 
 /// With more lights than this none is looked for.
 const MOST_LIGHTS: usize = 256;
@@ -50,6 +51,12 @@ impl MirroredLight {
     }
 }
 
+/// A ray behind mirrors, with its way there.
+struct MirroredRay {
+    ray: Ray,
+    events: Vec<SpecularEvent>,
+}
+
 /// What one ray of the grid passes, by the number of mirrors before.
 type Passing = [Option<DVec2>; MOST_MIRRORS];
 
@@ -70,10 +77,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
                 frame.direction(DVec2::new(along(index % side), along(index / side)))
             };
-            let grid: Vec<Vec<Ray>> = (0..side * side).map(|index| self.mirrored_rays(from, at(index))).collect();
+            let grid: Vec<_> = (0..side * side).map(|index| self.mirrored_rays(from, at(index))).collect();
             for light in 0..plan.lights.len() {
                 for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
-                    let events = vec![SpecularEvent::Reflected; mirrors];
+                    let events = grid[seed][mirrors - 1].events.clone();
                     found.extend(self.mirrored_light(from, at(seed), (light, events)));
                 }
             }
@@ -93,26 +100,30 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The rays that a ray becomes behind its first mirror, its second, and so on.
-    fn mirrored_rays(&mut self, origin: DVec3, direction: DVec3) -> Vec<Ray> {
-        let (mut ray, mut from, mut rays) = (Ray { origin, direction }, None, Vec::new());
+    fn mirrored_rays(&mut self, origin: DVec3, direction: DVec3) -> Vec<MirroredRay> {
+        let (mut ray, mut from) = (Ray { origin, direction }, None);
+        let (mut rays, mut events) = (Vec::new(), Vec::new());
         while rays.len() < MOST_MIRRORS
+            && events.len() < MOST_EVENTS
             && let Some(hit) = self.next_visible(ray, from)
+            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
         {
-            let shader = self.plan.shader_at(hit.shader);
-            let Some(direction) = self.specular_direction(&ray, &hit, shader, SpecularEvent::Reflected) else { break };
             ray = Ray { origin: hit.point, direction };
             from = Some(hit.primitive);
-            rays.push(ray);
+            events.push(event);
+            if event == SpecularEvent::Reflected {
+                rays.push(MirroredRay { ray, events: events.clone() });
+            }
         }
         rays
     }
 
     /// How far from a light's middle the rays of the grid pass, in its radii.
-    fn passings(&self, light: usize, grid: &[Vec<Ray>]) -> Vec<Passing> {
+    fn passings(&self, light: usize, grid: &[Vec<MirroredRay>]) -> Vec<Passing> {
         let light = &self.plan.lights[light];
-        let passing = |rays: &Vec<Ray>| {
+        let passing = |rays: &Vec<MirroredRay>| {
             std::array::from_fn(|mirrors| {
-                let ray = rays.get(mirrors)?;
+                let ray = &rays.get(mirrors)?.ray;
                 if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
                     return None;
                 }

@@ -28,6 +28,16 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Some(ray)
     }
 
+    /// What becomes of a ray that looks for mirrors at a surface: panes let it through, anything else reflects it if it does.
+    pub(crate) fn mirrored_step(&mut self, ray: &Ray, hit: &Intersection) -> Option<(SpecularEvent, DVec3)> {
+        let shader = self.plan.shader_at(hit.shader);
+        let event = match shader.kind {
+            Kind::Glass { .. } => SpecularEvent::Transmitted,
+            _ => SpecularEvent::Reflected,
+        };
+        self.specular_direction(ray, hit, shader, event).map(|direction| (event, direction))
+    }
+
     /// The first surface that does anything to a ray.
     pub(crate) fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
         for _ in 0..MAX_PASSED {
@@ -46,7 +56,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// Where a ray goes on from a surface; `None` where it does not in this way.
-    pub(crate) fn specular_direction(
+    fn specular_direction(
         &mut self,
         ray: &Ray,
         hit: &Intersection,

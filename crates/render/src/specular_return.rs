@@ -32,8 +32,9 @@ const MOST_LIGHTS: usize = 256;
 /// How many directions are drawn from the images of lamps.
 const DRAWS: u32 = 4;
 
-/// A ray towards a lamp is followed over no more mirrors.
+/// A ray towards a lamp is followed over no more mirrors, and through no more panes.
 const MOST_MIRRORS: usize = 3;
+const MOST_EVENTS: usize = 8;
 
 /// Rays towards no more lamps are looked at closer.
 const MOST_SEEDS: usize = 4;
@@ -257,17 +258,18 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let first = self.next_visible(start, primitive).filter(|hit| hit.distance < distance)?;
         let mut events = Vec::new();
         let (mut ray, mut hit) = (start, first);
-        loop {
-            let shader = self.plan.shader_at(hit.shader);
-            let Some(direction) = self.specular_direction(&ray, &hit, shader, SpecularEvent::Reflected) else { break };
-            events.push(SpecularEvent::Reflected);
+        let mirrors =
+            |events: &[SpecularEvent]| events.iter().filter(|event| **event == SpecularEvent::Reflected).count();
+        while let Some((event, direction)) = self.mirrored_step(&ray, &hit) {
+            events.push(event);
             ray = Ray { origin: hit.point, direction };
             match self.next_visible(ray, Some(hit.primitive)) {
-                Some(next) if events.len() < MOST_MIRRORS => hit = next,
+                Some(next) if mirrors(&events) < MOST_MIRRORS && events.len() < MOST_EVENTS => hit = next,
                 _ => break,
             }
         }
-        (!events.is_empty()).then_some((direction, events))
+        // Panes behind the last mirror are passed by any ray.
+        (mirrors(&events) > 0).then_some((direction, events))
     }
 
     /// Adds the images of all lights by way of these interactions about a direction.
