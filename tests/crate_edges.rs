@@ -75,6 +75,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "render", "sampling", "sensor",
         ],
     ),
+    ("report", &["picture"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
     ("scene-generators", &["cal", "diag", "loader", "sky"]),
