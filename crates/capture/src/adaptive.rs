@@ -7,7 +7,7 @@
 //! independent samples (q = ½), and much less for smooth integrands. q is measured over all pixels of one level.
 
 use crate::fixed::radiance;
-use crate::{Exposure, Progress};
+use crate::{Exposure, PixelStatistics, Progress};
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::Renderer;
 use radsight_sampling::{DimensionSet, RaySampler};
@@ -90,6 +90,7 @@ pub fn expose_to_error(
             estimated_error: None,
             pixels_done: pixels_done as u64,
             is_partial: true,
+            pixels: None,
         };
     }
     let mut estimate = Estimate::new(&pixels, columns, rows);
@@ -113,6 +114,7 @@ pub fn expose_to_error(
         estimated_error: Some(estimate.relative_error()),
         pixels_done: pixels_done as u64,
         is_partial,
+        pixels: Some(estimate.statistics(&pixels, scale)),
     }
 }
 
@@ -202,6 +204,14 @@ impl Estimate {
     fn relative_error(&self) -> f64 {
         let mean_square = self.squared.iter().sum::<f64>() / self.squared.len() as f64;
         if self.mean > 0.0 { CHANCE_AGREEMENT * mean_square.sqrt() / self.mean } else { 0.0 }
+    }
+
+    /// What it says of each pixel; `scale` is the exposure for a radiance of 1.
+    fn statistics(&self, pixels: &[Pixel], scale: f64) -> PixelStatistics {
+        PixelStatistics {
+            standard_errors: self.squared.iter().map(|squared| CHANCE_AGREEMENT * scale * squared.sqrt()).collect(),
+            samples: pixels.iter().map(|pixel| pixel.samples).collect(),
+        }
     }
 
     /// The pixels whose doubling lowers the error most for its cost, as many as it takes to reach the asked error.

@@ -93,7 +93,9 @@ pub(crate) fn statistics(layers: &Layers) -> String {
         let _ = writeln!(out, "<td>{}</td></tr>", Escaped(&choice.unit));
     }
     out.push_str("</tbody></table></div>\n");
-    missing.iter().for_each(|line| drop(writeln!(out, "<p class=\"note\">{}</p>", Escaped(line))));
+    for line in &missing {
+        let _ = writeln!(out, "<p class=\"note\">{}</p>", Escaped(line));
+    }
     out.push_str("</section>\n");
     out
 }
@@ -214,7 +216,7 @@ pub(crate) fn decisions(decisions: &[Decision]) -> String {
     match (decisions.is_empty(), skipped.is_empty()) {
         (true, _) => out.push_str("<p>What was skipped did not come with it (<code>--record</code>).</p>\n"),
         (false, true) => out.push_str("<p>Nothing.</p>\n"),
-        (false, false) => drop(write!(out, "<ul>\n{skipped}</ul>\n")),
+        (false, false) => out.push_str(&format!("<ul>\n{skipped}</ul>\n")),
     }
     if !done.is_empty() {
         let _ = write!(out, "<h3>Computed</h3>\n<ul>\n{done}</ul>\n");
