@@ -72,7 +72,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "radsight",
         &[
             "brdf", "cal", "camera", "capture", "diag", "film", "ir", "loader", "parse", "picture", "pinhole",
-            "render", "sampling", "sensor",
+            "render", "report", "sampling", "sensor",
         ],
     ),
     ("report", &["picture"]),

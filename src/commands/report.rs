@@ -163,20 +163,8 @@ fn check_pixels(file: &CameraFile, image: &Image<f32>, path: &str) -> Outcome {
 
 /// What the camera file says.
 pub(crate) fn of_camera(page: Page, file: &CameraFile, path: &str, text: &[u8]) -> Result<Page, ReportError> {
-    let camera = &file.camera;
-    let [across, along] = camera.pixel_pitch_m();
-    let optics = match camera.lens() {
-        Some(_) => "thin lens".to_owned(),
-        None => format!("pinhole of {:.4} mm", 1e3 * camera.pinhole_diameter_m()),
-    };
-    let described = format!(
-        "{optics}, focal distance {:.4} mm, pixels of {:.4} by {:.4} µm, exposure time {:.4} ms",
-        1e3 * camera.focal_distance_m(),
-        1e6 * across,
-        1e6 * along,
-        1e3 * camera.exposure_s()
-    );
-    let page = page.fact("camera", described).pixel_aspect(along / across)?;
+    let [across, along] = file.camera.pixel_pitch_m();
+    let page = page.fact("camera", file.summary()).pixel_aspect((along / across).clamp(1e-3, 1e3))?;
     Ok(page.text(format!("Camera file {path}"), String::from_utf8_lossy(text)))
 }
 

@@ -154,6 +154,12 @@ impl<'r> Film<'r> {
         frame
     }
 
+    /// Pixels in a row.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.camera.columns()
+    }
+
     /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
     #[must_use]
     pub fn block_of(&self, row: usize) -> Range<usize> {

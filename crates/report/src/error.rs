@@ -30,7 +30,7 @@ pub enum ReportError {
         expected_rows: usize,
     },
     /// The pixels' proportions are impossible.
-    #[error("the height over the width of a pixel is {aspect}, expected more than 0")]
+    #[error("the height over the width of a pixel is {aspect}, expected 0.001 to 1000")]
     PixelAspect {
         /// As given.
         aspect: f64,

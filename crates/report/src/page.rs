@@ -4,7 +4,7 @@ use crate::escape::Escaped;
 use crate::layer::Layers;
 use crate::map::{ErrorMap, GreyPicture, Quantity, check_size, square_side};
 use crate::record::RunRecord;
-use crate::{ProgressLog, ReportError, Setting, sections, still};
+use crate::{ProgressLog, ReportError, Setting, Stage, sections, still};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use radsight_picture::{Image, RgbPrimaries};
@@ -65,12 +65,12 @@ impl Page {
         self
     }
 
-    /// The height of a pixel over its width. Default 1.
+    /// The height of a pixel over its width, 0.001 to 1000. Default 1.
     ///
     /// # Errors
     /// [`ReportError::PixelAspect`].
     pub fn pixel_aspect(mut self, aspect: f64) -> Result<Page, ReportError> {
-        if !(aspect > 1e-3 && aspect < 1e3) {
+        if !(1e-3..=1e3).contains(&aspect) {
             return Err(ReportError::PixelAspect { aspect });
         }
         self.pixel_aspect = aspect;
@@ -111,6 +111,13 @@ impl Page {
     #[must_use]
     pub fn record(mut self, record: RunRecord) -> Page {
         self.record = record;
+        self
+    }
+
+    /// Adds a stage to the record: what it was, and how long it took.
+    #[must_use]
+    pub fn stage(mut self, stage: Stage) -> Page {
+        self.record.stages.push(stage);
         self
     }
 

@@ -47,7 +47,9 @@ pub(crate) fn facts(facts: &[Setting], record: &RunRecord) -> String {
 /// An error as a share with its interval.
 fn interval(error: f64, uncertainty: Option<f64>) -> String {
     match uncertainty {
-        Some(uncertainty) => format!("{} ± {} (95 %)", percent(error), percent(uncertainty)),
+        Some(uncertainty) => {
+            format!("{} ± {} % (95 %)", percent(error), significant(100.0 * uncertainty, 2))
+        }
         None => percent(error),
     }
 }
@@ -161,7 +163,7 @@ fn stage_table(stages: &[Stage]) -> String {
         let busy = processor.filter(|_| elapsed > 1e-3).map(|processor| format!("{:.1}", processor / elapsed));
         format!(
             "<th scope=\"row\">{}</th><td>{}</td><td>{:.1} %</td><td>{}</td><td>{}</td>\
-             <td><svg class=\"bar\" viewBox=\"0 0 100 10\" aria-hidden=\"true\"><rect width=\"{:.2}\" height=\"10\" /></svg></td>",
+             <td><svg class=\"bar\" viewBox=\"0 0 100 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect width=\"{:.2}\" height=\"10\" /></svg></td>",
             Escaped(name),
             seconds(elapsed),
             100.0 * share,
