@@ -7,7 +7,10 @@ use crate::output::{check_writable, write_file};
 use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_picture::{Encoding, FileFormat, Header, Image, Picture, ReadImage, ViewOptions, read_image, read_png};
+use radsight_picture::{
+    Encoding, FileFormat, Header, Image, Picture, PictureError, ReadImage, Resolution, Unfinished, ViewOptions,
+    read_image, read_png,
+};
 use radsight_report::{ErrorMap, GreyPicture, Page, ProgressLog, Quantity, ReportError, RunRecord};
 
 /// The line of an error map's header that says whether its values are `absolute` or `relative`.
@@ -63,7 +66,7 @@ struct Shown {
 impl Shown {
     fn read(path: &str) -> Result<Shown, Failure> {
         let bytes = read_file(path, "picture")?;
-        let wrong = |error: radsight_picture::PictureError| Failure::input(format!("\"{path}\": {error}"));
+        let wrong = |error: PictureError| Failure::input(format!("\"{path}\": {error}"));
         if FileFormat::from_content(&bytes) == Some(FileFormat::Picture) {
             return Shown::of_picture(&bytes).map_err(wrong);
         }
@@ -73,25 +76,32 @@ impl Shown {
         Ok(Shown { image: without_alpha(image, format), header, format, note })
     }
 
-    /// One in Radiance's own formats: radiances in red, green and blue, whatever it stores. What is missing of a partial one is black.
-    fn of_picture(bytes: &[u8]) -> Result<Shown, radsight_picture::PictureError> {
-        let partial = Picture::read_partial(bytes)?;
-        let (picture, scanlines) = (partial.picture, partial.complete_scanlines);
-        let header = picture.header().clone();
-        let note = match partial.error {
-            Some(_) if scanlines > 0 && header.variable("PARTIAL").is_some() => Some(format!(
-                "the picture is partial: {scanlines} of {} scanlines are there, the others are black",
-                picture.resolution().scanlines()
-            )),
-            Some(error) => return Err(error),
-            None => None,
+    /// One in Radiance's own formats: radiances in red, green and blue, whatever it stores.
+    fn of_picture(bytes: &[u8]) -> Result<Shown, PictureError> {
+        let (picture, note) = match Picture::read(bytes) {
+            Ok(picture) => (picture, None),
+            Err(error) => partial_picture(bytes).ok_or(error)?,
         };
         let image = match picture.encoding() {
             Encoding::Rgbe => picture.radiance()?,
             _ => picture.rgb_radiance()?,
         };
-        Ok(Shown { image, header, format: FileFormat::Picture, note })
+        Ok(Shown { image, header: picture.header().clone(), format: FileFormat::Picture, note })
     }
+}
+
+/// What an interrupted program has left, which says so in its header; what is missing is black.
+fn partial_picture(bytes: &[u8]) -> Option<(Picture, Option<String>)> {
+    let unfinished = Unfinished::read(bytes).ok().filter(|found| found.header.variable("PARTIAL").is_some())?;
+    let (scanlines, all) = (unfinished.scanlines, unfinished.resolution.scanlines());
+    let length = unfinished.resolution.scanline_length();
+    radsight::Image::check_size(length, all).ok()?;
+    let (_, start) = Resolution::read(bytes, Header::read(bytes).ok()?.1).ok()?;
+    let mut whole = bytes[..start + unfinished.pixels.len()].to_vec();
+    whole.resize(whole.len() + 4 * length * (all - scanlines), 0);
+    let picture = Picture::read(&whole).ok()?;
+    let note = format!("the picture is partial: {scanlines} of {all} scanlines are there, the others are black");
+    Some((picture, Some(note)))
 }
 
 /// PNG and EXR may have a fourth component, or a second one beside grey, which is no light.
