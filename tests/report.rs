@@ -256,6 +256,26 @@ fn the_browser_draws_false_colour_and_takes_no_script_from_files() {
 }
 
 #[test]
+fn a_picture_that_is_larger_than_the_window_is_shown_whole() {
+    let Some(browser) = Browser::find() else { return };
+    let folder = Folder::new();
+    // The left and the right tenth are dark and bright, what is between them is neither.
+    let value = |i: usize| [0.0, 0.5, 1.0][usize::from(i % 2000 >= 200) + usize::from(i % 2000 >= 1800)];
+    let image = Image::new(2000, 1000, 1, (0..2_000_000).map(value).collect()).expect("an image");
+    let picture = folder.file("p.pfm", write_pfm(&image).expect("bytes"));
+    radsight(&["report", &picture, "-o", &folder.word("p.html")]).done();
+    let shot = format!("--screenshot={}", folder.word("shot.png"));
+    browser.open(&folder, "p.html#show=value", [600, 800], &[&shot]);
+    let shown = read_png(&folder.read("shot.png")).expect("a PNG").values;
+    for color in [[0x44, 0x01, 0x54], [0xfd, 0xe7, 0x25]] {
+        let near = |pixel: &[u16]| pixel.iter().zip(color).all(|(a, b): (&u16, u16)| a.abs_diff(b) <= 4);
+        let count = shown.pixels().filter(|pixel| near(&pixel[..3])).count();
+        // A tenth of 560 by 280 pixels or so, and an end of the scale.
+        assert!((12_000..20_000).contains(&count), "{count} pixels of {color:?}");
+    }
+}
+
+#[test]
 fn the_browser_prints_still_pictures_of_all_maps() {
     let Some(browser) = Browser::find() else { return };
     let folder = Folder::new();

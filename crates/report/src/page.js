@@ -130,7 +130,8 @@
 
   // ---- where the picture stands on the canvas; lengths are CSS pixels ----
   const canvas = byId('picture'), context = canvas.getContext('2d');
-  let width = 1, height = 1, zoom = 1, left = 0, top = 0, probe = null;
+  // A zoom of 0 is less than any that fits.
+  let width = 1, height = 1, zoom = 0, left = 0, top = 0, probe = null;
 
   const fitting = () => Math.min(width / columns, height / (rows * pixelAspect));
   const isFitted = () => zoom <= fitting() * 1.001;
@@ -143,7 +144,8 @@
     const ratio = window.devicePixelRatio || 1;
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
-    if (wasFitted) fit(); else draw();
+    if (wasFitted) fit(); else place(zoom, left, top);
+    hideCrowded();
   }
 
   function clampedPlace(start, size, extent) {
@@ -315,6 +317,19 @@
     return String(Number(value.toPrecision(6)));
   }
 
+  // Labels that would stand over others are not shown; those of the ends always are.
+  function hideCrowded() {
+    const spans = [...byId('ticks').children], boxes = spans.map(span => span.getBoundingClientRect());
+    if (!spans.length) return;
+    const gap = 6, end = boxes[boxes.length - 1].left - gap;
+    let free = boxes[0].right + gap;
+    for (let i = 1; i < spans.length - 1; i++) {
+      const fits = boxes[i].left >= free && boxes[i].right <= end;
+      spans[i].style.visibility = fits ? '' : 'hidden';
+      if (fits) free = boxes[i].right + gap;
+    }
+  }
+
   function showScale() {
     const choice = choiceOf(shown);
     byId('scale').hidden = byId('range').hidden = !choice;
@@ -331,10 +346,10 @@
       const span = document.createElement('span'), at = placeOf(range, value);
       span.style.left = 100 * at + '%';
       const isEnd = index === 0 || index === all.length - 1;
-      // Labels next to the ends would stand over those of the ends.
-      span.textContent = isEnd ? text(value) + (index && choice.unit ? ' ' + choice.unit : '') : at > 0.12 && at < 0.8 ? label(value) : '';
+      span.textContent = isEnd ? text(value) + (index && choice.unit ? ' ' + choice.unit : '') : label(value);
       return span;
     }));
+    hideCrowded();
     byId('low').value = text(range.low);
     byId('high').value = text(range.high);
     byId('log').checked = range.log;

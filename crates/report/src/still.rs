@@ -24,7 +24,7 @@ pub(crate) fn as_seen(layers: &Layers, pixel_aspect: f64) -> String {
             if value.is_nan() { NO_VALUE[i] } else { srgb(value * gain) }
         })
     };
-    figure("as seen: white is 98 % of the pixels' brightness", &png(image, pixel_aspect, shown), "")
+    figure("as seen: 98 % of the pixels are darker than white", &png(image, pixel_aspect, shown), "")
 }
 
 /// What a radiance is multiplied by so that the brightness that is white gives 1.
