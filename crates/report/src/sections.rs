@@ -169,7 +169,7 @@ fn stage_table(stages: &[Stage]) -> String {
             100.0 * share,
             processor.map(seconds).unwrap_or_default(),
             busy.unwrap_or_default(),
-            100.0 * share,
+            100.0 * share.clamp(0.0, 1.0),
         )
     };
     for stage in stages {

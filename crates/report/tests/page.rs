@@ -1,5 +1,6 @@
 //! The page as a parser takes it apart: structure, escaping, what it refers to, and its size.
 
+use proptest::prelude::*;
 use radsight_picture::{Image, read_png};
 use radsight_report::{
     Decision, ErrorEstimate, ErrorMap, GreyPicture, MOST_PIXELS, Page, ProgressLog, Quantity, ReportError, RunRecord,
@@ -138,6 +139,32 @@ fn hostile_text_is_text_wherever_it_stands() {
     // Scripts end at the first such bytes, whatever a parser of XML says.
     let scripts = hostile.matches("<script").count();
     assert_eq!((scripts, hostile.matches("</script").count()), (plain.matches("<script").count(), scripts));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn any_text_and_any_values_make_a_well_formed_page(
+        text in "\\PC{0,12}|[<>&\"'/!\\]\\[\\-]{0,12}|.{0,8}",
+        values in proptest::collection::vec(proptest::num::f32::ANY, 24),
+        times in proptest::array::uniform2(proptest::num::f64::ANY),
+    ) {
+        let map = Image::new(6, 4, 1, values.clone()).unwrap();
+        let [elapsed_s, processor_s] = times;
+        let stage = Stage { name: text.clone(), elapsed_s, processor_s: Some(processor_s) };
+        let page = full_page(&text).error_map(ErrorMap::Relative(map.clone())).unwrap().ray_map(map).unwrap();
+        with_document(&page.stage(stage).to_html(), |_| ());
+    }
+
+    #[test]
+    fn no_log_and_no_record_is_too_odd(bytes in proptest::collection::vec(any::<u8>(), 0..200), numbers in "[0-9.eu sr%,:A-Za-z]{0,60}") {
+        let _ = RunRecord::from_json(&bytes);
+        for text in [String::from_utf8_lossy(&bytes).into_owned(), format!("rpict: {numbers}"), format!("rpict: 1 rays, 2% after {numbers} hours")] {
+            let log = ProgressLog::read(&text);
+            prop_assert!(log.progress.iter().all(|at| at.rays.is_finite() && at.elapsed_s >= 0.0));
+        }
+    }
 }
 
 #[test]
