@@ -299,6 +299,11 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         matches!(self.highlight, Highlight::Retro(_))
     }
 
+    /// Whether its highlight may be about the way back, as that of a model from elsewhere may.
+    pub fn may_retroreflect(&self) -> bool {
+        matches!(self.highlight, Highlight::Retro(_) | Highlight::Model(_))
+    }
+
     /// Whether there is a diffuse component.
     pub fn has_diffuse(&self) -> bool {
         let any = |bands: &[f64; BANDS]| bands.iter().any(|band| *band > 0.0);
@@ -575,6 +580,15 @@ pub fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64, cosine
         }
     }
     [reflected, transmitted]
+}
+
+/// Where a ray goes on behind a thin pane: straight on, or bent by a texture as Radiance's `glass` does.
+#[must_use]
+pub fn through_pane(direction: DVec3, perturbation: DVec3, refractive_index: f64) -> DVec3 {
+    if perturbation == DVec3::ZERO {
+        return direction;
+    }
+    (direction + perturbation * (2.0 * (1.0 - refractive_index))).normalize_or(direction)
 }
 
 /// The colour of a material with a colour of its own.

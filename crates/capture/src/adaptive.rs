@@ -4,13 +4,15 @@
 //! about the error of their mean; the difference of the means of the two halves does. With `e(n)` the error of the mean of n samples and
 //! `d(n)` half the difference of its halves' means, `⟨e(n)²⟩ = ⟨e(n/2)²⟩ − ⟨d(n)²⟩` for exchangeable halves, so
 //! `⟨e(n)²⟩ = ⟨d(2n)²⟩ + ⟨d(4n)²⟩ + …`. If `⟨d²⟩` falls by a factor q at each doubling, the sum is `⟨d(n)²⟩·q/(1−q)`: all of `⟨d²⟩` for
-//! independent samples (q = ½), and much less for smooth integrands. q is measured over all pixels of one level.
+//! independent samples (q = ½), and much less for smooth integrands. q is measured over the pixels around each: what is smooth converges faster
+//! than an edge.
 
 use crate::fixed::radiance;
+use crate::mirrored_lights::PixelImages;
 use crate::{Exposure, PixelStatistics, Progress};
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::Renderer;
-use radsight_sampling::{DimensionSet, RaySampler};
+use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -20,10 +22,10 @@ pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
 const SEQUENCE_LOG2: u32 = 16;
 
 /// Samples of every pixel before anything is decided.
-const FIRST_SAMPLES: u32 = 16;
+const FIRST_SAMPLES: u32 = 4;
 
 /// The factor by which `⟨d²⟩` falls is trusted between these.
-const DECAY_RANGE: (f64, f64) = (0.4, 0.5);
+const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
 
 /// Pixels whose halves agree by chance are left alone, so the estimate comes out low: by a quarter on pictures with sharp edges of
 /// light, measured against pictures that were integrated by other means.
@@ -70,7 +72,8 @@ pub fn expose_to_error(
     error: f64,
     progress: &dyn Progress,
 ) -> Exposure {
-    let work = Work { renderer, rays, weights };
+    let images = PixelImages::find(renderer, rays);
+    let work = Work { renderer, rays, weights, images: &images };
     let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
     let mut pixels = vec![Pixel::default(); columns * rows];
     let all: Vec<usize> = (0..pixels.len()).collect();
@@ -93,28 +96,30 @@ pub fn expose_to_error(
             pixels: None,
         };
     }
-    let mut estimate = Estimate::new(&pixels, columns, rows);
+    let mut estimate = Estimate::new(&pixels, columns);
     let mut is_partial = false;
     for _ in 0..MAX_PASSES {
-        let chosen = estimate.choose(&pixels, error);
+        let chosen = estimate.choose(error);
         if chosen.is_empty() {
             break;
         }
         planned.fetch_add(chosen.iter().map(|&index| u64::from(pixels[index].samples)).sum(), Ordering::Relaxed);
         work.double(&mut pixels, &chosen, progress, &report);
-        estimate = Estimate::new(&pixels, columns, rows);
+        estimate = Estimate::new(&pixels, columns);
         if progress.stops() {
             is_partial = estimate.relative_error() > error;
             break;
         }
     }
+    let values: Vec<f64> = pixels.iter().map(|pixel| scale * pixel.mean()).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
     Exposure {
-        values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+        values,
         rays: traced.into_inner(),
         estimated_error: Some(estimate.relative_error()),
         pixels_done: pixels_done as u64,
         is_partial,
-        pixels: Some(estimate.statistics(&pixels, scale)),
+        pixels: Some(estimate.statistics(mean)),
     }
 }
 
@@ -122,6 +127,7 @@ struct Work<'a> {
     renderer: &'a Renderer,
     rays: &'a Rays,
     weights: &'a BandWeights,
+    images: &'a PixelImages,
 }
 
 impl Work<'_> {
@@ -174,8 +180,8 @@ impl Work<'_> {
             .map(|sample| {
                 let index = first | u64::from(sample);
                 let u = RaySampler::new(self.rays.seed(), index).take(DimensionSet::CAMERA);
-                let ray = self.rays.ray(pixel as u64, u);
-                ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
+                let Some((ray, weight)) = self.images.ray(self.rays, pixel, u) else { return 0.0 };
+                weight * ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
             })
             .sum()
     }
@@ -183,88 +189,87 @@ impl Work<'_> {
 
 /// What is known of the error.
 struct Estimate {
-    /// Squared error of each pixel.
-    squared: Vec<f64>,
-    /// Decay of the squared error of each pixel's next doubling.
-    decay: Vec<f64>,
-    mean: f64,
+    /// Squared error of each pixel relative to the mean exposure.
+    pixels: Vec<PixelError>,
 }
 
 impl Estimate {
-    fn new(pixels: &[Pixel], columns: usize, rows: usize) -> Estimate {
+    fn new(pixels: &[Pixel], columns: usize) -> Estimate {
         let mean = pixels.iter().map(Pixel::mean).sum::<f64>() / pixels.len() as f64;
-        let by_level = decay_by_level(pixels);
-        let decay: Vec<f64> = pixels.iter().map(|pixel| by_level[pixel.samples.ilog2() as usize]).collect();
-        let squared = (0..pixels.len())
-            .map(|index| neighbourhood(pixels, columns, rows, index) * decay[index] / (1.0 - decay[index]))
-            .collect();
-        Estimate { squared, decay, mean }
+        let unit = if mean > 0.0 { (mean * mean).recip() } else { 0.0 };
+        // As if of one sample, so that neighbours with other numbers of samples can be added up.
+        let of_one = |squared: fn(&Pixel) -> f64| -> Vec<f64> {
+            pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
+        };
+        let (last, before) = (of_one(|pixel| pixel.last), of_one(|pixel| pixel.before));
+        let near = window_sums(&last, columns, NEAR);
+        let (around, around_before) = (window_sums(&last, columns, AROUND), window_sums(&before, columns, AROUND));
+        let counts = window_sums(&vec![1.0; pixels.len()], columns, NEAR);
+        let estimate = |(index, pixel): (usize, &Pixel)| {
+            let prior = PRIOR * around_before[index];
+            let gain = (around[index] + prior * GAIN_RANGE.1) / (around_before[index] + prior);
+            let gain = if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 };
+            let pooled = (near[index] / counts[index] / f64::from(pixel.samples)).max(0.25 * pixel.last);
+            // The fall slows down when only edges are left.
+            let later = 0.5 * (gain + GAIN_RANGE.1);
+            PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
+        };
+        Estimate { pixels: pixels.iter().enumerate().map(estimate).collect() }
     }
 
     fn relative_error(&self) -> f64 {
-        let mean_square = self.squared.iter().sum::<f64>() / self.squared.len() as f64;
-        if self.mean > 0.0 { CHANCE_AGREEMENT * mean_square.sqrt() / self.mean } else { 0.0 }
+        let mean_square = self.pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / self.pixels.len() as f64;
+        CHANCE_AGREEMENT * mean_square.sqrt()
     }
 
-    /// What it says of each pixel; `scale` is the exposure for a radiance of 1.
-    fn statistics(&self, pixels: &[Pixel], scale: f64) -> PixelStatistics {
+    /// What it says of each pixel; `mean` is the mean exposure, J/m².
+    fn statistics(&self, mean: f64) -> PixelStatistics {
+        let error = |pixel: &PixelError| CHANCE_AGREEMENT * mean * pixel.squared.sqrt();
         PixelStatistics {
-            standard_errors: self.squared.iter().map(|squared| CHANCE_AGREEMENT * scale * squared.sqrt()).collect(),
-            samples: pixels.iter().map(|pixel| pixel.samples).collect(),
+            standard_errors: self.pixels.iter().map(error).collect(),
+            samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
         }
     }
 
-    /// The pixels whose doubling lowers the error most for its cost, as many as it takes to reach the asked error.
-    fn choose(&self, pixels: &[Pixel], error: f64) -> Vec<usize> {
-        let target = (error / CHANCE_AGREEMENT * self.mean).powi(2) * self.squared.len() as f64;
-        let mut left: f64 = self.squared.iter().sum();
-        if left <= target {
-            return Vec::new();
-        }
-        let mut open: Vec<usize> = (0..pixels.len())
-            .filter(|&index| pixels[index].samples < MAX_SAMPLES && self.squared[index] > 0.0)
-            .collect();
-        let gain = |index: usize| self.squared[index] * (1.0 - self.decay[index]) / f64::from(pixels[index].samples);
-        open.sort_by(|&a, &b| gain(b).total_cmp(&gain(a)).then(a.cmp(&b)));
-        let enough = open
-            .iter()
-            .position(|&index| {
-                left -= self.squared[index] * (1.0 - self.decay[index]);
-                left <= target
+    /// The pixels whose doubling lowers the error most for its cost, as many as it takes to reach the asked error. Of pixels that need
+    /// a fraction of a doubling that fraction is doubled, evenly over the picture.
+    fn choose(&self, error: f64) -> Vec<usize> {
+        let needed = doublings(&self.pixels, (error / CHANCE_AGREEMENT).powi(2), MAX_SAMPLES);
+        let is_chosen = |(index, needed): &(usize, f64)| *needed > (*index as f64 * GOLDEN).fract();
+        needed.into_iter().enumerate().filter(is_chosen).map(|(index, _)| index).collect()
+    }
+}
+
+/// Multiples of it are spread evenly between whole numbers.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// One squared difference alone says little: they are averaged over a pixel and its neighbours up to this distance.
+const NEAR: usize = 1;
+
+/// Their fall from doubling to doubling is taken from neighbours up to this distance.
+const AROUND: usize = 3;
+
+/// Share of what is known of that fall that is taken to be of independent samples.
+const PRIOR: f64 = 0.1;
+
+/// The sum over the square of pixels within `reach` of each, less where the picture ends.
+fn window_sums(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
+    let rows = values.len() / columns.max(1);
+    let along = |values: &[f64], count: usize, at: &dyn Fn(usize) -> usize| -> Vec<f64> {
+        (0..count)
+            .map(|index| {
+                (index.saturating_sub(reach)..=(index + reach).min(count - 1)).map(|near| values[at(near)]).sum()
             })
-            .map_or(open.len(), |position| position + 1);
-        open.truncate(enough);
-        open.sort_unstable();
-        open
+            .collect()
+    };
+    let mut in_rows = Vec::with_capacity(values.len());
+    for row in values.chunks(columns.max(1)) {
+        in_rows.extend(along(row, row.len(), &|column| column));
     }
-}
-
-/// The factor by which d² fell at the last doubling, over all pixels of each level.
-fn decay_by_level(pixels: &[Pixel]) -> [f64; 33] {
-    let mut last = [0.0; 33];
-    let mut before = [0.0; 33];
-    for pixel in pixels {
-        let level = pixel.samples.ilog2() as usize;
-        last[level] += pixel.last;
-        before[level] += pixel.before;
+    let mut sums = vec![0.0; values.len()];
+    for column in 0..columns {
+        let of_column = along(&in_rows, rows, &|row| row * columns + column);
+        of_column.into_iter().enumerate().for_each(|(row, sum)| sums[row * columns + column] = sum);
     }
-    std::array::from_fn(|level| {
-        let ratio = if before[level] > 0.0 { last[level] / before[level] } else { DECAY_RANGE.1 };
-        ratio.clamp(DECAY_RANGE.0, DECAY_RANGE.1)
-    })
-}
-
-/// d² averaged over a pixel and its neighbours, each scaled to the pixel's number of samples: one difference alone says little.
-fn neighbourhood(pixels: &[Pixel], columns: usize, rows: usize, index: usize) -> f64 {
-    let (column, row) = (index % columns, index / columns);
-    let own = &pixels[index];
-    let (mut sum, mut count) = (0.0, 0.0);
-    for y in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
-        for x in column.saturating_sub(1)..=(column + 1).min(columns - 1) {
-            let other = &pixels[y * columns + x];
-            sum += other.last * f64::from(other.samples) / f64::from(own.samples);
-            count += 1.0;
-        }
-    }
-    (sum / count).max(0.25 * own.last)
+    sums
 }

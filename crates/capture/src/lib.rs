@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod fixed;
+mod mirrored_lights;
 
 pub use adaptive::{MAX_SAMPLES, expose_to_error};
 pub use fixed::expose_with_samples;

@@ -27,6 +27,7 @@ mod portal_search;
 mod portals;
 mod prism;
 mod prism_image;
+mod reflectors;
 mod refraction;
 mod shader;
 mod shader_sets;
@@ -49,6 +50,7 @@ pub use options::{
 pub use plan::{PlanDecision, RenderPlan, Sky};
 pub use portals::{Portal, Portals, VisiblePortals};
 pub use prism::PrismKind;
+pub use reflectors::Reflector;
 pub use refraction::{DielectricInterface, Refracted};
 pub use shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
 pub use visibility_class::{Receiver, Visibility, VisibilityClass};

@@ -5,6 +5,7 @@ use crate::medium::Medium;
 use crate::mist_lights::MistLights;
 use crate::options::{GlobalMedium, RenderOptions, Skip};
 use crate::portals::Portals;
+use crate::reflectors::Reflector;
 use crate::shader::{Kind, Shader, Substitution};
 use crate::visibility_class::{Receiver, Visibility};
 use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ray, ShaderId, ShaderTable};
@@ -37,6 +38,8 @@ pub struct RenderPlan {
     pub light_draws: [u32; 2],
     /// Where light that is no light's comes in; none where no interreflection is followed.
     pub portals: Portals,
+    /// Curved mirrors that may show lights.
+    pub reflectors: Vec<Reflector>,
     /// Whether irradiance has details as fine as can be seen.
     pub has_caustics: bool,
     /// Distant sources in the order in which a ray that leaves the scene tries them.

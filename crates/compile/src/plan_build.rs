@@ -9,6 +9,7 @@ use crate::options::{BareSurfaces, RenderOptions, Skip};
 use crate::plan::{RenderPlan, Sky, virtual_source_shader};
 use crate::portal_search::makes_caustics;
 use crate::portals::Portals;
+use crate::reflectors::find_reflectors;
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
 use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
@@ -66,6 +67,7 @@ impl RenderPlan {
         } else {
             Visibility::everything()
         };
+        let reflectors = find_reflectors(&scene, &geometry, shader);
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
         let mut plan = RenderPlan {
@@ -79,6 +81,7 @@ impl RenderPlan {
             light_tree: None,
             light_draws: [0; 2],
             portals: Portals::default(),
+            reflectors,
             has_caustics: false,
             sky,
             reach,

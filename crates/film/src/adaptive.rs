@@ -1,6 +1,6 @@
 //! As many rays as each pixel needs.
 //!
-//! Samples of pixels are doubled, where that lowers the picture's error most (`allocation.rs`), until its estimate is the asked one.
+//! Samples of pixels are doubled, where that lowers the picture's error most ([`doublings`]), until its estimate is the asked one.
 //! It rests on half the difference h of the means of the two halves of a pixel's samples: if the squared error of a mean falls by a factor g with each
 //! doubling, so does h², and the squared error of both halves together is h²·g/(1 − g); for independent samples g = ½ and the factor is 1, for those of
 //! a low-discrepancy sequence both are smaller. One such difference says little, so the squares of neighbours are averaged, and
@@ -8,10 +8,9 @@
 //! neighbour that differs most.
 
 use crate::interpolated::{self, Interpolation};
-use crate::sample_allocation::{PooledVariance, chosen};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_render::{RayWorker, Renderer};
-use radsight_sampling::RaySampler;
+use radsight_sampling::{PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -184,15 +183,13 @@ impl<'r> Film<'r> {
                 let most = most.min(MAX_SAMPLES);
                 loop {
                     let pooled = self.pool(&range);
-                    let samples = |pixel: usize| self.pixels[range.start + pixel].samples;
-                    let mut chosen = chosen(&pooled, samples, error, most);
-                    chosen.iter_mut().for_each(|pixel| *pixel += range.start);
+                    let needed = doublings(&pooled, error * error, most);
+                    let chosen: Vec<usize> =
+                        range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
                     if chosen.is_empty() {
-                        let pixels = &self.pixels[range.clone()];
-                        let errors = pooled.errors.iter().zip(pixels);
-                        errors.for_each(|(error, pixel)| self.finished.add(*error, pixel.samples));
-                        let kept = self.errors[range.clone()].iter_mut().zip(&pooled.errors);
-                        kept.for_each(|(kept, error)| *kept = *error as f32);
+                        pooled.iter().for_each(|pixel| self.finished.add(pixel.squared, pixel.samples));
+                        let kept = self.errors[range.clone()].iter_mut().zip(&pooled);
+                        kept.for_each(|(kept, pixel)| *kept = pixel.squared as f32);
                         break;
                     }
                     self.double(&chosen);
@@ -285,10 +282,14 @@ impl<'r> Film<'r> {
     }
 
     /// What is known of the pixels of a block.
-    fn pool(&self, range: &Range<usize>) -> PooledVariance {
+    fn pool(&self, range: &Range<usize>) -> Vec<PixelError> {
         let gain = self.gain(range);
-        let error = |index| self.relative(&self.pixels[index], self.squared_error(range, index, gain));
-        PooledVariance { errors: range.clone().into_par_iter().with_min_len(1024).map(error).collect(), gain }
+        let error = |index: usize| {
+            let pixel = &self.pixels[index];
+            let squared = self.relative(pixel, self.squared_error(range, index, gain));
+            PixelError { squared, gain, samples: pixel.samples }
+        };
+        range.clone().into_par_iter().with_min_len(1024).map(error).collect()
     }
 
     /// The mean of squared errors of a pixel's bands, relative to their values.

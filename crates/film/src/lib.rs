@@ -10,7 +10,6 @@
 
 mod adaptive;
 mod interpolated;
-mod sample_allocation;
 mod single;
 mod view_camera;
 

@@ -22,6 +22,6 @@ mod visible_side;
 pub use emission_profile::EmissionProfile;
 pub use form::{LightForm, LightSample, coordinates};
 pub use light::{Light, LightCone, LightId};
-pub use lobe_weighting::LobePeak;
+pub use lobe_weighting::{DiskWarp, LobePeak};
 pub use tree::{Choice, LightSampleCount, LightTree, Reception, TreeCut};
 pub use virtual_source::{Redirection, VirtualSource, virtual_form};

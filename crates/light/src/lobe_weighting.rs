@@ -44,18 +44,21 @@ impl LobePeak {
     }
 }
 
-/// A tilt of the unit disk: a vector shorter than one, towards where the density is highest.
+/// A map of the unit disk to itself that gathers points on one side, with its density in closed form.
+///
+/// It is a Möbius map; its tilt is a vector shorter than one, towards where the density is highest.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DiskWarp {
+pub struct DiskWarp {
     x: f64,
     y: f64,
     squared: f64,
 }
 
 impl DiskWarp {
-    /// The tilt that follows a gradient of the logarithm, per radius, at the centre.
+    /// The map whose density follows a gradient of the logarithm, per radius, at the centre.
     #[inline]
-    pub(crate) fn new(x: f64, y: f64) -> DiskWarp {
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> DiskWarp {
         // The logarithm of the density grows by four times the tilt per radius.
         let (x, y) = (0.25 * x, 0.25 * y);
         let length = (x * x + y * y).sqrt();
@@ -66,7 +69,8 @@ impl DiskWarp {
 
     /// Where a point of the disk goes: `(z + t)/(1 + t̄·z)` in complex numbers.
     #[inline]
-    pub(crate) fn apply(&self, (a, b): (f64, f64)) -> (f64, f64) {
+    #[must_use]
+    pub fn apply(&self, (a, b): (f64, f64)) -> (f64, f64) {
         let (top_x, top_y) = (a + self.x, b + self.y);
         let (bottom_x, bottom_y) = (1.0 + self.x * a + self.y * b, self.x * b - self.y * a);
         let scale = 1.0 / (bottom_x * bottom_x + bottom_y * bottom_y);
@@ -75,7 +79,8 @@ impl DiskWarp {
 
     /// Density at a point, as a multiple of the uniform one: `(1 − t²)²/|1 − t̄·z|⁴`.
     #[inline]
-    pub(crate) fn pdf(&self, (a, b): (f64, f64)) -> f64 {
+    #[must_use]
+    pub fn pdf(&self, (a, b): (f64, f64)) -> f64 {
         let along = self.x * a + self.y * b;
         let bottom = 1.0 - 2.0 * along + self.squared * (a * a + b * b);
         let ratio = (1.0 - self.squared) / bottom;

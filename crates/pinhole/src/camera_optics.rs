@@ -41,11 +41,33 @@ impl GeneralRays {
 
     /// The ray of a pixel for a point of the unit cube, as [`crate::Rays::ray`] has it.
     pub(crate) fn ray(&self, camera: &PinholeCamera, per_scene_unit: f64, pixel: u64, u: [f64; 4]) -> CameraRay {
-        let Some((chief, normal, growth)) = chief(camera, pixel, u) else {
-            let origin = camera.position_m() * per_scene_unit;
-            return CameraRay { origin, direction: camera.direction(), cos4: 0.0, pattern_cell: 0 };
-        };
-        let on_hole = self.on_hole(camera, u);
+        let Some((chief, normal, growth)) = chief(camera, pixel, u) else { return no_ray(camera, per_scene_unit) };
+        self.through_hole(camera, per_scene_unit, (chief, normal, growth), &self.on_hole(camera, u))
+    }
+
+    /// The ray through a place on a pixel and a point of the hole, in its radii.
+    pub(crate) fn ray_through(
+        &self,
+        camera: &PinholeCamera,
+        per_scene_unit: f64,
+        pixel: u64,
+        [u, v]: [f64; 2],
+        on_hole: [f64; 2],
+    ) -> CameraRay {
+        let Some(chief) = chief(camera, pixel, [u, v, 0.0, 0.0]) else { return no_ray(camera, per_scene_unit) };
+        let radius =
+            if camera.pinhole_model() == PinholeModel::Point { 0.0 } else { 0.5 * camera.pinhole_diameter_m() };
+        let point = DVec3::new(on_hole[0], on_hole[1], 0.0) * radius;
+        self.through_hole(camera, per_scene_unit, chief, &OnHole { point, start: point, cell: 0 })
+    }
+
+    fn through_hole(
+        &self,
+        camera: &PinholeCamera,
+        per_scene_unit: f64,
+        (chief, normal, growth): (DVec3, DVec3, f64),
+        on_hole: &OnHole,
+    ) -> CameraRay {
         let way = chief + on_hole.point;
         let focal2 = camera.focal_distance_m() * camera.focal_distance_m();
         let length2 = way.length_squared();
@@ -81,6 +103,12 @@ impl GeneralRays {
         let point = DVec3::new(a * radius, b * radius, 0.0);
         OnHole { point, start: point, cell: 0 }
     }
+}
+
+/// Stands for the ray of a place on the sensor that sees nothing.
+fn no_ray(camera: &PinholeCamera, per_scene_unit: f64) -> CameraRay {
+    let origin = camera.position_m() * per_scene_unit;
+    CameraRay { origin, direction: camera.direction(), cos4: 0.0, pattern_cell: 0 }
 }
 
 /// A ray's place on the plane of the hole, along (right, up, direction), metres.

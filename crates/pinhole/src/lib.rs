@@ -62,6 +62,6 @@ pub use distortion::{CameraMatrix, Distortion};
 pub use film_plane::FilmPlane;
 pub use fresnel_pattern::fresnel_irradiance;
 pub use lens::{FrontStop, ThinLens};
-pub use rays::{CameraRay, Rays};
+pub use rays::{CameraRay, Hole, Rays};
 pub use statistics::PixelStatistics;
 pub use view::View;

@@ -20,6 +20,17 @@ pub struct CameraRay {
     pub(crate) pattern_cell: u32,
 }
 
+/// How the rays of a pixel fill the hole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hole {
+    /// All through one point.
+    Point,
+    /// Evenly over a disk.
+    Disk,
+    /// By a diffraction pattern.
+    Pattern,
+}
+
 /// All the rays of a picture, in stream order: pixels in scanline order from the top left as seen from the camera, the
 /// samples of a pixel together. Ray `pixel·samples + sample` takes that point of the sample sequence.
 #[derive(Clone, Debug)]
@@ -118,11 +129,37 @@ impl Rays {
         if let Some(general) = &self.general {
             return general.ray(camera, self.per_scene_unit, pixel, u);
         }
-        let [x, y] = camera.on_image(pixel, u[0], u[1]);
         if self.radius_m == 0.0 {
+            let [x, y] = camera.on_image(pixel, u[0], u[1]);
             return self.through(self.origin, x, y);
         }
-        let (a, b) = unit_disk(u[2], u[3]);
+        self.plain_ray(pixel, [u[0], u[1]], unit_disk(u[2], u[3]))
+    }
+
+    /// Over what of a pixel's rays `u[2]` and `u[3]` are spread.
+    #[must_use]
+    pub fn hole(&self) -> Hole {
+        match self.camera.pinhole_model() {
+            PinholeModel::Point => Hole::Point,
+            PinholeModel::Finite => Hole::Disk,
+            PinholeModel::Diffraction => Hole::Pattern,
+        }
+    }
+
+    /// The ray of `pixel` through a place on it, from its left and its top in pixels, and a point of the hole, in its radii along (right, up). Of
+    /// a diffraction pattern there is none.
+    #[must_use]
+    pub fn ray_through(&self, pixel: u64, place: [f64; 2], on_hole: [f64; 2]) -> Option<CameraRay> {
+        match (&self.general, self.hole()) {
+            (_, Hole::Pattern) => None,
+            (Some(general), _) => Some(general.ray_through(&self.camera, self.per_scene_unit, pixel, place, on_hole)),
+            (None, _) => Some(self.plain_ray(pixel, place, on_hole.into())),
+        }
+    }
+
+    fn plain_ray(&self, pixel: u64, [u, v]: [f64; 2], (a, b): (f64, f64)) -> CameraRay {
+        let camera = &self.camera;
+        let [x, y] = camera.on_image(pixel, u, v);
         let (a, b) = (a * self.radius_m, b * self.radius_m);
         let offset = camera.right() * (a * self.per_scene_unit) + camera.up() * (b * self.per_scene_unit);
         self.through(self.origin + offset, x + a, y + b)

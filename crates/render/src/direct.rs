@@ -1,5 +1,6 @@
 //! Direct light: from each light, a place on it, drawn with its true extent.
 
+use crate::specular_return::SpecularReturn;
 use crate::subtraction::SubtractionId;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::MediumId;
@@ -22,6 +23,8 @@ pub(crate) struct DirectSampler<'o> {
     pub(crate) shares_diffuse: bool,
     /// Openings towards which that one may be sent.
     pub(crate) visible_portals: Option<&'o VisiblePortals<'o>>,
+    /// Images of lights towards which rays are sent, as well as into the highlight.
+    pub(crate) specular_return: Option<&'o SpecularReturn>,
     /// Which lights are bright here, and where on a light the highlight is.
     pub(crate) reception: Reception,
     pub(crate) travelled: f64,
@@ -236,7 +239,12 @@ impl DirectSampler<'_> {
             1.0
         };
         let drawn = if light.is_redirected() { 0 } else { self.highlight_draws };
-        let drawn_pdf = f64::from(drawn) * bsdf_value.highlight_pdf;
+        let mut drawn_pdf = f64::from(drawn) * bsdf_value.highlight_pdf;
+        if drawn > 0
+            && let Some(images) = self.specular_return
+        {
+            drawn_pdf += images.density(sample.direction);
+        }
         let highlight_share = pdf / (pdf + drawn_pdf);
         let mut weight: [f64; BANDS] = std::array::from_fn(|band| {
             (bsdf_value.diffuse[band] * diffuse_share + bsdf_value.highlight[band] * highlight_share) / pdf

@@ -6,6 +6,7 @@ use crate::direct::DirectSampler;
 use crate::hemisphere_sampling::HemisphereSamples;
 use crate::mis::{Lobe, MisState};
 use crate::ray_tree::NodeId;
+use crate::specular_chain::SpecularChain;
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::PathState;
 use glam::DVec3;
@@ -118,6 +119,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             highlight_draws: 0,
             shares_diffuse: false,
             visible_portals: None,
+            specular_return: None,
             reception,
             travelled: 0.0,
             medium,
@@ -164,6 +166,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             split: 1.0,
             travelled: 0.0,
             mis: Some(mis),
+            chain: SpecularChain::default(),
             depth: 0,
             reflections: 1,
             ambient_bounces: place.bounces,

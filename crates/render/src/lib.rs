@@ -18,6 +18,7 @@ mod hemisphere_sampling;
 mod indirect;
 mod light_selection;
 mod medium_boundary;
+mod mirrored_light;
 mod mis;
 mod mixture;
 mod model_batch;
@@ -27,10 +28,13 @@ mod ray_spacing;
 mod ray_tree;
 mod renderer;
 mod shadow;
+mod specular_chain;
+mod specular_return;
 mod subtraction;
 mod trace;
 
 pub use contribution::Contribution;
+pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
     AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,

@@ -97,6 +97,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                     highlight_draws: 0,
                     shares_diffuse: false,
                     visible_portals: None,
+                    specular_return: None,
                     reception: Reception::NONE,
                     travelled: path.travelled + along,
                     medium: medium_id,

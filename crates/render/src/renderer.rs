@@ -3,9 +3,11 @@
 use crate::cache_prepass::{GatheredIrradiance, gather};
 use crate::caching::caches_irradiance;
 use crate::contribution::Contribution;
+use crate::mirrored_light::MirroredLight;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
 use crate::trace::{PathIntegrator, Traced};
+use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
 use rayon::prelude::*;
@@ -145,6 +147,19 @@ impl RayWorker<'_> {
         let traced = self.trace(index, ray);
         let told = in_bands!(&mut self.0, Bands(tracer) => tracer.take_tree());
         (traced, told)
+    }
+
+    /// The lights that a point sees by way of curved mirrors, as far as they are found; scene units.
+    #[must_use]
+    pub fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.mirrored_lights(from))
+    }
+
+    /// Where a ray passes a mirrored light: its place across the light from the light's middle, in radii of the light. `None` where it
+    /// takes another way than by the same number of mirrors.
+    #[must_use]
+    pub fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
+        in_bands!(&mut self.0, Bands(tracer) => tracer.offset_from(image, ray))
     }
 
     /// Sees nothing of the rays that follow beyond a distance, scene units, before they are reflected.

@@ -17,8 +17,10 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod allocation;
 mod warp;
 
+pub use allocation::{PixelError, doublings};
 pub use warp::{cosine_hemisphere, unit_disk};
 
 /// Rays after which the sequence is scrambled anew: what `sobol_burley` has points for.

@@ -113,6 +113,14 @@ pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * normal.dot(direction))
 }
 
+/// The mirror direction of what meets a surface; a textured normal that would send it through the surface is not used.
+#[inline]
+#[must_use]
+pub fn mirrored(interaction: &SurfaceInteraction, normal: DVec3) -> DVec3 {
+    let direction = reflect(interaction.direction, normal);
+    if direction.dot(interaction.normal) > 0.0 { direction } else { reflect(interaction.direction, interaction.normal) }
+}
+
 /// The normal with its texture; one that would turn away from the viewer is reflected back (Radiance's `raynormal`).
 pub fn shading_normal(interaction: &SurfaceInteraction, perturbation: DVec3) -> DVec3 {
     if perturbation == DVec3::ZERO {

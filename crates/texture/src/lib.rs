@@ -21,7 +21,7 @@ pub use bands::{BandLayout, BandValues, Bands, bands, gathered, luminance, produ
 pub use chain::{Home, TextureChain};
 pub use function::Function;
 pub use function_view::FunctionView;
-pub use interaction::{SurfaceInteraction, reflect, shading_normal};
+pub use interaction::{SurfaceInteraction, mirrored, reflect, shading_normal};
 pub use lettering::Lettering;
 pub use spectral_pattern::{SpectralData, SpectralFunction};
 pub use step::{MixedSteps, Share, Step};

@@ -8,10 +8,11 @@ use crate::hemisphere_sampling::{sample_outward, visible_portals};
 use crate::indirect::Indirect;
 use crate::mis::{Lobe, MisState};
 use crate::ray_tree::BounceType;
+use crate::specular_return::SpecularReturn;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_brdf::Density;
-use radsight_bsdf::{Bsdf, BsdfSample, sum};
+use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest, sum};
 use radsight_sampling::DimensionSet;
 use radsight_texture::product;
 
@@ -19,6 +20,9 @@ use radsight_texture::product;
 /// from this often, down to this depth.
 const SPLIT_DRAWS: u32 = 8;
 const LAST_SPLIT_DEPTH: u32 = 2;
+
+/// A ray to a light's image that the lobe would all but never draw counts for no more times what it carries where weak paths end.
+const MOST_FAVOURED: f64 = 1e6;
 
 /// No highlight is looked into by more rays (`-ss`): they have to wait for each other.
 const MOST_HIGHLIGHT_SAMPLES: f64 = 16.0;
@@ -34,9 +38,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         travelled: f64,
     ) {
         let receiver = primitive.and_then(|primitive| self.plan.receiver(primitive));
-        let lights_suffice = receiver.is_some_and(|receiver| receiver.sees_only_lights && receiver.lights_suffice);
-        let follow_highlight = point.has_highlight() && !lights_suffice;
+        let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
+        let follow_highlight = point.has_highlight() && !(alone && lights_suffice);
         let bounces = if path.follows_no_diffuse { 0 } else { path.ambient_bounces };
         let indirect = Indirect::after(bounces);
         let wants_indirect = point.has_diffuse() && indirect == Indirect::Followed && !alone;
@@ -45,9 +49,18 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return;
         }
         let follow_diffuse = wants_indirect && gathered.is_none();
+        let images = if follow_highlight && point.may_retroreflect() && !self.splits && path.mis.is_none() {
+            self.specular_return(path.chain, (at, primitive), point)
+        } else {
+            None
+        };
         let asked = Branches {
             diffuse: u32::from(follow_diffuse),
-            highlight: if follow_highlight { self.highlight_draws(path, point) } else { 0 },
+            highlight: match images {
+                Some(_) => 1,
+                None if follow_highlight => self.highlight_draws(path, point),
+                None => 0,
+            },
         };
         let branches = if self.splits { self.branches(path, point, asked) } else { asked };
         let set = self.next_set;
@@ -66,9 +79,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let direct = DirectSampler {
             point: at,
             primitive,
-            highlight_draws: if shared { branches.shared_highlight(is_split) } else { 0 },
+            highlight_draws: if shared && !lights_suffice { branches.shared_highlight(is_split) } else { 0 },
             shares_diffuse: shared && follow_diffuse && point.diffuse_finds_lights(),
             visible_portals: visible_portals.as_ref(),
+            specular_return: images.as_ref(),
             reception,
             travelled,
             medium: path.medium,
@@ -114,9 +128,41 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         for draw in 0..draws {
             let u = self.sampler.take(DimensionSet::render(set + draw));
             if let Some(drawn) = point.sample_highlight([u[0], u[1], u[2]]) {
-                let share = f64::from(draws);
-                self.scatter(path, direct, (drawn.split(share), Lobe::Highlight), path.ambient_bounces);
+                let drawn = drawn.split(f64::from(draws));
+                let drawn = match (direct.specular_return, drawn.pdf) {
+                    (Some(images), Density::Continuous(pdf)) => {
+                        drawn.split(1.0 + images.density(drawn.direction) / pdf)
+                    }
+                    _ => drawn,
+                };
+                self.scatter(path, direct, (drawn, Lobe::Highlight), path.ambient_bounces);
             }
+        }
+        if let Some(images) = direct.specular_return {
+            self.sample_images(path, direct, point, (images, draws));
+        }
+    }
+
+    /// Sends rays to the images of lights that a specular chain shows; `draws` are those that are drawn from the highlight beside them.
+    fn sample_images(
+        &mut self,
+        path: &PathState<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &Bsdf<'_, BANDS>,
+        (images, draws): (&SpecularReturn, u32),
+    ) {
+        let first_set = self.next_set;
+        self.next_set += images.draws();
+        for draw in 0..images.draws() {
+            let u = self.sampler.take(DimensionSet::render(first_set + draw));
+            let Some(direction) = images.draw(draw, [u[0], u[1], u[2]]) else { continue };
+            let value = point.eval(direction, 1.0, PdfRequest::Wanted, &mut self.workspace.scratch);
+            let by_lobe = f64::from(draws) * value.highlight_pdf;
+            let pdf = by_lobe + images.density(direction);
+            let weight = value.highlight.map(|band| band / pdf);
+            let pdf_ratio = (pdf / by_lobe).min(MOST_FAVOURED);
+            let drawn = BsdfSample { direction, weight, pdf: Density::Continuous(pdf), pdf_ratio };
+            self.scatter(path, direct, (drawn, Lobe::Highlight), path.ambient_bounces);
         }
     }
 
@@ -215,6 +261,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let mut mis = match drawn.pdf {
             Density::Continuous(pdf) => {
                 let at = (from.point, drawn.direction);
+                // A highlight that leaves all light of lights to their sampling has no density there.
+                let pdf = if lobe == Lobe::Highlight && from.highlight_draws == 0 { 0.0 } else { pdf };
                 let mut mis = MisState::new(pdf, at, from.reception, from.primitive, lobe);
                 mis.pdf_ratio = drawn.pdf_ratio;
                 Some(mis)
@@ -233,6 +281,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             split: path.split,
             travelled: from.travelled,
             mis,
+            chain: path.chain.lost(),
             depth: path.depth + 1,
             reflections,
             ambient_bounces,

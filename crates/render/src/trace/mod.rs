@@ -21,6 +21,7 @@ use crate::cache_query::{CacheQuery, Caches};
 use crate::contribution::Contributions;
 use crate::model_batch::ModelBatch;
 use crate::ray_tree::{BounceType, NodeId, RayTree};
+use crate::specular_chain::SpecularChain;
 use crate::subtraction::{AntimatterEvent, Subtraction, SubtractionId};
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
@@ -136,6 +137,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             split: 1.0,
             travelled: 0.0,
             mis: None,
+            chain: SpecularChain::default(),
             depth: 0,
             reflections: 0,
             ambient_bounces: self.plan.options.ambient_bounces,

@@ -3,6 +3,7 @@
 use super::PathIntegrator;
 use super::path_state::{MediumId, PathState};
 use crate::ray_tree::{BounceType, Image};
+use crate::specular_chain::SpecularEvent;
 use glam::DVec3;
 use radsight_accel::{Intersection, Ray, is_flat};
 use radsight_texture::product;
@@ -80,6 +81,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let same_side = direction.dot(hit.front) * path.ray.direction.dot(hit.front) < 0.0;
         let reflected = same_side && !matches!(passage, Passage::Prism { .. });
         let reflections = path.reflections + u32::from(reflected);
+        let event = if same_side { SpecularEvent::Reflected } else { SpecularEvent::Transmitted };
+        let chain = path.chain.after(event);
         let cut = if reflected { path.cut } else { path.subtraction_beyond };
         let share = (throughput, path.pdf_ratio());
         let Some(throughput) = self.go_on(share, path, reflections, None) else { return };
@@ -99,6 +102,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             split: path.split,
             travelled,
             mis,
+            chain,
             depth: path.depth + 1,
             reflections,
             ambient_bounces: path.ambient_bounces,

@@ -2,6 +2,7 @@
 
 use crate::mis::MisState;
 use crate::ray_tree::NodeId;
+use crate::specular_chain::SpecularChain;
 use crate::subtraction::SubtractionId;
 use radsight_accel::{PrimitiveId, Ray};
 
@@ -19,6 +20,8 @@ pub(crate) struct PathState<const BANDS: usize> {
     pub(crate) split: f64,
     pub(crate) travelled: f64,
     pub(crate) mis: Option<MisState>,
+    /// The specular interactions before it was first drawn from what a surface scatters.
+    pub(crate) chain: SpecularChain,
     pub(crate) depth: u32,
     /// Reflections of any kind, which are limited.
     pub(crate) reflections: u32,

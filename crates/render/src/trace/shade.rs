@@ -7,9 +7,9 @@ use super::path_state::PathState;
 use crate::ray_tree::Image;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
-use radsight_bsdf::{Bsdf, colored, pane};
+use radsight_bsdf::{Bsdf, colored, pane, through_pane};
 use radsight_compile::{FirstHit, Kind, Quantity, Shader};
-use radsight_texture::{Appearance, SurfaceInteraction, bands, product, reflect, shading_normal};
+use radsight_texture::{Appearance, SurfaceInteraction, bands, mirrored, product, reflect, shading_normal};
 use std::f64::consts::PI;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
@@ -138,10 +138,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         interaction: &SurfaceInteraction,
     ) {
         let (appearance, normal) = self.appearance(path, shader, interaction);
-        let mut direction = reflect(interaction.direction, normal);
-        if direction.dot(interaction.normal) <= 0.0 {
-            direction = reflect(interaction.direction, interaction.normal);
-        }
+        let direction = mirrored(interaction, normal);
         let straight = appearance.perturbation == DVec3::ZERO;
         let weight = product(reflectance, appearance.color);
         self.specular(path, hit, direction, weight, Passage::Mirror { straight });
@@ -158,11 +155,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let (appearance, normal) = self.appearance(path, shader, interaction);
         let cosine = -interaction.direction.dot(normal);
         let [reflected, transmitted] = pane(transmissivity, refractive_index, cosine.max(1e-9));
-        let mut direction = interaction.direction;
-        if appearance.perturbation != DVec3::ZERO {
-            let bent = direction + appearance.perturbation * (2.0 * (1.0 - refractive_index));
-            direction = bent.normalize_or(direction);
-        }
+        let direction = through_pane(interaction.direction, appearance.perturbation, refractive_index);
         let undisturbed = direction == interaction.direction;
         let through = product(transmitted, appearance.color);
         self.specular(path, hit, direction, through, Passage::Pane { undisturbed });

@@ -1,0 +1,216 @@
+//! Rays to the images of lights in curved mirrors.
+//!
+//! A ball shows each LED as a point a thousand times as bright as the sheet and a millionth of a pixel in size. Rays that are spread evenly over
+//! pixel and hole meet it by chance only. Where such an image is found, some of the pixel's rays go there: for a place on the pixel the
+//! points of the hole from which the image is seen fill an ellipse, known by the linear map from the hole to the light. The rays of a pixel
+//! are then drawn from a mixture of densities and divided by it, so that the mean stays what it was (Owen and Zhou 2000).
+
+use glam::{DMat2, DVec2};
+use radsight_pinhole::{CameraRay, Hole, Rays};
+use radsight_render::{MirroredLight, Ray, RayWorker, Renderer};
+use radsight_sampling::unit_disk;
+use rayon::prelude::*;
+
+/// This share of a pixel's rays goes to the images that it shows.
+const SHARE: f64 = 0.25;
+
+/// The ellipse is this much larger than the map makes it, since that is not quite linear.
+const MARGIN: f64 = 1.2;
+
+/// Steps of derivatives, in radii of the hole and in pixels.
+const STEP: f64 = 1e-4;
+
+/// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
+const MOST_STEPS: u32 = 8;
+const MET: f64 = 0.02;
+
+/// Places farther out than this, in radii of the hole or in pixels, belong to other pixels.
+const FARTHEST: f64 = 3.0;
+
+/// The images that each pixel shows.
+#[derive(Debug)]
+pub(crate) struct PixelImages {
+    hole: Hole,
+    /// By pixel; empty where no pixel shows any.
+    images: Vec<Vec<PixelImage>>,
+}
+
+/// The image of a light as a pixel shows it: an ellipse on the hole, or on the pixel itself where the hole is a point.
+#[derive(Clone, Copy, Debug)]
+struct PixelImage {
+    /// For the pixel's middle.
+    center: DVec2,
+    /// How the centre moves with the place on the pixel.
+    slope: DMat2,
+    /// From the unit disk.
+    map: DMat2,
+    inverse: DMat2,
+    /// Density of draws from it as a multiple of even ones.
+    density: f64,
+}
+
+impl PixelImage {
+    fn center_at(&self, place: DVec2) -> DVec2 {
+        self.center + self.slope * (place - 0.5)
+    }
+}
+
+impl PixelImages {
+    /// Looks for the images that the pixels of a camera show.
+    pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
+        let hole = rays.hole();
+        let none = PixelImages { hole, images: Vec::new() };
+        let camera = rays.camera();
+        if hole == Hole::Pattern {
+            return none;
+        }
+        let found = renderer.worker().mirrored_lights(camera.position_m() / camera.scene_unit_m());
+        if found.is_empty() {
+            return none;
+        }
+        let images: Vec<Vec<PixelImage>> = (0..camera.pixel_count() as usize)
+            .into_par_iter()
+            .with_min_len(64)
+            .map_init(
+                || renderer.worker(),
+                |worker, pixel| {
+                    let pixel = pixel as u64;
+                    let images = found.iter().filter(|image| is_near(rays, pixel, image));
+                    let search = &mut Search { worker, rays, pixel };
+                    let images: Vec<PixelImage> = images.filter_map(|image| search.image(image)).collect();
+                    let share = 1.0 / images.len() as f64;
+                    images.into_iter().map(|image| PixelImage { density: share * image.density, ..image }).collect()
+                },
+            )
+            .collect();
+        PixelImages { hole, images }
+    }
+
+    /// The ray of a pixel for a point of the unit cube, and its weight; `None` where it would miss the hole or the pixel.
+    #[inline]
+    pub(crate) fn ray(&self, rays: &Rays, pixel: usize, u: [f64; 4]) -> Option<(CameraRay, f64)> {
+        match self.images.get(pixel) {
+            Some(images) if !images.is_empty() => self.mixed_ray(rays, (pixel, images), u),
+            _ => Some((rays.ray(pixel as u64, u), 1.0)),
+        }
+    }
+
+    fn mixed_ray(&self, rays: &Rays, (pixel, images): (usize, &[PixelImage]), u: [f64; 4]) -> Option<(CameraRay, f64)> {
+        // With a hole that is a point the place on the pixel is what is drawn from the image.
+        let is_point = self.hole == Hole::Point;
+        let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
+        let fixed = DVec2::from(fixed);
+        let at = if drawn[0] < SHARE {
+            let choice = drawn[0] / SHARE * images.len() as f64;
+            let image = &images[(choice as usize).min(images.len() - 1)];
+            let at = DVec2::from(unit_disk(choice.fract(), drawn[1]));
+            image.center_at(fixed) + image.map * at
+        } else {
+            let even = [(drawn[0] - SHARE) / (1.0 - SHARE), drawn[1]];
+            if is_point { DVec2::from(even) } else { DVec2::from(unit_disk(even[0], even[1])) }
+        };
+        let is_inside = if is_point {
+            at.cmpge(DVec2::ZERO).all() && at.cmplt(DVec2::ONE).all()
+        } else {
+            at.length_squared() <= 1.0
+        };
+        if !is_inside {
+            return None;
+        }
+        let density = |image: &PixelImage| {
+            let place = image.inverse * (at - image.center_at(fixed));
+            if place.length_squared() <= 1.0 { image.density } else { 0.0 }
+        };
+        let mixed = (1.0 - SHARE) + SHARE * images.iter().map(density).sum::<f64>();
+        let (place, on_hole) = if is_point { (at, DVec2::ZERO) } else { (fixed, at) };
+        let ray = rays.ray_through(pixel as u64, place.into(), on_hole.into())?;
+        Some((ray, mixed.recip()))
+    }
+}
+
+/// Whether a pixel's rays go about in the direction of an image.
+fn is_near(rays: &Rays, pixel: u64, image: &MirroredLight) -> bool {
+    let direction =
+        |place: [f64; 2], on_hole: [f64; 2]| rays.ray_through(pixel, place, on_hole).map(|ray| ray.direction);
+    let Some(middle) = direction([0.5; 2], [0.0; 2]) else { return false };
+    let off = middle.distance_squared(image.direction());
+    // No pixel and no hole is so wide.
+    if off > 0.25 {
+        return false;
+    }
+    let across = |place, on_hole| direction(place, on_hole).map_or(0.0, |direction| direction.distance(middle));
+    let widest = across([0.0; 2], [0.0; 2]).max(across([1.0; 2], [0.0; 2])) + across([0.5; 2], [1.0, 0.0]);
+    off <= (2.0 * widest).powi(2)
+}
+
+/// Looks for an image in one pixel.
+struct Search<'s, 'r> {
+    worker: &'s mut RayWorker<'r>,
+    rays: &'s Rays,
+    pixel: u64,
+}
+
+impl Search<'_, '_> {
+    /// Where the ray through a place and a point of the hole passes the light, in its radii.
+    fn passing(&mut self, image: &MirroredLight, place: DVec2, on_hole: DVec2) -> Option<DVec2> {
+        let ray = self.rays.ray_through(self.pixel, place.into(), on_hole.into())?;
+        self.worker.offset_from(image, &Ray::new(ray.origin, ray.direction)?)
+    }
+
+    /// The point of the hole whose ray has the image's direction, as far as the hole is small.
+    fn start(&self, image: &MirroredLight) -> Option<DVec2> {
+        let is_point = self.rays.hole() == Hole::Point;
+        let middle = if is_point { DVec2::splat(0.5) } else { DVec2::ZERO };
+        let direction = |at: DVec2| {
+            let (place, on_hole) = if is_point { (at, DVec2::ZERO) } else { (DVec2::splat(0.5), at) };
+            self.rays.ray_through(self.pixel, place.into(), on_hole.into()).map(|ray| ray.direction)
+        };
+        let own = direction(middle)?;
+        let [x, y] = [direction(middle + DVec2::X)? - own, direction(middle + DVec2::Y)? - own];
+        let off = image.direction() - own;
+        // Least squares in the plane of the two.
+        let normal = DMat2::from_cols_array(&[x.dot(x), x.dot(y), x.dot(y), y.dot(y)]);
+        let at = middle + normal.inverse() * DVec2::new(x.dot(off), y.dot(off));
+        (at.is_finite() && at.length() <= FARTHEST).then_some(at)
+    }
+
+    /// The image as the pixel shows it; `None` where it does not.
+    fn image(&mut self, image: &MirroredLight) -> Option<PixelImage> {
+        let is_point = self.rays.hole() == Hole::Point;
+        let middle = DVec2::splat(0.5);
+        let pass = |search: &mut Self, at: DVec2, place: DVec2| {
+            if is_point { search.passing(image, at, DVec2::ZERO) } else { search.passing(image, place, at) }
+        };
+        let mut at = self.start(image)?;
+        for _ in 0..MOST_STEPS {
+            let passed = pass(self, at, middle)?;
+            let [a, b] = [DVec2::X, DVec2::Y].map(|side| pass(self, at + side * STEP, middle));
+            let inverse = DMat2::from_cols((a? - passed) / STEP, (b? - passed) / STEP).inverse();
+            let center = at - inverse * passed;
+            if !center.is_finite() || center.length() > FARTHEST {
+                return None;
+            }
+            if passed.length() <= MET {
+                let slope = if is_point {
+                    DMat2::ZERO
+                } else {
+                    let [x, y] = [DVec2::X, DVec2::Y].map(|side| pass(self, at, middle + side * STEP));
+                    inverse * DMat2::from_cols((passed - x?) / STEP, (passed - y?) / STEP)
+                };
+                let map = inverse * MARGIN;
+                // Even draws have density 1 on the pixel, 1/π on the disk.
+                let unit = if is_point { std::f64::consts::FRAC_1_PI } else { 1.0 };
+                let density = unit / map.determinant().abs();
+                return density.is_finite().then_some(PixelImage {
+                    center,
+                    slope,
+                    map,
+                    inverse: map.inverse(),
+                    density,
+                });
+            }
+            at = center;
+        }
+        None
+    }
+}

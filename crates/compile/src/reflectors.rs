@@ -1,0 +1,81 @@
+//! Curved mirrors, by way of which lights are seen, and light retroreflectors, without any light sampling finding them.
+
+use crate::shader::{Kind, Shader};
+use glam::DVec3;
+use radsight_accel::{Bounds, Geometry, is_flat};
+use radsight_bsdf::Scatterer;
+use radsight_ir::{Shape, SurfaceHandle, ValidScene};
+
+/// Tangent of the angle from the way back within which mirrors are looked for: lamps at four times a camera's distance from its ring.
+const REACH: f64 = 0.1;
+
+/// More mirrors than this are one group.
+const MOST: usize = 64;
+
+/// A sphere around a mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflector {
+    center: DVec3,
+    radius: f64,
+}
+
+impl Reflector {
+    /// Unit direction towards it from a point outside, and the tangent of the angle under which its radius is seen.
+    #[must_use]
+    pub fn cone(&self, from: DVec3) -> Option<(DVec3, f64)> {
+        let offset = self.center - from;
+        let distance = offset.length();
+        (distance > self.radius)
+            .then(|| (offset / distance, self.radius / (distance * distance - self.radius * self.radius).sqrt()))
+    }
+
+    /// Whether some of it may be within reach of the unit direction from a point.
+    #[inline]
+    #[must_use]
+    pub fn is_near(&self, from: DVec3, direction: DVec3) -> bool {
+        let offset = self.center - from;
+        let along = offset.dot(direction);
+        let farthest = along + self.radius;
+        if farthest <= 0.0 {
+            return false;
+        }
+        let reach = self.radius + REACH * farthest;
+        (offset - direction * along).length_squared() <= reach * reach
+    }
+}
+
+/// The mirrors of a scene that relay no lights.
+pub(crate) fn find_reflectors<'a>(
+    scene: &ValidScene,
+    geometry: &Geometry,
+    shader: impl Fn(SurfaceHandle) -> &'a Shader,
+) -> Vec<Reflector> {
+    let is_mirror = |handle: SurfaceHandle| match scene.surfaces[handle].shape {
+        // What they are made of is not looked into.
+        Shape::Mesh(_) | Shape::Instance(_) => true,
+        shape => mirrors(&shader(handle).kind, is_flat(shape)),
+    };
+    let bounds = |handle: SurfaceHandle| geometry.bounds(scene, scene.surfaces[handle].shape);
+    let mut found: Vec<Bounds> =
+        geometry.members().filter(|(_, handle)| is_mirror(*handle)).filter_map(|(_, handle)| bounds(handle)).collect();
+    if found.len() > MOST {
+        let around = |a: Bounds, b: Bounds| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
+        found = found.into_iter().reduce(around).into_iter().collect();
+    }
+    let sphere = |bounds: Bounds| Reflector {
+        center: 0.5 * (bounds.min + bounds.max),
+        radius: 0.5 * bounds.min.distance(bounds.max),
+    };
+    found.into_iter().map(sphere).collect()
+}
+
+/// Whether a surface may reflect perfectly in a way that light sampling does not follow.
+fn mirrors(kind: &Kind, is_flat: bool) -> bool {
+    match kind {
+        Kind::Mirror { substitute, .. } => substitute.is_none() && !is_flat,
+        Kind::Glossy(glossy) => glossy.is_smooth() && glossy.specularity > 0.0,
+        Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)),
+        // What shines through a body is found by way of shadow rays; what it mirrors is weak.
+        _ => false,
+    }
+}

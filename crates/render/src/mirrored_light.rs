@@ -1,0 +1,166 @@
+//! Images of lights in curved mirrors, as a camera sees them: bright points that rays through a pixel meet by chance only.
+//!
+//! Rays in a grid over each mirror are followed to where they leave the last mirror; where one passes a light nearer than its neighbours do, Newton's method
+//! finds the ray that meets the light's middle (Hanika, Droske and Fascione 2015). What is not found is not lost, only found by chance as before.
+
+use crate::specular_chain::SpecularEvent;
+use crate::specular_return::{RayBundle, TangentPlane, passing_place};
+use crate::trace::PathIntegrator;
+use glam::{DVec2, DVec3};
+use radsight_accel::Ray;
+
+/// Rays over all mirrors together, and the fewest over the side of one.
+const MOST_RAYS: f64 = 1e5;
+const LEAST_SIDE: usize = 8;
+const MOST_SIDE: usize = 96;
+
+/// A ray is followed over no more mirrors.
+const MOST_MIRRORS: usize = 3;
+
+/// With more lights than this none is looked for.
+const MOST_LIGHTS: usize = 256;
+
+/// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
+const MOST_STEPS: u32 = 12;
+const MET: f64 = 1e-3;
+
+/// Two directions nearer to each other than this share of an image's size are one.
+const SAME: f64 = 0.5;
+
+/// A light that is seen from a point by way of mirrors.
+#[derive(Clone, Debug)]
+pub struct MirroredLight {
+    light: usize,
+    events: Vec<SpecularEvent>,
+    /// In which rays' distances from the light's middle are measured.
+    plane: TangentPlane,
+    direction: DVec3,
+    /// About half the angle under which it is seen, as a tangent.
+    size: f64,
+}
+
+impl MirroredLight {
+    /// Unit, towards the image's middle from the point from which it was looked for.
+    #[must_use]
+    pub fn direction(&self) -> DVec3 {
+        self.direction
+    }
+}
+
+/// What one ray of the grid passes, by the number of mirrors before.
+type Passing = [Option<DVec2>; MOST_MIRRORS];
+
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
+    /// The lights that a point sees by way of curved mirrors, as far as they are found.
+    pub(crate) fn mirrored_lights(&mut self, from: DVec3) -> Vec<MirroredLight> {
+        let plan = self.plan;
+        let mut found = Vec::new();
+        if plan.has_antimatter || plan.lights.len() > MOST_LIGHTS || plan.reflectors.is_empty() {
+            return found;
+        }
+        let side = (MOST_RAYS / plan.reflectors.len() as f64).sqrt() as usize;
+        let side = side.clamp(LEAST_SIDE, MOST_SIDE);
+        for reflector in &plan.reflectors {
+            let Some((axis, reach)) = reflector.cone(from) else { continue };
+            let frame = TangentPlane::new(axis);
+            let at = |index: usize| {
+                let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
+                frame.direction(DVec2::new(along(index % side), along(index / side)))
+            };
+            let grid: Vec<Vec<Ray>> = (0..side * side).map(|index| self.mirrored_rays(from, at(index))).collect();
+            for light in 0..plan.lights.len() {
+                for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
+                    let events = vec![SpecularEvent::Reflected; mirrors];
+                    found.extend(self.mirrored_light(from, at(seed), (light, events)));
+                }
+            }
+        }
+        let mut distinct: Vec<MirroredLight> = Vec::new();
+        for image in found {
+            let is_same = |other: &MirroredLight| {
+                other.light == image.light
+                    && other.events.len() == image.events.len()
+                    && other.direction.distance(image.direction) < SAME * image.size.max(other.size)
+            };
+            if !distinct.iter().any(is_same) {
+                distinct.push(image);
+            }
+        }
+        distinct
+    }
+
+    /// The rays that a ray becomes behind its first mirror, its second, and so on.
+    fn mirrored_rays(&mut self, origin: DVec3, direction: DVec3) -> Vec<Ray> {
+        let (mut ray, mut from, mut rays) = (Ray { origin, direction }, None, Vec::new());
+        while rays.len() < MOST_MIRRORS
+            && let Some(hit) = self.next_visible(ray, from)
+        {
+            let shader = self.plan.shader_at(hit.shader);
+            let Some(direction) = self.specular_direction(&ray, &hit, shader, SpecularEvent::Reflected) else { break };
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
+            rays.push(ray);
+        }
+        rays
+    }
+
+    /// How far from a light's middle the rays of the grid pass, in its radii.
+    fn passings(&self, light: usize, grid: &[Vec<Ray>]) -> Vec<Passing> {
+        let light = &self.plan.lights[light];
+        let passing = |rays: &Vec<Ray>| {
+            std::array::from_fn(|mirrors| {
+                let ray = rays.get(mirrors)?;
+                if !light.virtual_sources.is_empty() || light.misses(ray.origin) {
+                    return None;
+                }
+                let (place, radius) = passing_place(light, &TangentPlane::new(ray.direction), ray)?;
+                Some(place / radius)
+            })
+        };
+        grid.iter().map(passing).collect()
+    }
+
+    /// Newton's method from a direction to the middle of a light.
+    fn mirrored_light(
+        &mut self,
+        from: DVec3,
+        mut axis: DVec3,
+        (light, events): (usize, Vec<SpecularEvent>),
+    ) -> Option<MirroredLight> {
+        for _ in 0..MOST_STEPS {
+            let bundle: RayBundle = self.bundle((from, None), axis, &events)?;
+            let (center, map) = bundle.image_of(&self.plan.lights[light])?;
+            let direction = bundle.frame.direction(center);
+            if (map.inverse() * center).length() <= MET {
+                let size = map.determinant().abs().sqrt();
+                let plane = TangentPlane::new(bundle.middle.direction);
+                return Some(MirroredLight { light, events, plane, direction, size });
+            }
+            axis = direction;
+        }
+        None
+    }
+
+    /// Where a ray passes a mirrored light, in radii of the light from its middle; `None` where it takes another way.
+    pub(crate) fn offset_from(&mut self, image: &MirroredLight, ray: &Ray) -> Option<DVec2> {
+        let end = self.retrace(*ray, None, image.events.iter().copied())?;
+        let (place, radius) = passing_place(&self.plan.lights[image.light], &image.plane, &end)?;
+        Some(place / radius)
+    }
+}
+
+/// The cells of a grid of `side`² whose rays pass nearer than those of their neighbours, and behind how many mirrors.
+fn nearest(passings: &[Passing], side: usize) -> Vec<(usize, usize)> {
+    let distance = |index: usize, mirrors: usize| passings[index][mirrors].map(DVec2::length_squared);
+    let is_least = |index: usize, mirrors: usize, own: f64| {
+        let (column, row) = (index % side, index / side);
+        let rows = row.saturating_sub(1)..=(row + 1).min(side - 1);
+        rows.flat_map(|y| (column.saturating_sub(1)..=(column + 1).min(side - 1)).map(move |x| y * side + x))
+            .all(|other| distance(other, mirrors).is_none_or(|other| own <= other))
+    };
+    (0..passings.len())
+        .flat_map(|index| (0..MOST_MIRRORS).map(move |mirrors| (index, mirrors)))
+        .filter(|&(index, mirrors)| distance(index, mirrors).is_some_and(|own| is_least(index, mirrors, own)))
+        .map(|(index, mirrors)| (index, mirrors + 1))
+        .collect()
+}
