@@ -10,12 +10,14 @@ use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, Renderer};
 use radsight_sampling::unit_disk;
 use rayon::prelude::*;
+use std::f64::consts::FRAC_1_PI;
 
 /// This share of a pixel's rays goes to the images that it shows.
-const SHARE: f64 = 0.25;
+const SHARE: f64 = 0.5;
 
-/// The ellipse is this much larger than the map makes it, since that is not quite linear.
-const MARGIN: f64 = 1.2;
+/// Ellipses from which an image's rays are drawn, each with its size in that of the linear map and its share of the rays. The map of a smoothed
+/// mesh differs from facet to facet, so that some of the light comes from beside the first.
+const ELLIPSES: [(f64, f64); 2] = [(1.03, 0.8), (4.0, 0.2)];
 
 /// Steps of derivatives, in radii of the hole and in pixels.
 const STEP: f64 = 1e-4;
@@ -23,6 +25,9 @@ const STEP: f64 = 1e-4;
 /// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
 const MOST_STEPS: u32 = 8;
 const MET: f64 = 0.02;
+
+/// Where it does not end, as between the facets of a mesh, so near is near enough.
+const FARTHEST_MISS: f64 = 1.5;
 
 /// Places farther out than this, in radii of the hole or in pixels, belong to other pixels.
 const FARTHEST: f64 = 3.0;
@@ -45,8 +50,30 @@ struct PixelImage {
     /// From the unit disk.
     map: DMat2,
     inverse: DMat2,
-    /// Density of draws from it as a multiple of even ones.
+    /// Share of the draws.
+    chance: f64,
+    /// Density of all draws in it as a multiple of even ones.
     density: f64,
+}
+
+/// What the linear map makes of a light.
+struct Ellipse {
+    center: DVec2,
+    slope: DMat2,
+    map: DMat2,
+}
+
+impl Ellipse {
+    /// The images from which its share of the rays is drawn.
+    fn images(&self, hole: Hole, share: f64) -> [PixelImage; ELLIPSES.len()] {
+        // Even draws have density 1 on the pixel, 1/π on the disk.
+        let unit = if hole == Hole::Point { FRAC_1_PI } else { 1.0 };
+        ELLIPSES.map(|(size, part)| {
+            let (map, chance) = (self.map * size, share * part);
+            let density = chance * unit / map.determinant().abs();
+            PixelImage { center: self.center, slope: self.slope, map, inverse: map.inverse(), chance, density }
+        })
+    }
 }
 
 impl PixelImage {
@@ -77,9 +104,10 @@ impl PixelImages {
                     let pixel = pixel as u64;
                     let images = found.iter().filter(|image| is_near(rays, pixel, image));
                     let search = &mut Search { worker, rays, pixel };
-                    let images: Vec<PixelImage> = images.filter_map(|image| search.image(image)).collect();
-                    let share = 1.0 / images.len() as f64;
-                    images.into_iter().map(|image| PixelImage { density: share * image.density, ..image }).collect()
+                    let ellipses: Vec<_> = images.filter_map(|image| search.image(image)).collect();
+                    let share = (ellipses.len() as f64).recip();
+                    let images = ellipses.into_iter().flat_map(|ellipse| ellipse.images(hole, share));
+                    images.filter(|image| image.density.is_finite()).collect()
                 },
             )
             .collect();
@@ -101,9 +129,15 @@ impl PixelImages {
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
         let at = if drawn[0] < SHARE {
-            let choice = drawn[0] / SHARE * images.len() as f64;
-            let image = &images[(choice as usize).min(images.len() - 1)];
-            let at = DVec2::from(unit_disk(choice.fract(), drawn[1]));
+            let mut choice = drawn[0] / SHARE;
+            let last = images.len() - 1;
+            let chosen = images[..last].iter().position(|image| {
+                let is_chosen = choice < image.chance;
+                choice -= if is_chosen { 0.0 } else { image.chance };
+                is_chosen
+            });
+            let image = &images[chosen.unwrap_or(last)];
+            let at = DVec2::from(unit_disk((choice / image.chance).clamp(0.0, 1.0), drawn[1]));
             image.center_at(fixed) + image.map * at
         } else {
             let even = [(drawn[0] - SHARE) / (1.0 - SHARE), drawn[1]];
@@ -175,42 +209,48 @@ impl Search<'_, '_> {
     }
 
     /// The image as the pixel shows it; `None` where it does not.
-    fn image(&mut self, image: &MirroredLight) -> Option<PixelImage> {
+    fn image(&mut self, image: &MirroredLight) -> Option<Ellipse> {
         let is_point = self.rays.hole() == Hole::Point;
         let middle = DVec2::splat(0.5);
         let pass = |search: &mut Self, at: DVec2, place: DVec2| {
             if is_point { search.passing(image, at, DVec2::ZERO) } else { search.passing(image, place, at) }
         };
         let mut at = self.start(image)?;
+        let mut best: Option<(f64, Ellipse)> = None;
         for _ in 0..MOST_STEPS {
-            let passed = pass(self, at, middle)?;
-            let [a, b] = [DVec2::X, DVec2::Y].map(|side| pass(self, at + side * STEP, middle));
-            let inverse = DMat2::from_cols((a? - passed) / STEP, (b? - passed) / STEP).inverse();
-            let center = at - inverse * passed;
+            let Some(passed) = pass(self, at, middle) else { break };
+            let sides = [DVec2::X, DVec2::Y].map(|side| pass(self, at + side * STEP, middle));
+            let [Some(a), Some(b)] = sides else { break };
+            let map = DMat2::from_cols((a - passed) / STEP, (b - passed) / STEP).inverse();
+            let center = at - map * passed;
             if !center.is_finite() || center.length() > FARTHEST {
-                return None;
+                break;
             }
-            if passed.length() <= MET {
-                let slope = if is_point {
-                    DMat2::ZERO
-                } else {
-                    let [x, y] = [DVec2::X, DVec2::Y].map(|side| pass(self, at, middle + side * STEP));
-                    inverse * DMat2::from_cols((passed - x?) / STEP, (passed - y?) / STEP)
-                };
-                let map = inverse * MARGIN;
-                // Even draws have density 1 on the pixel, 1/π on the disk.
-                let unit = if is_point { std::f64::consts::FRAC_1_PI } else { 1.0 };
-                let density = unit / map.determinant().abs();
-                return density.is_finite().then_some(PixelImage {
-                    center,
-                    slope,
-                    map,
-                    inverse: map.inverse(),
-                    density,
-                });
+            let miss = passed.length();
+            if best.as_ref().is_none_or(|(least, _)| miss < *least) {
+                let slope = self.slope(at, middle, (passed, map), &pass);
+                best = slope.map(|slope| (miss, Ellipse { center, slope, map })).or(best);
+            }
+            if miss <= MET {
+                break;
             }
             at = center;
         }
-        None
+        best.filter(|(miss, _)| *miss <= FARTHEST_MISS).map(|(_, ellipse)| ellipse)
+    }
+
+    /// How the centre of an ellipse moves with the place on the pixel.
+    fn slope(
+        &mut self,
+        at: DVec2,
+        middle: DVec2,
+        (passed, map): (DVec2, DMat2),
+        pass: &impl Fn(&mut Self, DVec2, DVec2) -> Option<DVec2>,
+    ) -> Option<DMat2> {
+        if self.rays.hole() == Hole::Point {
+            return Some(DMat2::ZERO);
+        }
+        let [x, y] = [DVec2::X, DVec2::Y].map(|side| pass(self, at, middle + side * STEP));
+        Some(map * DMat2::from_cols((passed - x?) / STEP, (passed - y?) / STEP))
     }
 }

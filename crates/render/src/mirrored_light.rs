@@ -4,7 +4,7 @@
 //! finds the ray that meets the light's middle (Hanika, Droske and Fascione 2015). What is not found is not lost, only found by chance as before.
 
 use crate::specular_chain::SpecularEvent;
-use crate::specular_return::{RayBundle, TangentPlane, passing_place};
+use crate::specular_return::{TangentPlane, passing_place};
 use crate::trace::PathIntegrator;
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
@@ -23,6 +23,9 @@ const MOST_LIGHTS: usize = 256;
 /// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
 const MOST_STEPS: u32 = 12;
 const MET: f64 = 1e-3;
+
+/// Where it does not end, as between the facets of a mesh, so near is near enough.
+const FARTHEST_MISS: f64 = 1.5;
 
 /// Two directions nearer to each other than this share of an image's size are one.
 const SAME: f64 = 0.5;
@@ -127,18 +130,23 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         mut axis: DVec3,
         (light, events): (usize, Vec<SpecularEvent>),
     ) -> Option<MirroredLight> {
+        let mut best: Option<(f64, MirroredLight)> = None;
         for _ in 0..MOST_STEPS {
-            let bundle: RayBundle = self.bundle((from, None), axis, &events)?;
-            let (center, map) = bundle.image_of(&self.plan.lights[light])?;
+            let Some(bundle) = self.bundle((from, None), axis, &events) else { break };
+            let Some((center, map)) = bundle.image_of(&self.plan.lights[light]) else { break };
+            let miss = (map.inverse() * center).length();
             let direction = bundle.frame.direction(center);
-            if (map.inverse() * center).length() <= MET {
+            if best.as_ref().is_none_or(|(least, _)| miss < *least) {
                 let size = map.determinant().abs().sqrt();
                 let plane = TangentPlane::new(bundle.middle.direction);
-                return Some(MirroredLight { light, events, plane, direction, size });
+                best = Some((miss, MirroredLight { light, events: events.clone(), plane, direction, size }));
+            }
+            if miss <= MET {
+                break;
             }
             axis = direction;
         }
-        None
+        best.filter(|(miss, _)| *miss <= FARTHEST_MISS).map(|(_, image)| image)
     }
 
     /// Where a ray passes a mirrored light, in radii of the light from its middle; `None` where it takes another way.

@@ -382,3 +382,68 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         strongest(&point.eval(direction, 1.0, PdfRequest::Unused, &mut self.workspace.scratch).highlight)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use radsight_sampling::{DimensionSet, RaySampler};
+
+    fn image(center: DVec2, map: DMat2, chance: f64) -> LightImage {
+        let frame = TangentPlane::new(DVec3::new(0.3, -0.2, 0.9).normalize());
+        let warp = DiskWarp::new(1.5, -0.7);
+        LightImage { light: 0, frame, center, map, inverse: map.inverse(), warp, chance, density: 0.0 }
+    }
+
+    /// Two ellipses that overlap, and one far away.
+    fn images() -> SpecularReturn {
+        let round = DMat2::from_diagonal(DVec2::splat(0.1));
+        let long = DMat2::from_cols(DVec2::new(0.02, 0.15), DVec2::new(-0.05, 0.01));
+        let far = image(DVec2::new(-0.6, 0.5), round, 0.5);
+        let images = vec![image(DVec2::new(0.1, 0.0), round, 3.0), image(DVec2::new(0.15, 0.05), long, 1.0), far];
+        SpecularReturn { images }.settled().expect("there are images")
+    }
+
+    #[test]
+    fn directions_have_the_density_that_is_claimed() {
+        let images = images();
+        let axis = DVec3::new(0.3, -0.2, 0.9).normalize();
+        let smooth = |direction: DVec3| 1.0 + direction.x - 2.0 * direction.y * direction.z;
+        // ∫ smooth over all images, by draws and by a grid in the tangent plane.
+        let points = 1 << 18;
+        let mut by_draws = 0.0;
+        for index in 0..points {
+            let [u, v, choice, _] = RaySampler::new(1, index).take(DimensionSet::CAMERA);
+            for draw in 0..images.draws() {
+                let direction = images.draw(draw, [u, v, choice]).expect("a direction");
+                by_draws += smooth(direction) / images.density(direction);
+            }
+        }
+        by_draws /= points as f64;
+        let frame = TangentPlane::new(axis);
+        let steps = 3000;
+        let mut by_grid = 0.0;
+        for index in 0..steps * steps {
+            let at = |k: u32| 2.0 * (f64::from(k) + 0.5) / f64::from(steps) - 1.0;
+            let direction = frame.direction(DVec2::new(at(index % steps), at(index / steps)));
+            if images.density(direction) > 0.0 {
+                by_grid += smooth(direction) * direction.dot(axis).powi(3);
+            }
+        }
+        by_grid *= 4.0 / f64::from(steps * steps);
+        assert!((by_draws / by_grid - 1.0).abs() < 2e-3, "{by_draws} and {by_grid}");
+    }
+
+    #[test]
+    fn an_image_that_is_known_is_found_again_by_its_light_alone() {
+        let images = images();
+        let inside = image(DVec2::new(0.12, 0.01), DMat2::IDENTITY, 1.0);
+        assert!(images.holds(&inside));
+        assert!(!images.holds(&LightImage { light: 1, ..inside }));
+        assert!(!images.holds(&image(DVec2::new(0.8, 0.8), DMat2::IDENTITY, 1.0)));
+    }
+
+    #[test]
+    fn without_images_nothing_is_drawn() {
+        assert!(SpecularReturn::default().settled().is_none());
+    }
+}
