@@ -23,7 +23,7 @@ Called as `radsight rtrace …`, or through a link named rtrace, it is that Radi
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Captures the grey picture that the camera would give: all stages in one process
-    Capture(Capture),
+    Capture(Box<Capture>),
     /// Reads and checks scenes: all errors, with carets
     Check(Check),
     /// Says what a capture of this scene computes, and what it skips and why

@@ -150,7 +150,7 @@ fn a_partial_picture_says_so() {
     let picture = folder.file("p.hdr", &bytes);
     let page = radsight(&["report", &picture, "-o", "-"]).text();
     assert!(page.contains("the picture is partial: 1 of 2 scanlines"), "a note");
-    let whole = folder.file("q.hdr", &bytes.iter().copied().filter(|byte| *byte != b'P').collect::<Vec<u8>>());
+    let whole = folder.file("q.hdr", bytes.iter().copied().filter(|byte| *byte != b'P').collect::<Vec<u8>>());
     assert_eq!(radsight(&["report", &whole, "-o", "-"]).code, 1, "a picture that is cut by accident");
 }
 

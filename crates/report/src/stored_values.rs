@@ -93,7 +93,8 @@ mod tests {
 
     #[test]
     fn numbers_come_back_to_eleven_bits_over_eight_decades() {
-        let value = |i: usize| (if i % 5 == 0 { -1.0 } else { 1.0 }) * 3e-30 * 10f32.powf(8.0 * i as f32 / 299.0);
+        let value =
+            |i: usize| (if i.is_multiple_of(5) { -1.0 } else { 1.0 }) * 3e-30 * 10f32.powf(8.0 * i as f32 / 299.0);
         let image = Image::new(50, 2, 3, (0..300).map(value).collect()).unwrap();
         let stored = StoredValues::of_numbers(&image);
         let planes = codes(&stored.text, 50, 3);
