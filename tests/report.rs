@@ -154,6 +154,20 @@ fn a_partial_picture_says_so() {
     assert_eq!(radsight(&["report", &whole, "-o", "-"]).code, 1, "a picture that is cut by accident");
 }
 
+#[test]
+fn whole_numbers_are_no_radiance() {
+    let folder = Folder::new();
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n".to_vec();
+    bytes.extend([128, 64, 32, 129, 90, 90, 90, 129]);
+    let (picture, tiff, floats) = (folder.file("p.hdr", &bytes), folder.word("p.tif"), folder.word("f.tif"));
+    radsight(&["ra_tiff", &picture, &tiff]).done();
+    radsight(&["ra_tiff", "-f", &picture, &floats]).done();
+    for (file, has_unit) in [(&picture, true), (&tiff, false), (&floats, true)] {
+        let page = radsight(&["report", file, "-o", "-"]).text();
+        assert_eq!(page.contains("<td>radiance, W/(sr·m²)</td>"), has_unit, "{file}");
+    }
+}
+
 /// A browser without a screen: `RADSIGHT_CHROMIUM`, or one on the path. Without one a test says so and passes.
 struct Browser(String);
 

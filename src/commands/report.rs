@@ -8,8 +8,8 @@ use crate::trust::{Existing, Trust};
 use radsight_camera::CameraFile;
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_picture::{
-    Encoding, FileFormat, Header, Image, Picture, PictureError, ReadImage, Resolution, Unfinished, ViewOptions,
-    read_image, read_png,
+    Encoding, FileFormat, Header, Image, Picture, PictureError, ReadImage, Resolution, TiffPixels, Unfinished,
+    ViewOptions, read_image, read_png, read_tiff_pixels,
 };
 use radsight_report::{ErrorMap, GreyPicture, Page, ProgressLog, Quantity, ReportError, RunRecord};
 
@@ -58,9 +58,18 @@ pub(crate) fn run(arguments: &Report, trust: &Trust) -> Outcome {
 struct Shown {
     image: Image<f32>,
     header: Header,
-    format: FileFormat,
+    values: Values,
     /// What is to be known of it.
     note: Option<String>,
+}
+
+/// What the numbers of a file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Values {
+    /// Light in some unit.
+    Measured,
+    /// Whole numbers from 0 to white.
+    Displayed,
 }
 
 impl Shown {
@@ -73,7 +82,15 @@ impl Shown {
         let ReadImage { image, header, format } = read_image(&bytes).map_err(wrong)?;
         let header = header.unwrap_or_default();
         let note = header.variable("PARTIAL").map(|partial| format!("the picture is partial: {partial}"));
-        Ok(Shown { image: without_alpha(image, format), header, format, note })
+        let is_whole = match format {
+            FileFormat::Png => true,
+            FileFormat::Tiff => {
+                read_tiff_pixels(&bytes).is_ok_and(|tiff| !matches!(tiff.pixels, TiffPixels::Floats(_)))
+            }
+            _ => false,
+        };
+        let values = if is_whole { Values::Displayed } else { Values::Measured };
+        Ok(Shown { image: without_alpha(image, format), header, values, note })
     }
 
     /// One in Radiance's own formats: radiances in red, green and blue, whatever it stores.
@@ -86,7 +103,7 @@ impl Shown {
             Encoding::Rgbe => picture.radiance()?,
             _ => picture.rgb_radiance()?,
         };
-        Ok(Shown { image, header: picture.header().clone(), format: FileFormat::Picture, note })
+        Ok(Shown { image, header: picture.header().clone(), values: Values::Measured, note })
     }
 }
 
@@ -123,7 +140,7 @@ fn quantity(arguments: &Report, shown: &Shown) -> Quantity {
         Some(QuantityName::Irradiance) => Quantity::Irradiance,
         Some(QuantityName::Exposure) => Quantity::Exposure,
         Some(QuantityName::Other) => Quantity::Other { name: "value".to_owned(), unit: String::new() },
-        None if shown.format == FileFormat::Png => Quantity::Other { name: "value".to_owned(), unit: String::new() },
+        None if shown.values == Values::Displayed => Quantity::Other { name: "value".to_owned(), unit: String::new() },
         None if shown.image.components() == 1 => Quantity::Exposure,
         None => Quantity::Radiance,
     }

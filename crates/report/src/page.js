@@ -208,7 +208,7 @@
       : Number.isInteger(value) ? String(value) : value.toPrecision(4);
   }
 
-  const withUnit = (value, choice) => text(value) + (choice.unit ? ' ' + choice.unit : '');
+  const withUnit = (value, choice) => text(value) + (choice.unit && Number.isFinite(value) ? ' ' + choice.unit : '');
 
   function read(x, y) {
     probe = [Math.min(Math.max(x, 0), columns - 1), Math.min(Math.max(y, 0), rows - 1)];
