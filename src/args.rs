@@ -23,7 +23,7 @@ Called as `radsight rtrace …`, or through a link named rtrace, it is that Radi
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Captures the grey picture that the camera would give: all stages in one process
-    Capture(Capture),
+    Capture(Box<Capture>),
     /// Reads and checks scenes: all errors, with carets
     Check(Check),
     /// Says what a capture of this scene computes, and what it skips and why
@@ -33,6 +33,8 @@ pub(crate) enum Command {
     Pinhole(Pinhole),
     /// Turns exposure (a float matrix in J/m² on standard input) into a grey PNG on standard output; or measures the sensor
     Sensor(Sensor),
+    /// Makes one page (HTML) of a picture: values, false colour, error, where the time went, settings
+    Report(Report),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
     /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0
@@ -114,7 +116,7 @@ pub(crate) struct Capture {
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
     /// Grey picture
-    #[arg(short, long, value_name = "OUT.png", required_unless_present = "exposure")]
+    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report"])]
     pub(crate) output: Option<String>,
     /// Also writes the colours behind a mosaic of colour filters, demosaiced
     #[arg(long, value_name = "OUT.png", requires = "output")]
@@ -125,6 +127,8 @@ pub(crate) struct Capture {
     /// Also writes the exposure E_pixel in J/m²; the format follows from the name (.pfm .exr .npy .tif; else a Radiance float matrix)
     #[arg(long, value_name = "FILE")]
     pub(crate) exposure: Option<String>,
+    #[command(flatten)]
+    pub(crate) accounts: Accounts,
     /// Stop when the estimated rms error over the pixels is this share of the mean exposure [default: 0.005]
     #[arg(long, value_name = "E", conflicts_with = "samples")]
     pub(crate) error: Option<f64>,
@@ -139,6 +143,23 @@ pub(crate) struct Capture {
     pub(crate) threads: Option<usize>,
     #[command(flatten)]
     pub(crate) reading: Reading,
+}
+
+/// What else a capture tells of itself.
+#[derive(Args, Debug)]
+pub(crate) struct Accounts {
+    /// Also writes a page (HTML) with the exposure in false colour, its error, the grey values, and where the time went
+    #[arg(long, value_name = "OUT.html")]
+    pub(crate) report: Option<String>,
+    /// Also writes the estimated standard error of each pixel in J/m², in a format that follows from the name
+    #[arg(long, value_name = "FILE", conflicts_with = "samples")]
+    pub(crate) error_map: Option<String>,
+    /// Also writes the number of rays of each pixel, likewise
+    #[arg(long, value_name = "FILE", conflicts_with = "samples")]
+    pub(crate) ray_map: Option<String>,
+    /// Also writes how the picture was made: times, error, what was skipped, settings
+    #[arg(long, value_name = "OUT.json")]
+    pub(crate) record: Option<String>,
 }
 
 #[derive(Args, Debug)]
@@ -240,6 +261,65 @@ pub(crate) struct Sensor {
     /// Also write the colours behind a mosaic of colour filters, demosaiced
     #[arg(long, value_name = "OUT.png", conflicts_with = "characterise")]
     pub(crate) color: Option<String>,
+}
+
+/// What the values of a picture are.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(crate) enum QuantityName {
+    /// W/(sr·m²)
+    Radiance,
+    /// W/m²
+    Irradiance,
+    /// J/m²
+    Exposure,
+    /// Numbers without a unit
+    Other,
+}
+
+/// What the values of an error map are.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(crate) enum ErrorMapKind {
+    /// In the unit of the picture
+    Absolute,
+    /// Shares of each pixel's value
+    Relative,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Report {
+    /// Picture: .hdr .exr .tif .pfm .npy .mtx or .png
+    #[arg(value_name = "PICTURE")]
+    pub(crate) picture: String,
+    /// The page, or - for standard output
+    #[arg(short, long, value_name = "OUT.html")]
+    pub(crate) output: String,
+    /// Standard error of each pixel, as capture and rpict write it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) error_map: Option<String>,
+    /// What the error map's values are [default: as its header says, else relative for colour and absolute for one component]
+    #[arg(long, value_name = "KIND", requires = "error_map")]
+    pub(crate) error_map_kind: Option<ErrorMapKind>,
+    /// Number of rays of each pixel
+    #[arg(long, value_name = "FILE")]
+    pub(crate) ray_map: Option<String>,
+    /// How the picture was made, as capture and rpict write it
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) record: Option<String>,
+    /// What rpict -t said while it worked, ours or Radiance's
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<String>,
+    /// Camera file with which it was captured
+    #[arg(long, value_name = "CAMERA.toml")]
+    pub(crate) camera: Option<String>,
+    /// The sensor's grey picture
+    #[arg(long, value_name = "GREY.png")]
+    pub(crate) grey: Option<String>,
+    /// What the picture's values are [default: exposure for one component, radiance for three]
+    #[arg(long, value_name = "QUANTITY")]
+    pub(crate) quantity: Option<QuantityName>,
+    /// The page's title [default: the picture's name]
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
 }
 
 #[derive(Args, Debug)]

@@ -13,6 +13,11 @@ pub(crate) fn push_date(header: &mut Header) {
     push_date_of(header, &now.to_zoned(TimeZone::system()));
 }
 
+/// The time by the clock of this place, as Radiance's headers write it.
+pub(crate) fn now_local() -> String {
+    Timestamp::now().to_zoned(TimeZone::system()).strftime(FORM).to_string()
+}
+
 fn push_date_of(header: &mut Header, local: &Zoned) {
     let greenwich = local.with_time_zone(TimeZone::UTC);
     header.push_variable("CAPDATE", &format!(" {}", local.strftime(FORM)));

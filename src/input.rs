@@ -323,7 +323,11 @@ const OCTREE_FORMAT: &str = "Radiance_octree";
 /// A header that says how the output was made.
 pub(crate) fn history() -> Header {
     let mut header = Header::new("RADIANCE");
-    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
-    header.push_command(words.iter().map(String::as_str));
+    header.push_command(words_of_process().iter().map(String::as_str));
     header
+}
+
+/// The words that the process was started with.
+pub(crate) fn words_of_process() -> Vec<String> {
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }

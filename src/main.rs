@@ -20,6 +20,7 @@ mod progress;
 mod ray_input;
 mod read_once;
 mod render_args;
+mod run_record;
 mod sensor_picture;
 mod shown_options;
 mod switch;

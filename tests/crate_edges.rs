@@ -72,9 +72,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "radsight",
         &[
             "brdf", "cal", "camera", "capture", "diag", "film", "ir", "loader", "parse", "picture", "pinhole",
-            "render", "sampling", "sensor",
+            "render", "report", "sampling", "sensor",
         ],
     ),
+    ("report", &["picture"]),
     ("retro", &["brdf"]),
     ("sampling", &[]),
     ("scene-generators", &["cal", "diag", "loader", "sky"]),

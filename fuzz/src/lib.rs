@@ -12,7 +12,8 @@ use radsight_scene_generators::WavefrontMesh;
 use radsight_loader::MemoryLoader;
 use radsight_matrix::{Matrix, Stored, Transform, Wanted, bsdf_matrix};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
-use radsight_picture::{FloatMatrix, Header, Picture, View, ViewOptions, read_image};
+use radsight_picture::{FloatMatrix, Header, Image, Picture, View, ViewOptions, read_image};
+use radsight_report::{Page, ProgressLog, Quantity, RunRecord};
 
 /// A name that the bytes have in scenes that ask for them.
 const NAME: &str = "fuzzed";
@@ -169,4 +170,17 @@ pub fn view(bytes: &[u8]) {
         }
     }
     let _ = (view.crop([0.1, 0.1], [0.7, 0.9]), view.fit(512, 512, 1.0));
+}
+
+/// A run record, a progress log, and text of a page; a page has no more scripts and data than its own.
+///
+/// # Panics
+/// If text became a script.
+pub fn report(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let image = Image::filled(2, 2, 1, 1.0).expect("an image");
+    let page = Page::new(text.clone(), image, Quantity::Exposure).expect("one component");
+    let record = RunRecord::from_json(bytes).unwrap_or_default();
+    let html = page.record(record).log(ProgressLog::read(&text)).text(text.clone(), text).to_html();
+    assert_eq!(html.matches("<script").count(), 3);
 }

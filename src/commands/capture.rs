@@ -1,17 +1,20 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
+mod accounts;
+
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
 use crate::output::{check_writable, write_file};
 use crate::progress::Bar;
+use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
 use radsight_output::interrupt;
-use radsight_picture::{FileFormat, Image, write_image};
+use radsight_picture::{FileFormat, Header, Image, write_image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
 use radsight_sensor::Sensor;
@@ -24,6 +27,7 @@ const DIFFRACTION_MATTERS: f64 = 3.0;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
+    let mut stopwatch = Stopwatch::start();
     check_effort(arguments)?;
     use_threads(arguments.threads)?;
     let camera = read_camera(&arguments.camera)?;
@@ -32,16 +36,19 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         return Err(no_mosaic(&arguments.camera));
     }
     let outputs = [&arguments.output, &arguments.color, &arguments.exposure, &arguments.specimen];
-    for path in outputs.into_iter().flatten().filter(|path| *path != "-") {
+    for path in outputs.into_iter().chain(arguments.accounts.paths()).flatten().filter(|path| *path != "-") {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
+    stopwatch.lap("camera file read");
     let options = RenderOptions { seed: arguments.seed, ..render };
-    let Planned { plan, registry, sources } = plan(&arguments.scenes, Some(&camera), &arguments.reading, options)?;
+    let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?;
+    let Planned { plan, registry, sources } = planned;
     check_scene(&plan, &camera)?;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);
     let bar = Bar::new("capturing");
+    stopwatch.lap("scene read, checked and compiled");
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     // A signal stops the work; what is done is written then.
     let postponed = interrupt::postpone();
@@ -50,10 +57,15 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
     };
     bar.finish();
+    stopwatch.lap("rays traced, exposure");
     conclude(renderer.plan(), registry.as_ref(), &sources)?;
     say_result(&exposure, arguments);
     if exposure.pixels_done > 0 {
         write(arguments, &camera, sensor, &exposure)?;
+        stopwatch.lap("sensor, files written");
+        accounts::write(arguments, &camera, &exposure, || {
+            accounts::record(&stopwatch, &renderer, &options, arguments, &exposure)
+        })?;
     }
     postponed.end();
     Ok(())
@@ -134,11 +146,17 @@ fn say_result(exposure: &Exposure, arguments: &Capture) {
     }
 }
 
-fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
+/// How the outputs came to be.
+fn header(arguments: &Capture, exposure: &Exposure) -> Header {
     let mut header = history();
     if exposure.is_partial {
         header.push_variable("PARTIAL", &format!(" {}", partial(exposure, arguments)));
     }
+    header
+}
+
+fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
+    let mut header = header(arguments, exposure);
     if let Some(alignment) = &camera.alignment {
         // One line of the header, as the file would say it in several.
         header.push_variable("ALIGNMENT", &format!(" {}", alignment.to_toml().trim_end().replace('\n', "; ")));

@@ -18,6 +18,7 @@ mod pinhole;
 mod plugin;
 mod rad;
 mod rcontrib;
+pub(crate) mod report;
 pub(crate) mod retro;
 mod rfluxmtx;
 mod rig;
@@ -101,6 +102,7 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
         }
         Command::Pinhole(arguments) => pinhole::run(&arguments),
         Command::Sensor(arguments) => sensor::run(&arguments, trust),
+        Command::Report(arguments) => report::run(&arguments, trust),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Target(arguments) => target::run(&arguments),
         Command::Retro(command) => retro::run(&command),

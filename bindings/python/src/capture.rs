@@ -5,7 +5,9 @@ use crate::{png, run};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+use radsight::Stage;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// A camera file (camera, light ring, sensor), and how exactly it is to expose.
 ///
@@ -61,6 +63,7 @@ impl Capture {
     #[pyo3(signature = (*scenes))]
     fn expose(&self, py: Python<'_>, scenes: &Bound<'_, PyTuple>) -> PyResult<CapturedImage> {
         let paths: Vec<PathBuf> = scenes.extract()?;
+        let begun = Instant::now();
         let exposed = run(py, self.threads, || {
             let scene = radsight::Scene::builder().files(paths)?;
             let image = self.capture.expose(&self.capture.with_ring(scene).build()?)?;
@@ -68,7 +71,8 @@ impl Capture {
                 Err(radsight::Error::NoSensor) => None,
                 greys => Some(greys?),
             };
-            Ok(CapturedImage { image, greys })
+            let seconds = begun.elapsed().as_secs_f64();
+            Ok(CapturedImage { image, greys, capture: self.capture.clone(), seconds })
         })?;
         exposed.map_err(exception)
     }
@@ -79,6 +83,10 @@ impl Capture {
 pub(crate) struct CapturedImage {
     image: radsight::CapturedImage,
     greys: Option<Vec<u16>>,
+    /// What exposed it.
+    capture: radsight::Capture,
+    /// Time that reading the scene and exposing took.
+    seconds: f64,
 }
 
 #[pymethods]
@@ -106,6 +114,33 @@ impl CapturedImage {
     #[getter]
     fn rays(&self) -> u64 {
         self.image.rays
+    }
+
+    /// Standard error of each pixel, J/m²: (rows, columns); ``None`` where it was not estimated.
+    #[getter]
+    fn standard_error_j_per_m2<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let shape = [self.image.rows, self.image.columns];
+        let pixels = self.image.pixels.as_ref();
+        pixels.map(|pixels| PyArray1::from_slice(py, &pixels.standard_errors).reshape(shape)).transpose()
+    }
+
+    /// One HTML page that loads nothing: exposure, false colour, error, grey values, time, what was skipped, settings.
+    ///
+    /// Parameters
+    /// ----------
+    /// title : str
+    ///
+    /// Returns
+    /// -------
+    /// str
+    #[pyo3(signature = (title="radsight"))]
+    fn report_html(&self, py: Python<'_>, title: &str) -> PyResult<String> {
+        py.detach(|| {
+            let name = "scene read and exposed".to_owned();
+            let stage = Stage { name, elapsed_s: self.seconds, processor_s: None };
+            Ok(self.image.report_page(&self.capture, title)?.stage(stage).to_html())
+        })
+        .map_err(exception)
     }
 
     fn _repr_png_(&self) -> Option<Vec<u8>> {

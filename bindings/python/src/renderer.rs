@@ -6,8 +6,10 @@ use crate::{png, run};
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use radsight::Stage;
 use radsight::{ErrorBudget, Ray};
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// A scene that is ready to be rendered.
 ///
@@ -101,10 +103,11 @@ impl Renderer {
             raised = heard.err();
             raised.is_none()
         };
+        let begun = Instant::now();
         let image = run(py, threads, || renderer.render_with_progress(&view.0, columns, rows, &mut hear))?;
         match (raised, image.map_err(exception)?) {
             (Some(error), _) => Err(error),
-            (None, Some(image)) => Ok(Image(image)),
+            (None, Some(image)) => Ok(Image { image, seconds: begun.elapsed().as_secs_f64() }),
             (None, None) => Err(RadsightError::new_err("the work was stopped")),
         }
     }
@@ -216,39 +219,75 @@ impl TracedRays {
 
 /// A picture of radiances.
 #[pyclass(frozen, module = "radsight")]
-pub(crate) struct Image(radsight::Image);
+pub(crate) struct Image {
+    image: radsight::Image,
+    /// Time that rendering took.
+    seconds: f64,
+}
 
 #[pymethods]
 impl Image {
     /// Radiance, W/(sr·m²): (rows, columns, 3), top row first.
     #[getter]
     fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let values = self.0.pixels().iter().flatten().copied().collect();
-        PyArray1::from_vec(py, values).reshape([self.0.rows(), self.0.columns(), 3])
+        let values = self.image.pixels().iter().flatten().copied().collect();
+        PyArray1::from_vec(py, values).reshape([self.image.rows(), self.image.columns(), 3])
     }
 
     /// Estimated relative noise of the pixels; ``None`` where it was not estimated.
     #[getter]
     fn error(&self) -> Option<f64> {
-        self.0.report().error
+        self.image.report().error
     }
 
     /// What is known of the error, and what was skipped.
     #[getter]
     fn report(&self) -> String {
-        self.0.report().to_string()
+        self.image.report().to_string()
     }
 
     /// Write a file: ``.hdr .exr .tif .pfm .npy .mtx .png``.
     fn save(&self, path: PathBuf) -> PyResult<()> {
-        self.0.save(path).map_err(exception)
+        self.image.save(path).map_err(exception)
+    }
+
+    /// Standard error of each pixel as a share of its value: (rows, columns); ``None`` where no error was asked for.
+    #[getter]
+    fn relative_error<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let shape = [self.image.rows(), self.image.columns()];
+        self.image.relative_errors().map(|errors| PyArray1::from_slice(py, errors).reshape(shape)).transpose()
+    }
+
+    /// Rays through each pixel: (rows, columns); ``None`` where pixels are interpolated.
+    #[getter]
+    fn samples<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
+        let shape = [self.image.rows(), self.image.columns()];
+        self.image.samples().map(|samples| PyArray1::from_slice(py, samples).reshape(shape)).transpose()
+    }
+
+    /// One HTML page that loads nothing: values, false colour, error, time, what was skipped, settings.
+    ///
+    /// Parameters
+    /// ----------
+    /// title : str
+    ///
+    /// Returns
+    /// -------
+    /// str
+    #[pyo3(signature = (title="radsight"))]
+    fn report_html(&self, py: Python<'_>, title: &str) -> String {
+        py.detach(|| {
+            let name = "rendering".to_owned();
+            let stage = Stage { name, elapsed_s: self.seconds, processor_s: None };
+            self.image.report_page(title).stage(stage).to_html()
+        })
     }
 
     fn _repr_png_(&self) -> Option<Vec<u8>> {
-        png::of_radiance(self.0.columns(), self.0.pixels())
+        png::of_radiance(self.image.columns(), self.image.pixels())
     }
 
     fn __repr__(&self) -> String {
-        format!("<radsight.Image {} × {}>", self.0.columns(), self.0.rows())
+        format!("<radsight.Image {} × {}>", self.image.columns(), self.image.rows())
     }
 }

@@ -85,6 +85,33 @@ def test_captures_and_pictures_equal_the_programs(tmp_path):
     assert image.grey.dtype == np.uint16
 
 
+def test_pages_hold_values_error_and_time():
+    scene = radsight.Scene.from_text(TABLE)
+    view = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
+    image = radsight.Renderer(scene, error=0.05).render(view, 48, 36)
+    relative = image.relative_error
+    assert relative.shape == image.samples.shape == image.radiance_w_per_sr_m2.shape[:2]
+    np.testing.assert_allclose(np.sqrt(np.mean(relative.astype(float) ** 2)), image.error, rtol=1e-4)
+    page = image.report_html(title="<script>")
+    assert page.startswith("<!DOCTYPE html>") and "<h1>&lt;script&gt;</h1>" in page
+    for said in ("luminance", "relative standard error", "rays a pixel", "rendering", "Skipped"):
+        assert said in page
+    preview = radsight.Renderer(scene).render(view, 48, 36)
+    assert preview.relative_error is None and preview.samples is None
+    assert "No error map came with it" in preview.report_html()
+
+
+def test_pages_of_captures_have_grey_values():
+    captured = radsight.Capture(str(GRIPPS / "fig10.toml"), error=0.1).expose(str(GRIPPS / "sheet-retro.rad"))
+    error = captured.standard_error_j_per_m2
+    assert error.shape == captured.exposure_j_per_m2.shape
+    of_map = np.sqrt(np.mean(error**2)) / captured.exposure_j_per_m2.mean()
+    np.testing.assert_allclose(of_map, captured.estimated_error, rtol=1e-9)
+    page = captured.report_html()
+    for said in ("J/m²", "sensor&#39;s grey value", "standard error", "scene read and exposed"):
+        assert said in page
+
+
 def test_no_memory_is_lost_over_many_calls():
     resource = pytest.importorskip("resource")
     renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), threads=1)

@@ -40,6 +40,7 @@ mod rig;
 mod rig_section;
 mod section;
 mod sensor_section;
+mod summary;
 
 pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;

@@ -9,7 +9,7 @@
 
 use crate::fixed::radiance;
 use crate::mirrored_lights::PixelImages;
-use crate::{Exposure, Progress};
+use crate::{Exposure, PixelStatistics, Progress};
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::Renderer;
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
@@ -93,6 +93,7 @@ pub fn expose_to_error(
             estimated_error: None,
             pixels_done: pixels_done as u64,
             is_partial: true,
+            pixels: None,
         };
     }
     let mut estimate = Estimate::new(&pixels, columns);
@@ -110,12 +111,15 @@ pub fn expose_to_error(
             break;
         }
     }
+    let values: Vec<f64> = pixels.iter().map(|pixel| scale * pixel.mean()).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
     Exposure {
-        values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+        values,
         rays: traced.into_inner(),
         estimated_error: Some(estimate.relative_error()),
         pixels_done: pixels_done as u64,
         is_partial,
+        pixels: Some(estimate.statistics(mean)),
     }
 }
 
@@ -216,6 +220,15 @@ impl Estimate {
     fn relative_error(&self) -> f64 {
         let mean_square = self.pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / self.pixels.len() as f64;
         CHANCE_AGREEMENT * mean_square.sqrt()
+    }
+
+    /// What it says of each pixel; `mean` is the mean exposure, J/m².
+    fn statistics(&self, mean: f64) -> PixelStatistics {
+        let error = |pixel: &PixelError| CHANCE_AGREEMENT * mean * pixel.squared.sqrt();
+        PixelStatistics {
+            standard_errors: self.pixels.iter().map(error).collect(),
+            samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
+        }
     }
 
     /// The pixels whose doubling lowers the error most for its cost, as many as it takes to reach the asked error. Of pixels that need

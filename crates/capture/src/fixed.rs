@@ -43,7 +43,7 @@ pub fn expose_with_samples(
     );
     let (pixels_done, is_partial) = (done.into_inner(), is_left_out.into_inner());
     let traced = pixels_done * u64::from(rays.samples());
-    Exposure { values, rays: traced, estimated_error: None, pixels_done, is_partial }
+    Exposure { values, rays: traced, estimated_error: None, pixels_done, is_partial, pixels: None }
 }
 
 /// The radiance of ray number `index`, which goes to a pixel, bands added up.

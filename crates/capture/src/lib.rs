@@ -24,6 +24,18 @@ pub struct Exposure {
     pub pixels_done: u64,
     /// Whether the work was stopped before it was done.
     pub is_partial: bool,
+    /// What is known of each pixel, where the error was estimated.
+    pub pixels: Option<PixelStatistics>,
+}
+
+/// How exact each pixel is, in scanline order from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PixelStatistics {
+    /// Estimated standard error of E_pixel, J/m², pooled with its neighbours. Its rms over the mean exposure is
+    /// [`Exposure::estimated_error`].
+    pub standard_errors: Vec<f64>,
+    /// Rays that were traced for the pixel.
+    pub samples: Vec<u32>,
 }
 
 impl Exposure {

@@ -134,6 +134,8 @@ pub struct Film<'r> {
     /// What is added in squares to the bands of a pixel where an error is taken relative to them.
     floors: [f64; 3],
     finished: Finished,
+    /// Squared relative errors of the pixels that are finished, where an error was asked for.
+    errors: Vec<f32>,
 }
 
 impl<'r> Film<'r> {
@@ -141,12 +143,20 @@ impl<'r> Film<'r> {
     #[must_use]
     pub fn new(renderer: &'r Renderer, camera: ViewCamera, budget: SamplingBudget) -> Film<'r> {
         let pixels = vec![Pixel::default(); camera.columns() * camera.rows()];
-        let mut frame = Film { renderer, camera, budget, pixels, floors: [0.0; 3], finished: Finished::default() };
+        let finished = Finished::default();
+        let mut frame = Film { renderer, camera, budget, pixels, floors: [0.0; 3], finished, errors: Vec::new() };
         if let SamplingBudget::Error { .. } = budget {
+            frame.errors = vec![f32::NAN; frame.pixels.len()];
             frame.begin();
             frame.floors = typical(&frame.pixels).map(|band| DARK * band);
         }
         frame
+    }
+
+    /// Pixels in a row.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.camera.columns()
     }
 
     /// The rows that are finished together with a row: asking for others as well costs nothing, for a part costs as much.
@@ -178,6 +188,8 @@ impl<'r> Film<'r> {
                         range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
                     if chosen.is_empty() {
                         pooled.iter().for_each(|pixel| self.finished.add(pixel.squared, pixel.samples));
+                        let kept = self.errors[range.clone()].iter_mut().zip(&pooled);
+                        kept.for_each(|(kept, pixel)| *kept = pixel.squared as f32);
                         break;
                     }
                     self.double(&chosen);
@@ -191,6 +203,20 @@ impl<'r> Film<'r> {
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         self.finished.estimate()
+    }
+
+    /// The standard errors of all pixels, relative to their values: of each the root of the mean of its bands' squares, as
+    /// [`SamplingBudget::Error`] counts them. NaN where a pixel is not finished; `None` where no error was asked for.
+    #[must_use]
+    pub fn relative_errors(&self) -> Option<Vec<f32>> {
+        (!self.errors.is_empty()).then(|| self.errors.iter().map(|squared| squared.sqrt()).collect())
+    }
+
+    /// How many rays each pixel has; `None` where pixels are interpolated.
+    #[must_use]
+    pub fn samples(&self) -> Option<Vec<u32>> {
+        let is_interpolated = matches!(self.budget, SamplingBudget::Interpolated(_));
+        (!is_interpolated).then(|| self.pixels.iter().map(|pixel| pixel.samples).collect())
     }
 
     /// Distances along the rays through the middles of the pixels of some rows, scene units, by way of mirrors and panes; 1e10 for

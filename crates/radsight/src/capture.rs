@@ -3,13 +3,15 @@
 use crate::error::{Error, Report};
 use crate::file_loader::FileLoader;
 use crate::renderer::check_materials;
+use crate::report_page;
 use crate::scene::Scene;
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposure, Progress, Silent, expose_to_error, expose_with_samples};
+use radsight_capture::{Exposure, PixelStatistics, Progress, Silent, expose_to_error, expose_with_samples};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
 use radsight_pinhole::Rays;
 use radsight_render::{RenderOptions, RenderPlan};
+use radsight_report::RunRecord;
 use std::path::Path;
 
 /// Error of the exposure when nothing is said.
@@ -48,7 +50,10 @@ pub struct CapturedImage {
     pub estimated_error: Option<f64>,
     /// Rays that were traced from the camera.
     pub rays: u64,
+    /// The standard error and the rays of each pixel, where the error was estimated.
+    pub pixels: Option<PixelStatistics>,
     seed: u64,
+    pub(crate) record: RunRecord,
 }
 
 impl Capture {
@@ -140,17 +145,26 @@ impl Capture {
             None => expose_to_error(&renderer, &rays, &weights, self.error, progress),
         };
         check_materials(renderer.plan(), &scene.sources)?;
-        Ok(self.image(exposure))
+        Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
 
-    fn image(&self, exposure: Exposure) -> CapturedImage {
+    pub(crate) fn file(&self) -> &CameraFile {
+        &self.file
+    }
+
+    fn image(&self, exposure: Exposure, mut record: RunRecord) -> CapturedImage {
+        let asked = self.samples.is_none().then_some(self.error);
+        record.error = report_page::reached(exposure.estimated_error, None, asked);
+        record.rays = Some(exposure.rays);
         CapturedImage {
             columns: self.file.camera.columns() as usize,
             rows: self.file.camera.rows() as usize,
             exposure_j_per_m2: exposure.values,
             estimated_error: exposure.estimated_error,
             rays: exposure.rays,
+            pixels: exposure.pixels,
             seed: self.options.seed,
+            record,
         }
     }
 }

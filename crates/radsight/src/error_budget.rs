@@ -94,6 +94,15 @@ impl ErrorBudget {
         })
     }
 
+    /// The error that is asked for, if one is.
+    #[must_use]
+    pub fn asked_error(&self) -> Option<f64> {
+        match self.0 {
+            Asked::Error(error, _) => Some(error),
+            Asked::Samples(_) | Asked::Preview(_) => None,
+        }
+    }
+
     /// Side of the square in a pixel over which its rays are spread, in pixels, unless something else is asked for (`-pj`).
     #[must_use]
     pub fn pixel_jitter(&self) -> f64 {

@@ -1,8 +1,9 @@
 //! Pictures, and what is known of their error.
 
-use crate::Error;
+use crate::{Error, report_page};
 use radsight_film::Estimate;
 use radsight_picture::{FileFormat, Header, write_image};
+use radsight_report::RunRecord;
 use std::fmt;
 use std::path::Path;
 
@@ -13,6 +14,15 @@ pub struct Image {
     pixels: Vec<[f32; 3]>,
     header: Header,
     report: RenderReport,
+    maps: Maps,
+    record: RunRecord,
+}
+
+/// What is known of each pixel.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Maps {
+    pub(crate) relative_errors: Option<Vec<f32>>,
+    pub(crate) samples: Option<Vec<u32>>,
 }
 
 impl Image {
@@ -29,7 +39,15 @@ impl Image {
     }
 
     pub(crate) fn new(columns: usize, pixels: Vec<[f32; 3]>, header: Header, report: RenderReport) -> Image {
-        Image { columns, pixels, header, report }
+        Image { columns, pixels, header, report, maps: Maps::default(), record: RunRecord::default() }
+    }
+
+    /// With what is known of each pixel, and of the run.
+    pub(crate) fn with_accounts(mut self, maps: Maps, mut record: RunRecord, asked: Option<f64>) -> Image {
+        record.error = report_page::reached(self.report.error, self.report.uncertainty, asked);
+        record.rays = maps.samples.as_ref().map(|samples| samples.iter().copied().map(u64::from).sum());
+        (self.maps, self.record) = (maps, record);
+        self
     }
 
     /// Pixels in a row.
@@ -58,6 +76,27 @@ impl Image {
     pub fn pixel(&self, column: usize, row: usize) -> [f32; 3] {
         assert!(column < self.columns, "column {column} of {}", self.columns);
         self.pixels[row * self.columns + column]
+    }
+
+    /// The standard error of each pixel as a share of its value, top row first: of its bands the root of the mean square.
+    /// `None` where no error was asked for.
+    #[must_use]
+    pub fn relative_errors(&self) -> Option<&[f32]> {
+        self.maps.relative_errors.as_deref()
+    }
+
+    /// Rays through each pixel, top row first; `None` where pixels are interpolated.
+    #[must_use]
+    pub fn samples(&self) -> Option<&[u32]> {
+        self.maps.samples.as_deref()
+    }
+
+    pub(crate) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    pub(crate) fn record(&self) -> &RunRecord {
+        &self.record
     }
 
     /// How good it is.

@@ -3,8 +3,8 @@
 use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
-use crate::image::{Image, RenderReport};
-use crate::{Scene, View};
+use crate::image::{Image, Maps, RenderReport};
+use crate::{Scene, View, report_page};
 use radsight_diag::SourceMap;
 use radsight_film::{Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
@@ -173,6 +173,7 @@ impl Renderer {
         let mut options = self.options.clone();
         let pixels = self.budget.apply(&mut options);
         check_budget(pixels)?;
+        let (asked, used) = (self.budget.asked_error(), options.clone());
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
         let renderer = self.prepare(options)?;
@@ -190,7 +191,9 @@ impl Renderer {
         }
         check_materials(renderer.plan(), &sources)?;
         let report = report(renderer, film.estimate());
-        Ok(Some(Image::new(columns, image, header(&view.to_args()), report)))
+        let maps = Maps { relative_errors: film.relative_errors(), samples: film.samples() };
+        let image = Image::new(columns, image, header(&view.to_args()), report);
+        Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), asked)))
     }
 
     /// Renders what a camera of one's own sees, with as many rays a pixel as [`Renderer::samples`] asks for (16 without that).
@@ -205,6 +208,7 @@ impl Renderer {
             _ => USUAL_SAMPLES,
         };
         check_budget(SamplingBudget::Samples(samples))?;
+        let used = options.clone();
         let (seed, sources) = (options.seed, self.scene.sources.clone());
         let renderer = self.prepare(options)?;
         let place = |pixel: usize, [x, y]: [f64; 2]| {
@@ -234,7 +238,9 @@ impl Renderer {
             )
             .collect();
         check_materials(renderer.plan(), &sources)?;
-        Ok(Image::new(columns, pixels, header(""), report(renderer, None)))
+        let maps = Maps { relative_errors: None, samples: Some(vec![samples; columns * rows]) };
+        let image = Image::new(columns, pixels, header(""), report(renderer, None));
+        Ok(image.with_accounts(maps, report_page::record(renderer, &used), None))
     }
 
     /// Answers rays: radiance (or irradiance, as the options ask), first hit and effective distance of each. Rays are told apart by

@@ -1,5 +1,6 @@
 //! `rpict`: the picture of a view.
 
+mod accounts;
 mod defaults;
 mod options;
 mod output;
@@ -11,6 +12,7 @@ use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
+use crate::run_record::Stopwatch;
 use crate::trust::{OutputName, PROJECT, Trust};
 use crate::view_args;
 use options::Options;
@@ -24,6 +26,7 @@ use sequence::Sequence;
 
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
+    let mut stopwatch = Stopwatch::start();
     let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
         say_in(path)?;
@@ -33,9 +36,11 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let picture = Picture::prepare(&options, options.view, None)?;
         let Planned { plan, registry, sources } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
+        stopwatch.lap("scene read, checked and compiled");
         let mut renderer = Renderer::new(plan);
         picture.gather_irradiance(&options, &mut renderer);
-        picture.render(&options, &renderer)?;
+        stopwatch.lap("irradiance cache, pre-pass");
+        picture.render(&options, &renderer, &mut stopwatch)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources);
     }
     let mut sequence = Sequence::new(&options)?;
@@ -45,7 +50,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
         picture.gather_irradiance(&options, &mut renderer);
-        picture.render(&options, &renderer)?;
+        picture.render(&options, &renderer, &mut stopwatch)?;
         conclude(renderer.plan(), registry.as_ref(), &sources)?;
     }
     Ok(())
@@ -109,7 +114,7 @@ impl Picture {
     }
 
     /// Renders from the first row that is not done and writes row by row.
-    fn render(&self, options: &Options, renderer: &Renderer) -> Outcome {
+    fn render(&self, options: &Options, renderer: &Renderer, stopwatch: &mut Stopwatch) -> Outcome {
         let done = self.recovered.as_ref().map_or(0, |recovered| recovered.done);
         let (columns, rows) = (self.lens.columns(), self.lens.rows());
         let resolution = Resolution::standard(columns, rows);
@@ -146,6 +151,7 @@ impl Picture {
             report.tell(row as f64 / rows as f64, rays_through(row * columns, &frame, options));
         }
         writer.finish()?;
+        options.accounts.write(options, &self.header, renderer, &frame, stopwatch)?;
         if options.effort.is_some() && !options.reading.no_warnings {
             frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
         }

@@ -1,5 +1,6 @@
 //! The options of `rpict`, as Radiance writes them.
 
+use super::accounts::Accounts;
 use super::defaults;
 use crate::args::Reading;
 use crate::commands::features;
@@ -58,6 +59,7 @@ pub(super) struct Options {
     pub(super) recover: Option<String>,
     pub(super) error_file: Option<OutputName>,
     control_file: Option<OutputName>,
+    pub(super) accounts: Accounts,
     pub(super) scenes: Vec<String>,
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
@@ -90,6 +92,7 @@ impl Default for Options {
             recover: None,
             error_file: None,
             control_file: None,
+            accounts: Accounts::default(),
             scenes: Vec::new(),
             command: Vec::new(),
             shown: ShownOptions::new(Program::Rpict),
@@ -126,6 +129,7 @@ impl Options {
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
         }
+        options.accounts.check(&options)?;
         if options.scenes.is_empty() {
             options.scenes.push("-".to_owned());
         }
@@ -158,7 +162,7 @@ impl Options {
 
     /// Takes one option; gives how many words it used.
     fn take_option(&mut self, words: &[String]) -> Result<usize, Failure> {
-        const TAKERS: [Taker; 8] = [
+        const TAKERS: [Taker; 9] = [
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
@@ -167,6 +171,7 @@ impl Options {
             |options, words| take_definition(words, &mut options.reading),
             Options::take_sampling,
             Options::take_file,
+            |options, words| options.accounts.take(words, &options.reading.trust),
         ];
         for taker in TAKERS {
             let used = taker(self, words)?;

@@ -1,0 +1,124 @@
+//! Pages of pictures: one HTML file with values, false colour, error and settings.
+
+use crate::{Capture, CapturedImage, Error, Image};
+use radsight_picture::Image as Values;
+use radsight_report::{Decision, ErrorEstimate, ErrorMap, GreyPicture, Page, Quantity, RunRecord};
+
+impl Image {
+    /// A page of the picture, to be added to; [`Page::to_html`] writes it.
+    ///
+    /// It has the luminance and radiance of each pixel, its standard error and its number of rays where these are known, what was
+    /// skipped, and the options. It knows no times: who has a clock adds them by [`Page::stage`].
+    #[must_use]
+    pub fn report_page(&self, title: &str) -> Page {
+        let values = self.pixels().iter().flatten().copied().collect();
+        let page =
+            Page::new(title, self.map(3, values), Quantity::Radiance).expect("the picture has pixels of 3 bands");
+        let page = page.record(self.record().clone()).text("Header", self.header().to_text());
+        let page = match self.header().variable("VIEW") {
+            Some(view) => page.fact("view", view),
+            None => page,
+        };
+        let page = match self.relative_errors() {
+            Some(errors) => page.error_map(ErrorMap::Relative(self.map(1, errors.to_vec()))),
+            None => Ok(page),
+        };
+        let rays = self.samples().map(|samples| samples.iter().map(|samples| *samples as f32).collect());
+        let page = match rays {
+            Some(rays) => page.and_then(|page| page.ray_map(self.map(1, rays))),
+            None => page,
+        };
+        page.expect("maps have the size of the picture")
+    }
+
+    /// The page as HTML: one file that loads nothing. Its title is "radsight".
+    ///
+    /// ```
+    /// use radsight::{Renderer, Scene, View};
+    /// # fn main() -> Result<(), radsight::Error> {
+    /// let scene = Scene::from_text("void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+    /// let image = Renderer::new(&scene)?.error(0.05).render(&view, 32, 32)?;
+    /// assert!(image.report_html().contains("relative standard error"));
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn report_html(&self) -> String {
+        self.report_page("radsight").to_html()
+    }
+
+    fn map(&self, components: usize, values: Vec<f32>) -> Values<f32> {
+        Values::new(self.columns(), self.rows(), components, values).expect("values for every pixel")
+    }
+}
+
+impl CapturedImage {
+    /// A page of the exposure, with the sensor's grey values where the camera has a sensor; see [`Image::report_page`].
+    ///
+    /// # Errors
+    /// [`Error::Size`] for a camera of another size than the one that exposed it.
+    pub fn report_page(&self, camera: &Capture, title: &str) -> Result<Page, Error> {
+        let file = camera.file();
+        let wrong = |_| Error::Size { columns: self.columns, rows: self.rows, most: Image::MOST_PIXELS };
+        let single = |values: &[f64]| {
+            let data = values.iter().map(|value| *value as f32).collect();
+            Values::new(self.columns, self.rows, 1, data).map_err(wrong)
+        };
+        let size = [file.camera.columns() as usize, file.camera.rows() as usize];
+        if size != [self.columns, self.rows] {
+            return Err(Error::Size { columns: self.columns, rows: self.rows, most: size[0] * size[1] });
+        }
+        let [across, along] = file.camera.pixel_pitch_m();
+        let told = "the maps have the size of the picture";
+        let mut page = Page::new(title, single(&self.exposure_j_per_m2)?, Quantity::Exposure).expect(told);
+        page = page.pixel_aspect((along / across).clamp(1e-3, 1e3)).expect("it was clamped");
+        page = page.fact("camera", file.summary()).record(self.record.clone());
+        if let Some(pixels) = &self.pixels {
+            let rays: Vec<f64> = pixels.samples.iter().map(|samples| f64::from(*samples)).collect();
+            page = page.error_map(ErrorMap::Absolute(single(&pixels.standard_errors)?)).expect(told);
+            page = page.ray_map(single(&rays)?).expect(told);
+        }
+        if let Some(sensor) = &file.sensor {
+            let values = Values::new(self.columns, self.rows, 1, self.greys(camera)?).map_err(wrong)?;
+            page = page.grey_picture(GreyPicture { values, largest: sensor.bits().largest() }).expect(told);
+        }
+        Ok(page)
+    }
+
+    /// The page as HTML: one file that loads nothing. Its title is "radsight".
+    ///
+    /// # Errors
+    /// As [`CapturedImage::report_page`].
+    pub fn report_html(&self, camera: &Capture) -> Result<String, Error> {
+        Ok(self.report_page(camera, "radsight")?.to_html())
+    }
+}
+
+/// What a renderer says of a run: its decisions, and the options that decide how long it takes.
+pub(crate) fn record(renderer: &radsight_render::Renderer, options: &radsight_render::RenderOptions) -> RunRecord {
+    let decision = |decision: &radsight_render::PlanDecision| Decision {
+        what: decision.what.clone(),
+        why: decision.why.clone(),
+        skipped: decision.skip.is_some(),
+    };
+    let mut record = RunRecord {
+        software: concat!("radsight ", env!("CARGO_PKG_VERSION")).to_owned(),
+        cache_noise: renderer.irradiance_noise(),
+        decisions: renderer.plan().decisions().iter().map(decision).collect(),
+        ..RunRecord::default()
+    };
+    record.push_setting("seed", options.seed.to_string());
+    record.push_setting("diffuse interreflections", options.ambient_bounces.to_string());
+    if options.ambient_bounces > 0 {
+        let gathering = &options.gathering;
+        record.push_setting("accuracy of cached irradiance", gathering.accuracy.to_string());
+        record.push_setting("rays of a cache point", format!("{} + {}", gathering.divisions, gathering.super_samples));
+    }
+    record
+}
+
+/// The error that was reached.
+pub(crate) fn reached(error: Option<f64>, uncertainty: Option<f64>, asked: Option<f64>) -> Option<ErrorEstimate> {
+    error.map(|reached| ErrorEstimate { asked, reached, uncertainty })
+}

@@ -1,0 +1,123 @@
+//! What a capture tells of itself: error map, ray map, run record, and the page of all.
+
+use super::{DEFAULT_ERROR, exposure_image, header, partial};
+use crate::args::{Accounts, Capture};
+use crate::commands::report::{ERROR_MAP, of_camera};
+use crate::failure::{Failure, Outcome};
+use crate::input::{read_file, words_of_process};
+use crate::output::write_file;
+use crate::run_record::Stopwatch;
+use radsight_camera::CameraFile;
+use radsight_capture::{Exposure, PixelStatistics};
+use radsight_picture::{FileFormat, Header, Image, write_image};
+use radsight_render::{RenderOptions, Renderer};
+use radsight_report::{ErrorEstimate, ErrorMap, GreyPicture, Page, Quantity, ReportError, RunRecord};
+
+impl Accounts {
+    /// The files that are to be written.
+    pub(super) fn paths(&self) -> [&Option<String>; 4] {
+        [&self.report, &self.error_map, &self.ray_map, &self.record]
+    }
+}
+
+/// Writes what is asked for; `record` is made only then.
+pub(super) fn write(
+    arguments: &Capture,
+    camera: &CameraFile,
+    exposure: &Exposure,
+    record: impl FnOnce() -> RunRecord,
+) -> Outcome {
+    let accounts = &arguments.accounts;
+    let header = header(arguments, exposure);
+    if let Some(path) = &accounts.error_map {
+        let mut header = header.clone();
+        header.push_variable(ERROR_MAP, " absolute");
+        write_map(path, &header, &error_image(camera, statistics(exposure)?)?)?;
+    }
+    if let Some(path) = &accounts.ray_map {
+        write_map(path, &header, &ray_image(camera, statistics(exposure)?)?)?;
+    }
+    if accounts.record.is_none() && accounts.report.is_none() {
+        return Ok(());
+    }
+    let record = record();
+    if let Some(path) = &accounts.record {
+        write_file(path, record.to_json().as_bytes())?;
+    }
+    match &accounts.report {
+        Some(path) => write_file(path, page(arguments, camera, exposure, record)?.to_html().as_bytes()),
+        None => Ok(()),
+    }
+}
+
+fn statistics(exposure: &Exposure) -> Result<&PixelStatistics, Failure> {
+    let stopped = "the work was stopped before the error of pixels was known: no error map, no ray map";
+    exposure.pixels.as_ref().ok_or_else(|| Failure::fault(stopped))
+}
+
+fn write_map(path: &str, header: &Header, image: &Image<f32>) -> Outcome {
+    let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
+    let bytes = write_image(format, header, image).map_err(|error| Failure::fault(error.to_string()))?;
+    write_file(path, &bytes)
+}
+
+fn error_image(camera: &CameraFile, statistics: &PixelStatistics) -> Result<Image<f32>, Failure> {
+    exposure_image(&camera.camera, &statistics.standard_errors)
+}
+
+fn ray_image(camera: &CameraFile, statistics: &PixelStatistics) -> Result<Image<f32>, Failure> {
+    let samples: Vec<f64> = statistics.samples.iter().map(|samples| f64::from(*samples)).collect();
+    exposure_image(&camera.camera, &samples)
+}
+
+/// How the capture went.
+pub(super) fn record(
+    stopwatch: &Stopwatch,
+    renderer: &Renderer,
+    options: &RenderOptions,
+    arguments: &Capture,
+    exposure: &Exposure,
+) -> RunRecord {
+    let mut record = stopwatch.record(renderer.plan(), &words_of_process());
+    let asked = arguments.samples.is_none().then(|| arguments.error.unwrap_or(DEFAULT_ERROR));
+    record.error = exposure.estimated_error.map(|reached| ErrorEstimate { asked, reached, uncertainty: None });
+    record.rays = Some(exposure.rays);
+    if exposure.is_partial {
+        record.notes.push(format!("the exposure is partial: {}", partial(exposure, arguments)));
+    }
+    if renderer.plan().leaves_out_interreflection() {
+        record.notes.push("light between diffuse surfaces is left out (-ab 0)".to_owned());
+    }
+    record.push_setting("camera file", &arguments.camera);
+    record.push_setting("scene", arguments.scenes.join(" "));
+    match (arguments.samples, asked) {
+        (Some(samples), _) => record.push_setting("rays a pixel", samples.to_string()),
+        (None, asked) => record.push_setting("error asked for", asked.unwrap_or(DEFAULT_ERROR).to_string()),
+    }
+    record.push_setting("seed", arguments.seed.to_string());
+    record.push_setting("threads", rayon::current_num_threads().to_string());
+    record.push_setting("diffuse interreflections (-ab)", options.ambient_bounces.to_string());
+    record.push_setting("mirror relays of a light (-dr)", options.mirror_sources.to_string());
+    record
+}
+
+fn page(arguments: &Capture, camera: &CameraFile, exposure: &Exposure, record: RunRecord) -> Result<Page, Failure> {
+    let image = exposure_image(&camera.camera, &exposure.values)?;
+    let failed = |error: ReportError| Failure::fault(format!("no report: {error}"));
+    let named = arguments.output.as_ref().or(arguments.exposure.as_ref()).filter(|name| *name != "-");
+    let mut page = Page::new(named.unwrap_or(&arguments.camera), image.clone(), Quantity::Exposure).map_err(failed)?;
+    let text = read_file(&arguments.camera, "camera file")?;
+    page = of_camera(page, camera, &arguments.camera, &text).map_err(failed)?;
+    if let Some(statistics) = &exposure.pixels {
+        page = page.error_map(ErrorMap::Absolute(error_image(camera, statistics)?)).map_err(failed)?;
+        page = page.ray_map(ray_image(camera, statistics)?).map_err(failed)?;
+    }
+    if let Some(sensor) = &camera.sensor {
+        let stored: Vec<f64> = image.data().iter().map(|value| f64::from(*value)).collect();
+        let greys = sensor.greys(&stored, arguments.seed);
+        let values = Image::new(image.width(), image.height(), 1, greys);
+        let values = values.map_err(|error| Failure::fault(error.to_string()))?;
+        page = page.grey_picture(GreyPicture { values, largest: sensor.bits().largest() }).map_err(failed)?;
+    }
+    Ok(page.text("Header", header(arguments, exposure).to_text()).record(record))
+}

@@ -1,0 +1,123 @@
+//! What a picture tells of itself: error map, ray map, run record.
+
+use super::defaults;
+use super::options::Options;
+use crate::commands::report::ERROR_MAP;
+use crate::failure::{Failure, Outcome};
+use crate::output::{check_writable, write_file};
+use crate::render_args::number;
+use crate::run_record::Stopwatch;
+use crate::trust::{Existing, OutputName, Trust};
+use radsight_film::{Film, SamplingBudget};
+use radsight_picture::{FileFormat, Header, Image, write_image};
+use radsight_render::Renderer;
+use radsight_report::{ErrorEstimate, RunRecord};
+
+/// The files that are wanted beside the picture.
+#[derive(Debug, Default)]
+pub(super) struct Accounts {
+    error_map: Option<OutputName>,
+    ray_map: Option<OutputName>,
+    record: Option<OutputName>,
+}
+
+impl Accounts {
+    /// Takes one option from the front; gives how many words it used, 0 for something else.
+    pub(super) fn take(&mut self, words: &[String], trust: &Trust) -> Result<usize, Failure> {
+        let place = match words[0].as_str() {
+            "--error-map" => &mut self.error_map,
+            "--ray-map" => &mut self.ray_map,
+            "--record" => &mut self.record,
+            _ => return Ok(0),
+        };
+        let file: String = number(words, &words[0], "a file")?;
+        *place = Some(trust.output(&file, Existing::Kept)?);
+        Ok(2)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.error_map.is_none() && self.ray_map.is_none() && self.record.is_none()
+    }
+
+    /// Everything that can be wrong before the scene is read.
+    pub(super) fn check(&self, options: &Options) -> Outcome {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let wrong = |message: &str| Err(Failure::usage(format!("rpict: {message}")));
+        if options.first_frame > 0 {
+            return wrong("--error-map, --ray-map and --record are for single pictures, not for sequences (-S)");
+        }
+        if options.recover.is_some() {
+            return wrong("--error-map, --ray-map and --record know nothing of rows that are recovered (-r, -ro)");
+        }
+        match options.pixels {
+            SamplingBudget::Error { .. } => {}
+            _ if self.error_map.is_some() => return wrong("--error-map needs --error"),
+            SamplingBudget::Interpolated(_) if self.ray_map.is_some() => {
+                return wrong("--ray-map needs --error or --samples");
+            }
+            _ => {}
+        }
+        let files = [&self.error_map, &self.ray_map, &self.record];
+        files.into_iter().flatten().filter(|name| ***name != *"-").try_for_each(|name| check_writable(name))
+    }
+
+    /// Writes them for a finished picture.
+    pub(super) fn write(
+        &self,
+        options: &Options,
+        header: &Header,
+        renderer: &Renderer,
+        film: &Film<'_>,
+        stopwatch: &mut Stopwatch,
+    ) -> Outcome {
+        if self.is_empty() {
+            return Ok(());
+        }
+        let columns = film.columns();
+        let write_map = |path: &str, header: &Header, values: Vec<f32>| {
+            let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
+            let image = Image::new(columns, values.len() / columns, 1, values);
+            let bytes = image.and_then(|image| write_image(format, header, &image));
+            write_file(path, &bytes.map_err(|error| Failure::fault(error.to_string()))?)
+        };
+        if let (Some(path), Some(errors)) = (&self.error_map, film.relative_errors()) {
+            let mut header = header.history();
+            header.push_variable(ERROR_MAP, " relative");
+            write_map(path, &header, errors)?;
+        }
+        if let (Some(path), Some(samples)) = (&self.ray_map, film.samples()) {
+            write_map(path, &header.history(), samples.into_iter().map(|samples| samples as f32).collect())?;
+        }
+        match &self.record {
+            Some(path) => {
+                stopwatch.lap("pixels traced and written");
+                write_file(path, record(options, renderer, film, stopwatch).to_json().as_bytes())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn record(options: &Options, renderer: &Renderer, film: &Film<'_>, stopwatch: &Stopwatch) -> RunRecord {
+    let mut record = stopwatch.record(renderer.plan(), &options.command);
+    record.command.extend(options.scenes.iter().cloned());
+    let asked = match options.effort {
+        Some(SamplingBudget::Error { error, .. }) => Some(error),
+        _ => None,
+    };
+    record.error = film.estimate().map(|estimate| ErrorEstimate {
+        asked,
+        reached: estimate.error,
+        uncertainty: Some(estimate.uncertainty),
+    });
+    record.rays = film.samples().map(|samples| samples.into_iter().map(u64::from).sum());
+    record.cache_noise = renderer.irradiance_noise();
+    // As -defaults shows them: the words of an option, and behind # what it is.
+    for line in defaults::text(options).lines() {
+        let (words, what) = line.split_once('#').unwrap_or((line, ""));
+        record.push_setting(words.trim(), what.trim());
+    }
+    record
+}

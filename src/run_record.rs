@@ -1,0 +1,67 @@
+//! How a run went: what the time was spent on, and what the renderer decided.
+
+use radsight_render::RenderPlan;
+use radsight_report::{Decision, RunRecord, Stage};
+use std::time::Instant;
+
+/// Measures the stages of a run, one after the other.
+pub(crate) struct Stopwatch {
+    stages: Vec<Stage>,
+    begun: Instant,
+    processor_s: Option<f64>,
+}
+
+impl Stopwatch {
+    /// Begins the first stage.
+    pub(crate) fn start() -> Stopwatch {
+        Stopwatch { stages: Vec::new(), begun: Instant::now(), processor_s: processor_seconds() }
+    }
+
+    /// Ends a stage, of this name, and begins the next.
+    pub(crate) fn lap(&mut self, name: &str) {
+        let (now, processor_s) = (Instant::now(), processor_seconds());
+        let spent = processor_s.zip(self.processor_s).map(|(now, before)| now - before);
+        let elapsed_s = (now - self.begun).as_secs_f64();
+        self.stages.push(Stage { name: name.to_owned(), elapsed_s, processor_s: spent });
+        (self.begun, self.processor_s) = (now, processor_s);
+    }
+
+    /// A record of the stages so far, of the program's words and of what the plan decided.
+    pub(crate) fn record(&self, plan: &RenderPlan, command: &[String]) -> RunRecord {
+        let decision = |decision: &radsight_render::PlanDecision| Decision {
+            what: decision.what.clone(),
+            why: decision.why.clone(),
+            skipped: decision.skip.is_some(),
+        };
+        RunRecord {
+            software: format!(
+                "radsight {} on {} {}",
+                env!("CARGO_PKG_VERSION"),
+                std::env::consts::OS,
+                std::env::consts::ARCH
+            ),
+            command: command.to_vec(),
+            date: Some(crate::clock::now_local()),
+            stages: self.stages.clone(),
+            decisions: plan.decisions().iter().map(decision).collect(),
+            ..RunRecord::default()
+        }
+    }
+}
+
+/// Processor time of this process and of those that it ran and that ended, s; `None` where the system does not say.
+#[cfg(unix)]
+fn processor_seconds() -> Option<f64> {
+    use nix::sys::resource::{UsageWho, getrusage};
+    let seconds = |time: nix::sys::time::TimeVal| time.tv_sec() as f64 + 1e-6 * time.tv_usec() as f64;
+    let usages = [UsageWho::RUSAGE_SELF, UsageWho::RUSAGE_CHILDREN].map(getrusage);
+    usages
+        .into_iter()
+        .map(|usage| usage.ok().map(|usage| seconds(usage.user_time()) + seconds(usage.system_time())))
+        .sum()
+}
+
+#[cfg(not(unix))]
+fn processor_seconds() -> Option<f64> {
+    None
+}
