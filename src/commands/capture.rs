@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
     };
     bar.finish();
-    conclude(renderer.plan(), registry.as_ref(), &sources)?;
+    conclude(renderer.plan(), registry.as_ref(), &sources, &arguments.reading)?;
     say_result(&exposure, arguments);
     if exposure.pixels_done > 0 {
         write(arguments, &camera, sensor, &exposure)?;

@@ -255,6 +255,8 @@ impl Compiler<'_> {
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
                     steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
+                // It is told when a ray meets it, and hides what it modifies.
+                ModifierKind::Material(Material::Unusable { .. }) => found = Some(Kind::Unusable),
                 _ if found.is_some() => {
                     let name = scene.modifier_name(Some(handle));
                     return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));

@@ -1,5 +1,6 @@
 //! Deciding what a scene needs, once before the first ray.
 
+use crate::unbounded::Unbounded;
 use crate::compile::compile_shaders;
 use crate::light_policy::{ALWAYS_ALL, light_draws};
 use crate::lighting::collect_lights;
@@ -97,6 +98,7 @@ impl RenderPlan {
             bands,
             layout,
             unusable_met: OnceLock::new(),
+            unbounded: Unbounded::default(),
             decisions: Vec::new(),
         };
         plan.find_profiles();

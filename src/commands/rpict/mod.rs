@@ -36,7 +36,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let mut renderer = Renderer::new(plan);
         picture.gather_irradiance(&options, &mut renderer);
         picture.render(&options, &renderer)?;
-        return conclude(renderer.plan(), registry.as_ref(), &sources);
+        return conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading);
     }
     let mut sequence = Sequence::new(&options)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
@@ -46,7 +46,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
         picture.gather_irradiance(&options, &mut renderer);
         picture.render(&options, &renderer)?;
-        conclude(renderer.plan(), registry.as_ref(), &sources)?;
+        conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)?;
     }
     Ok(())
 }
@@ -130,7 +130,10 @@ impl Picture {
                     .iter_mut()
                     .for_each(|pixel| *pixel = options.color.of(pixel.map(f64::from)).map(|part| part as f32));
             }
-            if renderer.plan().unusable_met().is_some() {
+            let plan = renderer.plan();
+            let is_refused =
+                options.reading.strict && (plan.has_function_faults() || plan.has_unbounded_radiance());
+            if is_refused || renderer.plan().unusable_met().is_some() {
                 return Ok(());
             }
             let mut bytes = Vec::new();

@@ -155,6 +155,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         } else {
             self.finish(start);
         }
+        self.plan.unbounded.bound(&mut self.radiance, self.first_hit.as_ref());
         Traced {
             value: self.rgb(&self.radiance),
             spectrum: self.spectrum(&self.radiance),
