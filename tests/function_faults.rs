@@ -72,8 +72,6 @@ fn no_picture_has_values_that_are_none() {
     for functions in ["shade=if(Px,1e300*Pz,1)*1e300;\n", "shade=if(Px,1e300*Pz,1)*1e300-if(Px,1e300*Pz,1)*1e300;\n"] {
         let folder = ball(functions);
         let run = picture(&folder, &["-ff"]);
-        let words = ["pvalue", "-r", "-df", "-h", "-H"];
-        let _ = words;
         let start = run.output.windows(2).position(|pair| pair == b"\n\n").expect("a header ends") + 2;
         let start = start + run.output[start..].iter().position(|byte| *byte == b'\n').expect("a size ends") + 1;
         let (values, rest) = run.output[start..].as_chunks::<4>();
