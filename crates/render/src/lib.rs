@@ -27,6 +27,7 @@ mod prism_manifold;
 mod ray_spacing;
 mod ray_tree;
 mod renderer;
+mod retrace;
 mod shadow;
 mod specular_chain;
 mod specular_return;

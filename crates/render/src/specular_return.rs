@@ -386,6 +386,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use radsight_sampling::{DimensionSet, RaySampler};
 
     fn image(center: DVec2, map: DMat2, chance: f64) -> LightImage {
         let frame = TangentPlane::new(DVec3::new(0.3, -0.2, 0.9).normalize());
@@ -408,17 +409,16 @@ mod tests {
         let axis = DVec3::new(0.3, -0.2, 0.9).normalize();
         let smooth = |direction: DVec3| 1.0 + direction.x - 2.0 * direction.y * direction.z;
         // ∫ smooth over all images, by draws and by a grid in the tangent plane.
-        let (side, choices) = (32, 512);
+        let points = 1 << 18;
         let mut by_draws = 0.0;
-        for index in 0..side * side * choices {
-            let at = |k: u32, of: u32| (f64::from(k) + 0.5) / f64::from(of);
-            let u = [at(index % side, side), at(index / side % side, side), at(index / side / side, choices)];
+        for index in 0..points {
+            let [u, v, choice, _] = RaySampler::new(1, index).take(DimensionSet::CAMERA);
             for draw in 0..images.draws() {
-                let direction = images.draw(draw, u).expect("a direction");
+                let direction = images.draw(draw, [u, v, choice]).expect("a direction");
                 by_draws += smooth(direction) / images.density(direction);
             }
         }
-        by_draws /= f64::from(side * side * choices);
+        by_draws /= points as f64;
         let frame = TangentPlane::new(axis);
         let steps = 3000;
         let mut by_grid = 0.0;

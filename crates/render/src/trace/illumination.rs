@@ -49,7 +49,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return;
         }
         let follow_diffuse = wants_indirect && gathered.is_none();
-        let images = if follow_highlight && point.may_retroreflect() && !self.splits && path.mis.is_none() {
+        let images = if follow_highlight && point.may_retroreflect() && path.mis.is_none() {
             self.specular_return(path.chain, (at, primitive), point)
         } else {
             None
@@ -62,7 +62,10 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 None => 0,
             },
         };
-        let branches = if self.splits { self.branches(path, point, asked) } else { asked };
+        let mut branches = if self.splits { self.branches(path, point, asked) } else { asked };
+        if images.is_some() {
+            branches.highlight = asked.highlight;
+        }
         let set = self.next_set;
         // A ray that does not split takes its points as those of pictures do.
         let is_split = branches != asked;
