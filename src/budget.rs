@@ -61,9 +61,9 @@ pub(crate) fn take(words: Vec<String>) -> Result<Vec<String>, Failure> {
         (None, None) => None,
     };
     match asked {
-        Some(Size(limit)) => system::set(limit).map_err(|reason| {
-            Failure::fault(format!("cannot set {OPTION}: {reason}"))
-        })?,
+        Some(Size(limit)) => {
+            system::set(limit).map_err(|reason| Failure::fault(format!("cannot set {OPTION}: {reason}")))?
+        }
         // A limit that the caller has set stays where it is lower.
         None => guard::machine_memory().into_iter().for_each(|bytes| system::lower_to(bytes / 4 * 3)),
     }
@@ -76,7 +76,9 @@ fn without_option(mut words: Vec<String>) -> Result<(Vec<String>, Option<String>
     let mut own = own.unwrap_or(words.len());
     while let Some(at) = words[..own].iter().position(|word| word == OPTION) {
         if at + 1 >= own {
-            return Err(Failure::usage(format!("option \"{OPTION}\" ends the command line, expected {EXPECTED} after it")));
+            return Err(Failure::usage(format!(
+                "option \"{OPTION}\" ends the command line, expected {EXPECTED} after it"
+            )));
         }
         value = words.drain(at..at + 2).nth(1);
         own -= 2;

@@ -171,11 +171,13 @@ pub(crate) fn conclude_all<'p>(
     }
     let mut faults: Vec<Diagnostic> = Vec::new();
     // Plans for one scene share its functions.
-    plans.iter().flat_map(|plan| plan.function_faults().into_iter().chain(plan.unbounded_radiance())).for_each(|fault| {
-        if !faults.contains(&fault) {
-            faults.push(fault);
-        }
-    });
+    plans.iter().flat_map(|plan| plan.function_faults().into_iter().chain(plan.unbounded_radiance())).for_each(
+        |fault| {
+            if !faults.contains(&fault) {
+                faults.push(fault);
+            }
+        },
+    );
     match faults.is_empty() {
         false if reading.strict => Err(Failure::diagnostics(&faults, sources)),
         false if !reading.no_warnings => {

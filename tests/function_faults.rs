@@ -98,3 +98,15 @@ fn an_index_of_refraction_of_zero_is_told_with_its_material_and_refused_when_str
     let strict = picture(&folder, &["--strict"]);
     assert_eq!((strict.code, strict.messages.matches(told).count()), (INPUT, 1), "{}", strict.messages);
 }
+
+#[test]
+fn contributions_are_numbers_too() {
+    let folder = ball("shade=if(Px,1e300*Pz,1)*1e300;\n");
+    let mut command = command(&["rcontrib", "-h", "-V+", "-m", "l", "scene.rad"]);
+    let run = run_with(command.current_dir(folder.path("")), b".1 -4 .4 0 1 0\n");
+    let text = String::from_utf8(run.output).expect("the values are text");
+    let values: Vec<f32> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    assert_eq!(values.len(), 3, "{text}");
+    assert!(values.iter().all(|value| value.is_finite() && *value > 1e38), "{text}");
+    assert!(run.messages.contains("warning: the radiance of "), "{}", run.messages);
+}

@@ -57,7 +57,8 @@ fn pictures_that_unpack_to_more_than_the_limit_end_the_program() {
 fn pictures_that_are_read_row_by_row_need_little_memory() {
     let folder = Folder::new();
     folder.file("bomb.hdr", bomb(500));
-    for words in [&["pfilt", "-x", "/100", "-y", "/100", "bomb.hdr"][..], &["pextrem", "bomb.hdr"], &["ra_ppm", "bomb.hdr"]]
+    for words in
+        [&["pfilt", "-x", "/100", "-y", "/100", "bomb.hdr"][..], &["pextrem", "bomb.hdr"], &["ra_ppm", "bomb.hdr"]]
     {
         let run = run_within(&folder, "64M", words);
         assert_eq!((run.code, run.messages.as_str()), (0, ""), "{words:?}");
@@ -68,7 +69,10 @@ fn pictures_that_are_read_row_by_row_need_little_memory() {
 fn long_lines_end_the_program() {
     let folder = Folder::new();
     folder.file("long.cal", format!("a={}1;", "1+".repeat(5_000_000)));
-    folder.file("long.rad", format!("void plastic p 0 0 5 .5 .5 .5 0 0\np polygon x 0 0 6000000 {}", "1 2 3 ".repeat(2_000_000)));
+    folder.file(
+        "long.rad",
+        format!("void plastic p 0 0 5 .5 .5 .5 0 0\np polygon x 0 0 6000000 {}", "1 2 3 ".repeat(2_000_000)),
+    );
     assert_exhausted(&run_within(&folder, "48M", &["rcalc", "-n", "-f", "long.cal"]), "48 MB");
     assert_exhausted(&run_within(&folder, "48M", &["check", "long.rad"]), "48 MB");
 }
@@ -166,7 +170,8 @@ fn where_no_threads_can_be_had_it_is_said() {
     let folder = Folder::new();
     // Where another user can run it.
     std::fs::copy(env!("CARGO_BIN_EXE_radsight"), folder.path("radsight")).expect("the program is copied");
-    std::fs::set_permissions(folder.path(""), std::fs::Permissions::from_mode(0o755)).expect("the folder's mode is set");
+    std::fs::set_permissions(folder.path(""), std::fs::Permissions::from_mode(0o755))
+        .expect("the folder's mode is set");
     folder.file("picture.hdr", bomb(4));
     folder.file("scene.rad", "void light l\n0\n0\n3 1 1 1\nl sphere s\n0\n0\n4 0 0 0 1\n");
     folder.file("matrix", "NROWS=2\nNCOLS=2\nNCOMP=1\nFORMAT=ascii\n\n1 0\n0 1\n");

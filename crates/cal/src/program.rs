@@ -327,7 +327,7 @@ impl Program {
 /// Whether single precision cannot hold a value; so it is with what is no number.
 #[inline]
 fn is_beyond(value: f64) -> bool {
-    !(value.abs() <= f64::from(f32::MAX))
+    value.is_nan() || value.abs() > f64::from(f32::MAX)
 }
 
 /// A root after reading.

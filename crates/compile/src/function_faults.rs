@@ -27,7 +27,8 @@ impl RenderPlan {
             let program = program_of(modifier)?;
             let faults = program.faults().filter(|_| told.insert(Arc::as_ptr(program)))?;
             let [x, y, z] = faults.point;
-            let evaluations = if faults.count == 1 { "1 evaluation".to_owned() } else { format!("{} evaluations", faults.count) };
+            let evaluations =
+                if faults.count == 1 { "1 evaluation".to_owned() } else { format!("{} evaluations", faults.count) };
             let message = format!(
                 "functions of \"{}\" failed in {evaluations}, such as at ({x:.6} {y:.6} {z:.6}): {}",
                 scene.modifier_name(Some(handle)),

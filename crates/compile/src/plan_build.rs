@@ -1,6 +1,5 @@
 //! Deciding what a scene needs, once before the first ray.
 
-use crate::unbounded::Unbounded;
 use crate::compile::compile_shaders;
 use crate::light_policy::{ALWAYS_ALL, light_draws};
 use crate::lighting::collect_lights;
@@ -14,6 +13,7 @@ use crate::reflectors::find_reflectors;
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
 use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
+use crate::unbounded::Unbounded;
 use crate::veils::find_veils;
 use crate::visibility_class::Visibility;
 use radsight_accel::Geometry;

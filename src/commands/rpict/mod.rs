@@ -131,8 +131,7 @@ impl Picture {
                     .for_each(|pixel| *pixel = options.color.of(pixel.map(f64::from)).map(|part| part as f32));
             }
             let plan = renderer.plan();
-            let is_refused =
-                options.reading.strict && (plan.has_function_faults() || plan.has_unbounded_radiance());
+            let is_refused = options.reading.strict && (plan.has_function_faults() || plan.has_unbounded_radiance());
             if is_refused || renderer.plan().unusable_met().is_some() {
                 return Ok(());
             }

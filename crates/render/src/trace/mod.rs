@@ -80,7 +80,7 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     /// What was cut away for the present ray; the first is nothing.
     pub(crate) cuts: Vec<Subtraction>,
     pub(crate) radiance: [f64; BANDS],
-    first_hit: Option<FirstHit>,
+    pub(crate) first_hit: Option<FirstHit>,
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
