@@ -6,8 +6,8 @@
 
 use crate::failure::{Failure, Outcome, reason};
 use crate::output::write_file;
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read};
 
 /// The first line; Radiance has the computer and the process there.
 const MARK: &str = "radsight";
@@ -70,11 +70,20 @@ fn read(path: &str) -> Result<Option<String>, Failure> {
     match fs::metadata(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(failed(error)),
-        Ok(found) if !found.is_file() || found.len() > LONGEST => return Err(other()),
-        Ok(found) if found.len() == 0 => return Ok(None),
+        // A pipe would be waited for.
+        Ok(found) if !found.is_file() => return Err(other()),
         Ok(_) => {}
     }
-    let text = String::from_utf8(fs::read(path).map_err(failed)?).map_err(|_| other())?;
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(failed)?;
+    file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > LONGEST {
+        return Err(other());
+    }
+    if bytes.is_empty() {
+        return Ok(None);
+    }
+    let text = String::from_utf8(bytes).map_err(|_| other())?;
     if text.lines().next() == Some(MARK) { Ok(Some(text)) } else { Err(other()) }
 }
 

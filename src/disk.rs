@@ -112,10 +112,12 @@ impl Loader for DiskLoader {
             .spawn()
             .map_err(|error| failed(reason(&error)))?;
         let writer = child.stdin.take().zip(standard_input.map(<[u8]>::to_vec)).map(|(mut pipe, bytes)| {
-            std::thread::spawn(move || {
+            std::thread::Builder::new().spawn(move || {
                 let _ = pipe.write_all(&bytes);
             })
         });
+        // Without the thread its pipe is closed, and the command ends.
+        let writer = writer.transpose().map_err(|error| failed(reason(&error)))?;
         let output = child.wait_with_output().map_err(|error| failed(reason(&error)))?;
         if let Some(writer) = writer {
             let _ = writer.join();

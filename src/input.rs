@@ -18,7 +18,7 @@ use radsight_render::{ModelSource, NoModels, RenderOptions, RenderPlan};
 use std::io::{self, Read as _};
 use std::path::Path;
 use std::process::Stdio;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// Reads a camera file and prints its warnings.
 pub(crate) fn read_camera(path: &str) -> Result<CameraFile, Failure> {
@@ -147,9 +147,14 @@ pub(crate) struct Planned {
     pub(crate) sources: SourceMap,
 }
 
-/// What is to be said when all rays were traced: what plugins did wrongly, and the error of a material that cannot be used.
-pub(crate) fn conclude(plan: &RenderPlan, registry: Option<&Registry>, sources: &SourceMap) -> Outcome {
-    conclude_all([plan], registry, sources)
+/// What is to be said when all rays were traced: what plugins and functions did wrongly, and the error of a material that cannot be used.
+pub(crate) fn conclude(
+    plan: &RenderPlan,
+    registry: Option<&Registry>,
+    sources: &SourceMap,
+    reading: &Reading,
+) -> Outcome {
+    conclude_all([plan], registry, sources, reading)
 }
 
 /// The same of several plans for one scene.
@@ -157,11 +162,29 @@ pub(crate) fn conclude_all<'p>(
     plans: impl IntoIterator<Item = &'p RenderPlan>,
     registry: Option<&Registry>,
     sources: &SourceMap,
+    reading: &Reading,
 ) -> Outcome {
     report_faults(registry);
-    match plans.into_iter().find_map(RenderPlan::unusable_met) {
-        Some(error) => Err(Failure::diagnostics(&[error], sources)),
-        None => Ok(()),
+    let plans: Vec<&RenderPlan> = plans.into_iter().collect();
+    if let Some(error) = plans.iter().copied().find_map(RenderPlan::unusable_met) {
+        return Err(Failure::diagnostics(&[error], sources));
+    }
+    let mut faults: Vec<Diagnostic> = Vec::new();
+    // Plans for one scene share its functions.
+    plans.iter().flat_map(|plan| plan.function_faults().into_iter().chain(plan.unbounded_radiance())).for_each(
+        |fault| {
+            if !faults.contains(&fault) {
+                faults.push(fault);
+            }
+        },
+    );
+    match faults.is_empty() {
+        false if reading.strict => Err(Failure::diagnostics(&faults, sources)),
+        false if !reading.no_warnings => {
+            say(&render(&faults, sources));
+            Ok(())
+        }
+        _ => Ok(()),
     }
 }
 
@@ -270,6 +293,15 @@ fn valid_scene(
 
 /// More threads than this are not started, however many processors there are.
 const MOST_THREADS: usize = 4096;
+
+/// Starts a thread for each processor for a program that has no option for that, if it does not have
+/// them yet.
+pub(crate) fn use_default_threads() -> Outcome {
+    static STARTED: Once = Once::new();
+    let mut outcome = Ok(());
+    STARTED.call_once(|| outcome = use_threads(None));
+    outcome
+}
 
 /// Sets the number of threads for everything that follows: one for each processor where nothing is said.
 pub(crate) fn use_threads(threads: Option<usize>) -> Outcome {

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod budget;
 mod clock;
 mod commands;
 mod control_file;
@@ -34,6 +35,10 @@ use std::path::Path;
 use std::process::ExitCode;
 use trust::Trust;
 
+/// Says so when there is no memory left.
+#[global_allocator]
+static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
+
 fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     match run(arguments) {
@@ -43,7 +48,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: Vec<OsString>) -> Outcome {
-    let (trust, words) = Trust::of_process(words(&arguments)?)?;
+    let (trust, words) = Trust::of_process(budget::take(words(&arguments)?)?)?;
     let own_name = words.first().and_then(|name| Path::new(name).file_stem()).and_then(|name| name.to_str());
     // Called through a link with a Radiance program's name, it is that program; so it is when the name comes first.
     let linked: Vec<String> = own_name.map(str::to_owned).into_iter().chain(words.iter().skip(1).cloned()).collect();

@@ -49,6 +49,15 @@ impl PluginGuard {
         Ok(2)
     }
 
+    /// Whether a plugin may take more than by these options.
+    pub(crate) fn allows_more_than(&self, other: &PluginGuard) -> bool {
+        let (Ok(own), Ok(others)) = (self.limits(), other.limits()) else { return false };
+        let is_more =
+            |own: Option<f64>, others: Option<f64>| own.unwrap_or(f64::INFINITY) > others.unwrap_or(f64::INFINITY);
+        is_more(own.time.map(|time| time.as_secs_f64()), others.time.map(|time| time.as_secs_f64()))
+            || is_more(own.memory.map(|bytes| bytes as f64), others.memory.map(|bytes| bytes as f64))
+    }
+
     /// Guards the program against plugins, if that is not done yet. To be called before one is
     /// loaded.
     pub(crate) fn guard_program(&self) -> Result<(), String> {

@@ -7,6 +7,7 @@ use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::Failure;
 use crate::switch::switched;
+use crate::trust::Origin;
 use radsight_cal::{Definitions, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::Rgb;
@@ -198,8 +199,15 @@ pub(crate) fn take_irradiance(words: &[String], options: &mut RenderOptions) -> 
 /// Takes one option of ours that Radiance's programs do not have: how scenes are read, what they
 /// may cause, and the seed.
 pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut RenderOptions) -> Result<usize, Failure> {
+    let before = reading.plugin_guard.clone();
     let used = reading.plugin_guard.take(words)?;
     if used > 0 {
+        if reading.trust.word_origin() == Origin::File && reading.plugin_guard.allows_more_than(&before) {
+            return Err(Failure::input(format!(
+                "option \"{}\" comes from a file and is not obeyed\nhint: only the command line itself may allow plugins more",
+                words[..used].join(" ")
+            )));
+        }
         return Ok(used);
     }
     let word = words[0].as_str();

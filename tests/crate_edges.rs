@@ -46,6 +46,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("matrix", &["cal", "diag", "measured", "picture", "spectrum"]),
     ("measured", &[]),
     ("octree", &["formats", "ir"]),
+    ("memory", &[]),
     ("output", &[]),
     ("parse", &["cal", "diag", "formats", "ir", "loader", "measured", "picture", "scene-generators"]),
     ("picture", &[]),

@@ -58,7 +58,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     };
     bar.finish();
     stopwatch.lap("rays traced, exposure");
-    conclude(renderer.plan(), registry.as_ref(), &sources)?;
+    conclude(renderer.plan(), registry.as_ref(), &sources, &arguments.reading)?;
     say_result(&exposure, arguments);
     if exposure.pixels_done > 0 {
         write(arguments, &camera, sensor, &exposure)?;

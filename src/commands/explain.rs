@@ -2,7 +2,7 @@
 
 use crate::args::Explain;
 use crate::failure::{Failure, Outcome};
-use crate::input::{plan, read_camera};
+use crate::input::{plan, read_camera, use_default_threads};
 use crate::output::write_standard_output;
 use radsight_camera::CameraFile;
 use radsight_capture::{Silent, expose_with_samples};
@@ -18,6 +18,7 @@ const TURNS: u32 = 5;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
+    use_default_threads()?;
     let camera = read_camera(&arguments.camera)?;
     let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, render.clone())?;
     let decisions = planned.plan.decisions().to_vec();

@@ -6,7 +6,7 @@
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
-use crate::input::{read, read_file, read_standard_input};
+use crate::input::{read, read_file, read_standard_input, use_default_threads};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
@@ -55,7 +55,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let objects = request.objects()?;
     let facets = facets(&mesh, &materials(&mesh, &objects).map_err(wrong)?);
     let cube = cube(&mesh);
-    let Built { tree, left_out } = octree(&mesh, cube, &request.build);
+    let Built { tree, left_out } = octree(&mesh, cube, &request.build)?;
     if left_out > 0 {
         request.warn(&format!("{left_out} triangles too many in one place are left out there"));
     }
@@ -160,7 +160,7 @@ fn cube(mesh: &WavefrontMesh) -> Cube {
     Cube { origin: 0.5 * (low + high - size), size }
 }
 
-fn octree(mesh: &WavefrontMesh, cube: Cube, options: &BuildOptions) -> Built {
+fn octree(mesh: &WavefrontMesh, cube: Cube, options: &BuildOptions) -> Result<Built, Failure> {
     let mut scene = Scene { vertices: points(mesh).collect(), ..Scene::default() };
     let name = scene.names.add("triangle");
     for index in 0..mesh.triangles.len() as u32 {
@@ -168,5 +168,6 @@ fn octree(mesh: &WavefrontMesh, cube: Cube, options: &BuildOptions) -> Built {
         scene.surfaces.add(Surface { name, span: None, modifier: None, shape });
     }
     let numbers: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    radsight_octree::build(&scene, &numbers, cube, options)
+    use_default_threads()?;
+    Ok(radsight_octree::build(&scene, &numbers, cube, options))
 }

@@ -1,7 +1,7 @@
 //! `oconv`: scenes into an octree.
 
 use crate::failure::{Failure, Outcome, render, say};
-use crate::input::{read, read_file, scene_inputs};
+use crate::input::{read, read_file, scene_inputs, use_default_threads};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
@@ -59,6 +59,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let is_frozen = is_frozen || was_frozen;
     let read = arguments.read_scene(inputs, is_frozen)?;
     let cube = arguments.cube(old.as_ref(), &read.scene)?;
+    use_default_threads()?;
     let built = radsight_octree::build(&read.scene, &read.numbering.of_surfaces, cube, &arguments.build);
     if built.left_out > 0 {
         arguments.warn(&format!("{} surfaces too many in one place are left out there", built.left_out));

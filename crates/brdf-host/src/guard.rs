@@ -39,8 +39,14 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits { time: Some(Duration::from_secs(120)), memory: watch::half_of_memory() }
+        Limits { time: Some(Duration::from_secs(120)), memory: machine_memory().map(|bytes| bytes / 2) }
     }
+}
+
+/// Bytes of memory that the machine, or the container, has; `None` where it is not known.
+#[must_use]
+pub fn machine_memory() -> Option<u64> {
+    watch::machine_memory()
 }
 
 /// Makes a crash inside a plugin say where it was; the process then ends as it would have. Once in

@@ -21,13 +21,16 @@ pub enum FaultKind {
     /// Something was reached that cannot be evaluated: an unknown name, a missing argument, a number called as a function.
     #[error("an undefined name or argument was used")]
     Undefined,
+    /// A value that single precision cannot hold; the evaluation goes on with it.
+    #[error("a value goes beyond single precision")]
+    Overflow,
 }
 
 impl FaultKind {
     /// Whether Radiance would stop the whole program, not only note an error in the computation.
     #[must_use]
     pub fn is_fatal(self) -> bool {
-        !matches!(self, FaultKind::Domain | FaultKind::Range)
+        !matches!(self, FaultKind::Domain | FaultKind::Range | FaultKind::Overflow)
     }
 }
 

@@ -4,7 +4,8 @@ use crate::bindings::{Bindings, Known};
 use crate::definitions::{Definitions, fold, read_expression};
 use crate::emit::emit;
 use crate::fast::{Code, Registers};
-use crate::fault::{Fault, Warning};
+use crate::fault::{Fault, FaultKind, Warning};
+use crate::fault_log::{FaultLog, Faults};
 use crate::graph::Value;
 use crate::limits::{MOST_FOLDING_STEPS, MOST_STEPS};
 use crate::link::Linker;
@@ -107,6 +108,7 @@ pub struct Program {
     fast_all: Option<Code>,
     constants: Vec<Option<f64>>,
     channels: Vec<u32>,
+    faults: FaultLog,
 }
 
 impl Program {
@@ -173,6 +175,7 @@ impl Program {
             channels,
             image,
             entries,
+            faults: FaultLog::default(),
         };
         Ok((program, lowering.circular()))
     }
@@ -222,7 +225,11 @@ impl Program {
         if let Some(code) = &self.fast[root]
             && code.run(&mut scratch.registers, host, arguments).is_ok()
         {
-            return Ok(scratch.registers.file[usize::from(code.results[0])]);
+            let value = scratch.registers.file[usize::from(code.results[0])];
+            if is_beyond(value) {
+                self.faults.note(FaultKind::Overflow, host);
+            }
+            return Ok(value);
         }
         self.eval_exactly(root, arguments, host, scratch)
     }
@@ -248,6 +255,9 @@ impl Program {
         {
             for (value, result) in values.iter_mut().zip(&code.results) {
                 *value = scratch.registers.file[usize::from(*result)];
+                if is_beyond(*value) {
+                    self.faults.note(FaultKind::Overflow, host);
+                }
             }
             return Ok(());
         }
@@ -266,10 +276,13 @@ impl Program {
         let mut last = 0.0;
         for (entry, value) in self.entries.iter().zip(values) {
             *value = 0.0;
-            last = machine.run(*entry, arguments).map_err(|kind| Fault { kind, value: 0.0 })?;
+            last = machine.run(*entry, arguments).map_err(|kind| self.fault(kind, 0.0, host))?;
             *value = last;
+            if is_beyond(last) {
+                self.faults.note(FaultKind::Overflow, host);
+            }
         }
-        machine.fault.map_or(Ok(()), |kind| Err(Fault { kind, value: last }))
+        machine.fault.map_or(Ok(()), |kind| Err(self.fault(kind, last, host)))
     }
 
     #[cfg(test)]
@@ -287,11 +300,34 @@ impl Program {
     ) -> Result<f64, Fault> {
         let mut machine = Machine::new(&self.image, &mut scratch.stacks, host, MOST_STEPS);
         match (machine.run(self.entries[root], arguments), machine.fault) {
-            (Ok(value), None) => Ok(value),
-            (Ok(value), Some(kind)) => Err(Fault { kind, value }),
-            (Err(kind), _) => Err(Fault { kind, value: 0.0 }),
+            (Ok(value), None) => {
+                if is_beyond(value) {
+                    self.faults.note(FaultKind::Overflow, host);
+                }
+                Ok(value)
+            }
+            (Ok(value), Some(kind)) => Err(self.fault(kind, value, host)),
+            (Err(kind), _) => Err(self.fault(kind, 0.0, host)),
         }
     }
+
+    fn fault<H: Host + ?Sized>(&self, kind: FaultKind, value: f64, host: &H) -> Fault {
+        self.faults.note(kind, host);
+        Fault { kind, value }
+    }
+
+    /// What went wrong in the evaluations so far, of this program and its clones in all threads;
+    /// `None` where nothing did.
+    #[must_use]
+    pub fn faults(&self) -> Option<Faults> {
+        self.faults.read()
+    }
+}
+
+/// Whether single precision cannot hold a value; so it is with what is no number.
+#[inline]
+fn is_beyond(value: f64) -> bool {
+    value.is_nan() || value.abs() > f64::from(f32::MAX)
 }
 
 /// A root after reading.

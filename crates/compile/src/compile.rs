@@ -255,6 +255,11 @@ impl Compiler<'_> {
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
                     steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
+                // It stands for any kind of modifier: what was wrong with it is what is wrong here.
+                ModifierKind::Material(Material::Unusable { reason }) if found.is_some() => {
+                    let name = scene.modifier_name(Some(handle));
+                    return Err(at(modifier.span, format!("modifier \"{name}\" cannot be used: {reason}")));
+                }
                 _ if found.is_some() => {
                     let name = scene.modifier_name(Some(handle));
                     return Err(at(modifier.span, format!("material \"{name}\" modifies another material")));

@@ -7,6 +7,7 @@ use crate::options::{GlobalMedium, RenderOptions, Skip};
 use crate::portals::Portals;
 use crate::reflectors::Reflector;
 use crate::shader::{Kind, Shader, Substitution};
+use crate::unbounded::Unbounded;
 use crate::visibility_class::{Receiver, Visibility};
 use radsight_accel::{Geometry, Identity, Intersection, MemberId, PrimitiveId, Ray, ShaderId, ShaderTable};
 use radsight_diag::Diagnostic;
@@ -70,6 +71,8 @@ pub struct RenderPlan {
     pub layout: Arc<BandLayout>,
     /// The first surface with an unusable material that a ray met.
     pub unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
+    /// Rays whose radiance no picture can hold.
+    pub unbounded: Unbounded,
     pub(crate) decisions: Vec<PlanDecision>,
 }
 

@@ -13,6 +13,7 @@ use crate::reflectors::find_reflectors;
 use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
 use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
+use crate::unbounded::Unbounded;
 use crate::veils::find_veils;
 use crate::visibility_class::Visibility;
 use radsight_accel::Geometry;
@@ -97,6 +98,7 @@ impl RenderPlan {
             bands,
             layout,
             unusable_met: OnceLock::new(),
+            unbounded: Unbounded::default(),
             decisions: Vec::new(),
         };
         plan.find_profiles();

@@ -148,6 +148,26 @@ pub enum Material {
     },
 }
 
+impl Material {
+    /// The call of functions that it evaluates where a ray meets a surface, if it has one.
+    #[must_use]
+    pub fn function_call(&self) -> Option<&FunctionCall> {
+        match self {
+            Material::Prism(Prism { call, .. })
+            | Material::Ashikhmin { orientation: call, .. }
+            | Material::WardFunction(FunctionMaterial { call, .. })
+            | Material::BrtdFunction(FunctionMaterial { call, .. })
+            | Material::Scattering(ScatteringFunction { call, .. })
+            | Material::Bsdf { call, .. } => Some(call),
+            Material::AnisotropicPlastic(anisotropic) | Material::AnisotropicMetal(anisotropic) => {
+                Some(&anisotropic.orientation)
+            }
+            Material::AnisotropicTrans(anisotropic) => Some(&anisotropic.orientation),
+            _ => None,
+        }
+    }
+}
+
 /// The material that stands in for another when it is seen directly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Substitute {

@@ -1,8 +1,8 @@
 //! The scene and its arenas.
 
 use crate::{
-    Arena, BsdfData, Cone, DataGrid, Font, Handle, Material, Mesh, MeshInstance, Mixture, NameId, Names, Pattern,
-    PictureData, Ring, Source, Sphere, Surface, Texture, Transform,
+    Arena, BsdfData, Cone, DataGrid, Font, FunctionCall, GridCall, Handle, Material, Mesh, MeshInstance, Mixture,
+    MixtureAmount, NameId, Names, Pattern, PictureCall, PictureData, Ring, Source, Sphere, Surface, Texture, Transform,
 };
 use glam::DVec3;
 use radsight_diag::Span;
@@ -38,6 +38,35 @@ pub enum ModifierKind {
     Pattern(Pattern),
     /// Chooses between two others.
     Mixture(Mixture),
+}
+
+impl ModifierKind {
+    /// The call of functions that it evaluates where a ray meets a surface, if it has one.
+    #[must_use]
+    pub fn function_call(&self) -> Option<&FunctionCall> {
+        match self {
+            ModifierKind::Texture(Texture::Function(call))
+            | ModifierKind::Texture(Texture::Data(GridCall { call, .. }))
+            | ModifierKind::Pattern(
+                Pattern::BrightFunction(call)
+                | Pattern::ColorFunction(call)
+                | Pattern::BrightData(GridCall { call, .. })
+                | Pattern::ColorData(GridCall { call, .. })
+                | Pattern::ColorPicture(PictureCall { call, .. })
+                | Pattern::SpectrumFunction { call, .. }
+                | Pattern::SpectrumData(GridCall { call, .. })
+                | Pattern::SpectrumPicture(GridCall { call, .. }),
+            ) => Some(call),
+            ModifierKind::Pattern(Pattern::Text(_) | Pattern::Spectrum(_)) => None,
+            ModifierKind::Mixture(mixture) => match &mixture.amount {
+                MixtureAmount::Function(call)
+                | MixtureAmount::Data(GridCall { call, .. })
+                | MixtureAmount::Picture(PictureCall { call, .. }) => Some(call),
+                MixtureAmount::Text(_) => None,
+            },
+            ModifierKind::Material(material) => material.function_call(),
+        }
+    }
 }
 
 /// A cube along the axes, scene units.

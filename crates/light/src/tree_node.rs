@@ -115,7 +115,19 @@ pub(crate) fn shown(form: &LightForm) -> f64 {
     match form {
         LightForm::Sphere { radius, .. } => PI * radius * radius,
         LightForm::Cone { .. } => form.area() / PI,
-        LightForm::Distant { .. } => form.solid_angle(1.0),
+        LightForm::Distant { .. } | LightForm::DistantImage { .. } => form.solid_angle(1.0),
         _ => form.area(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_distant_lights_show_is_their_solid_angle() {
+        let [direction, x, y] = [DVec3::Z, DVec3::X * 0.01, DVec3::Y * 0.02];
+        let found = shown(&LightForm::DistantImage { direction, x, y });
+        assert!((found / (PI * 0.01 * 0.02) - 1.0).abs() < 1e-12, "{found} sr");
     }
 }

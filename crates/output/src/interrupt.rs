@@ -145,6 +145,19 @@ fn end_by(signal: i32) {
     end_process(signal);
 }
 
+/// Removes all hidden files and ends the program at once, without what else it does at its end: for
+/// faults after which nothing can be relied on.
+pub fn end_with(code: i32) -> ! {
+    // Whoever has the state at this moment may be the one that met the fault.
+    if let Ok(state) = STATE.try_lock() {
+        state.files.values().for_each(|path| drop(fs::remove_file(path)));
+    }
+    #[cfg(unix)]
+    signal_hook::low_level::exit(code);
+    #[cfg(not(unix))]
+    std::process::exit(code)
+}
+
 #[cfg(unix)]
 fn end_process(signal: i32) {
     // It only fails for signals that do not end a program.

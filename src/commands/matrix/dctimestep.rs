@@ -10,6 +10,7 @@ use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
 use crate::file_pattern::{holds_number, named};
+use crate::input::use_default_threads;
 use crate::output::{write_file, write_standard_output};
 use crate::trust::OutputName;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
@@ -41,6 +42,7 @@ const PROGRAM: &str = "dctimestep";
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    use_default_threads()?;
     let request = Request::read(&mut words)?;
     let sources: Vec<&str> = request.sources.iter().map(String::as_str).collect();
     let (view, factors, sky_source) = match sources[..] {

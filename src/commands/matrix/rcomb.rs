@@ -9,6 +9,7 @@ use crate::clock::push_date;
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome};
+use crate::input::use_default_threads;
 use crate::output::write_standard_output;
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
@@ -44,6 +45,7 @@ const EXPECTED: &str = "-h -w -f -n -e -s -c -C or -m";
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    use_default_threads()?;
     let request = Request::read(&mut words)?;
     let (program, commands) = (words.program(), words.commands());
     let mut inputs = Vec::new();

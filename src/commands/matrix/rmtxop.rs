@@ -8,6 +8,7 @@ use super::input::{Change, format, read_factor, result_format, wrong};
 use crate::commands::words::Words;
 use crate::disk::Commands;
 use crate::failure::{Failure, Outcome, say};
+use crate::input::use_default_threads;
 use crate::output::write_standard_output;
 use radsight_matrix::{Matrix, MatrixError, Stored, Wanted};
 use radsight_measured::Side;
@@ -41,6 +42,7 @@ const EXPECTED: &str = "-v -f -t -s -c -C -rf or -rb";
 
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
+    use_default_threads()?;
     let Request { operands, trailing, format } = Request::read(&mut words)?;
     let (program, commands) = (words.program(), words.commands());
     let result = match is_chain(&operands) {

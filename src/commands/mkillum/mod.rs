@@ -49,7 +49,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     options.inputs.iter().try_for_each(|input| work.read(input))?;
     work.output.finish()?;
     let finder = work.light_finder.iter().flat_map(LightFinder::renderers);
-    conclude_all(finder.chain([&work.renderer]).map(Renderer::plan), planner.registry(), &sources)
+    conclude_all(finder.chain([&work.renderer]).map(Renderer::plan), planner.registry(), &sources, &options.reading)
 }
 
 struct Work<'a> {

@@ -8,7 +8,7 @@
 use super::files::{failed, open_twice, put_file};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome};
-use crate::input::{read_file, read_standard_input};
+use crate::input::{read_file, read_standard_input, use_default_threads};
 use crate::output::{check_writable, write_file};
 use crate::switch::switched;
 use crate::trust::OutputName;
@@ -48,6 +48,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     }
     typed.options.adaptation = adaptation(&typed)?;
     let source = open_twice(path)?;
+    use_default_threads()?;
     let mut map = Vec::new();
     put_file(target, |out| {
         map = condition(source, &typed.options, &words.all(), out).map_err(|error| failed(path, error))?;

@@ -9,6 +9,7 @@ use super::files::{failed, open, open_twice, output};
 use crate::commands::words::Words;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::{Failure, Outcome, say};
+use crate::input::use_default_threads;
 use radsight_loader::{FileKind, Loader};
 use radsight_picture::PictureReader;
 use radsight_picture_ops::filter::{
@@ -33,6 +34,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let (options, passes) = read_options(&mut words)?;
     let path = words.one_file()?;
     let command = words.taken();
+    use_default_threads()?;
     if passes == Passes::One {
         let reader = PictureReader::new(open(path)?).map_err(|error| failed(path, error.into()))?;
         return filter_one_pass(reader, &options, &command, output()).map_err(|error| failed(path, error));

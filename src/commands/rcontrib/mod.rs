@@ -62,7 +62,7 @@ fn run_with(options: Options, input: impl Read) -> Outcome {
     };
     trace(&options, &renderer, &bins, (&mut streams, earlier), input)?;
     streams.finish()?;
-    conclude(renderer.plan(), registry.as_ref(), &sources)
+    conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)
 }
 
 fn trace(

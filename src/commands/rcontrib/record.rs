@@ -163,6 +163,9 @@ impl Records {
         for (value, earlier) in values.iter_mut().zip(self.earlier.drain(..)) {
             *value += earlier;
         }
+        // Each contribution is within these bounds, their sum may not be.
+        let most = f64::from(f32::MAX);
+        values.iter_mut().for_each(|value| *value = value.clamp(-most, most));
         self.sums.fill(0.0);
         self.rays = 0;
         values

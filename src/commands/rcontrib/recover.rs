@@ -181,7 +181,7 @@ fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {
     for planned in &layout.planned {
         let name = file_name(planned)?;
         let expected = planned.values * components;
-        let values = match fs::read(name) {
+        let values = match beginning(name, record_size(options, planned).saturating_mul(LONGEST_NUMBER)) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 warn(options, &format!("missing reload file \"{name}\""));
                 vec![0.0; expected]
@@ -203,6 +203,20 @@ fn reload(options: &Options, layout: &Layout) -> Result<Vec<f64>, Failure> {
     }
     let of_bins = layout.of_bin.iter().map(|stream| (*stream, components));
     Ok(of_bins.flat_map(|(stream, count)| numbers[stream].by_ref().take(count).collect::<Vec<f64>>()).collect())
+}
+
+/// The longest text of a number takes so many times the bytes of a binary one.
+const LONGEST_NUMBER: u64 = 16;
+
+/// The bytes of a file up to where its header and so many more must end: a reload file may be a
+/// long one of something else.
+fn beginning(name: &str, bytes: u64) -> io::Result<Vec<u8>> {
+    if !fs::metadata(name)?.is_file() {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "it is not a file"));
+    }
+    let mut read = Vec::new();
+    File::open(name)?.take(LONGEST_HEADER.saturating_add(bytes)).read_to_end(&mut read)?;
+    Ok(read)
 }
 
 /// The first numbers of a record, as many as are expected if there are as many.

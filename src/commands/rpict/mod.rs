@@ -41,7 +41,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         picture.gather_irradiance(&options, &mut renderer);
         stopwatch.lap("irradiance cache, pre-pass");
         picture.render(&options, &renderer, &mut stopwatch)?;
-        return conclude(renderer.plan(), registry.as_ref(), &sources);
+        return conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading);
     }
     let mut sequence = Sequence::new(&options)?;
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
@@ -51,7 +51,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
         picture.gather_irradiance(&options, &mut renderer);
         picture.render(&options, &renderer, &mut stopwatch)?;
-        conclude(renderer.plan(), registry.as_ref(), &sources)?;
+        conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)?;
     }
     Ok(())
 }
@@ -135,7 +135,9 @@ impl Picture {
                     .iter_mut()
                     .for_each(|pixel| *pixel = options.color.of(pixel.map(f64::from)).map(|part| part as f32));
             }
-            if renderer.plan().unusable_met().is_some() {
+            let plan = renderer.plan();
+            let is_refused = options.reading.strict && (plan.has_function_faults() || plan.has_unbounded_radiance());
+            if is_refused || renderer.plan().unusable_met().is_some() {
                 return Ok(());
             }
             let mut bytes = Vec::new();

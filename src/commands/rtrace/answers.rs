@@ -44,6 +44,6 @@ impl RayAnswers {
 
     /// What is to be said in the end.
     pub(crate) fn conclude(&self) -> Outcome {
-        conclude(self.renderer.plan(), self.registry.as_ref(), &self.sources)
+        conclude(self.renderer.plan(), self.registry.as_ref(), &self.sources, &self.options.reading)
     }
 }

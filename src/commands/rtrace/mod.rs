@@ -38,7 +38,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
     let mut renderer = Renderer::new(plan);
     trace(&options, &mut renderer)?;
-    conclude(renderer.plan(), registry.as_ref(), &sources)
+    conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)
 }
 
 fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {

@@ -69,8 +69,46 @@ pub fn for_child() -> std::process::Stdio {
     ASIDE.get().and_then(|file| file.try_clone().ok()).map_or_else(std::process::Stdio::inherit, Into::into)
 }
 
+/// Whether the program was started without a standard output. The standard library opens the null
+/// device in its place before `main`, so that all that is written would vanish.
+#[cfg(any(target_os = "linux", target_vendor = "apple"))]
+mod at_start {
+    use std::io;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    static WAS_CLOSED: AtomicBool = AtomicBool::new(false);
+
+    extern "C" fn look() {
+        // SAFETY: has no conditions; it runs before the standard library is ready, and uses none of it.
+        let flags = unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) };
+        WAS_CLOSED.store(flags == -1, Ordering::Relaxed);
+    }
+
+    // SAFETY: the functions of this section are called once at the start, without arguments that
+    // this one reads.
+    #[used]
+    #[cfg_attr(target_os = "linux", unsafe(link_section = ".init_array"))]
+    #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__mod_init_func"))]
+    static LOOK: extern "C" fn() = look;
+
+    pub(super) fn check() -> io::Result<()> {
+        match WAS_CLOSED.load(Ordering::Relaxed) {
+            true => Err(io::Error::new(io::ErrorKind::NotConnected, "it was closed when the program started")),
+            false => Ok(()),
+        }
+    }
+}
+
+#[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+mod at_start {
+    pub(super) fn check() -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
 impl Write for StandardOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        at_start::check()?;
         match ASIDE.get() {
             Some(mut file) => file.write(bytes),
             None => io::stdout().write(bytes),

@@ -120,8 +120,8 @@ fn page_bytes() -> u64 {
     4096
 }
 
-/// Half of what the machine, or the container, has.
-pub(super) fn half_of_memory() -> Option<u64> {
+/// Bytes of memory that the machine, or the container, has.
+pub(super) fn machine_memory() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let container =
         number("/sys/fs/cgroup/memory.max").or_else(|| number("/sys/fs/cgroup/memory/memory.limit_in_bytes"));
@@ -129,5 +129,5 @@ pub(super) fn half_of_memory() -> Option<u64> {
         let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
         Some(line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()? << 10)
     });
-    machine.into_iter().chain(container).min().map(|bytes| bytes / 2)
+    machine.into_iter().chain(container).min()
 }

@@ -17,6 +17,12 @@ use std::sync::{Arc, PoisonError, RwLock};
 /// Texts bring in texts no deeper than this.
 const MAX_DEPTH: usize = 64;
 
+/// Texts that stand deeper in others than this are few, whatever the scene places in how many copies.
+const DEEP: usize = 8;
+
+/// So many of them are read in one scene: each may bring in others again, and so double the work.
+const MOST_DEEP_READINGS: usize = 1 << 16;
+
 /// Serves the files that commands of the scene wrote, then what the user's loader has.
 pub(super) struct SceneLoader<'a> {
     loader: &'a dyn Loader,
@@ -67,6 +73,7 @@ pub(super) struct Inclusions {
     /// What was found to include itself; it is not read again, or the ways around the cycle would have no end.
     cyclic: HashSet<TextKey>,
     readings: usize,
+    deep_readings: usize,
     bytes: usize,
 }
 
@@ -274,6 +281,13 @@ impl Reader<'_> {
         }
         if self.inclusions.active.len() >= MAX_DEPTH {
             let message = format!("files and commands include each other more than {MAX_DEPTH} deep");
+            return self.stop(Diagnostic::error(message).at(span));
+        }
+        self.inclusions.deep_readings += usize::from(self.inclusions.active.len() >= DEEP);
+        if self.inclusions.deep_readings > MOST_DEEP_READINGS {
+            let message = format!(
+                "files and commands that include each other more than {DEEP} deep are read more than {MOST_DEEP_READINGS} times"
+            );
             return self.stop(Diagnostic::error(message).at(span));
         }
         let Some(text) = self.inclusions.texts.get_mut(key) else { return };

@@ -26,6 +26,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         // Nothing waits any more, not even what began before the first ray.
         contributions.open.iter_mut().for_each(|open| open.waiting += 1);
         contributions.close(self.radiance, 0);
+        for deferred in &mut contributions.settled {
+            self.plan.unbounded.bound(&mut deferred.value, self.first_hit.as_ref());
+        }
         let layout = &self.plan.layout;
         let values = |value: [f64; BANDS]| {
             if BANDS > 3 {

@@ -80,7 +80,7 @@ pub(crate) struct PathIntegrator<'p, const BANDS: usize> {
     /// What was cut away for the present ray; the first is nothing.
     pub(crate) cuts: Vec<Subtraction>,
     pub(crate) radiance: [f64; BANDS],
-    first_hit: Option<FirstHit>,
+    pub(crate) first_hit: Option<FirstHit>,
     /// Whether the ray went on behind that as if nothing were there.
     first_is_passed: bool,
     effective_distance: f64,
@@ -155,6 +155,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
         } else {
             self.finish(start);
         }
+        self.plan.unbounded.bound(&mut self.radiance, self.first_hit.as_ref());
         Traced {
             value: self.rgb(&self.radiance),
             spectrum: self.spectrum(&self.radiance),

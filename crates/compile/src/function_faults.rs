@@ -1,0 +1,53 @@
+//! What went wrong in the functions of a scene while rays were traced.
+
+use crate::plan::RenderPlan;
+use radsight_diag::Diagnostic;
+use radsight_ir::{Modifier, Scene};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+impl RenderPlan {
+    /// Whether a function of the scene had a fault in what was traced so far.
+    #[must_use]
+    pub fn has_function_faults(&self) -> bool {
+        self.scenes().into_iter().any(|scene| {
+            scene.modifiers.items().iter().any(|modifier| program_of(modifier).is_some_and(|p| p.faults().is_some()))
+        })
+    }
+
+    /// A warning for each modifier whose functions had faults in what was traced so far: how many, of
+    /// which kind one of the first was, and at which point.
+    #[must_use]
+    pub fn function_faults(&self) -> Vec<Diagnostic> {
+        // Modifiers that were read more than once share a program.
+        let mut told = BTreeSet::new();
+        let scenes = self.scenes().into_iter();
+        let all = scenes.flat_map(|scene| scene.modifiers.iter().map(move |(handle, item)| (scene, handle, item)));
+        all.filter_map(|(scene, handle, modifier)| {
+            let program = program_of(modifier)?;
+            let faults = program.faults().filter(|_| told.insert(Arc::as_ptr(program)))?;
+            let [x, y, z] = faults.point;
+            let evaluations =
+                if faults.count == 1 { "1 evaluation".to_owned() } else { format!("{} evaluations", faults.count) };
+            let message = format!(
+                "functions of \"{}\" failed in {evaluations}, such as at ({x:.6} {y:.6} {z:.6}): {}",
+                scene.modifier_name(Some(handle)),
+                faults.kind
+            );
+            Some(modifier.span.into_iter().fold(Diagnostic::warning(message), Diagnostic::at))
+        })
+        .collect()
+    }
+
+    /// The scene, and those that its instances bring along.
+    fn scenes(&self) -> Vec<&Scene> {
+        let mut seen = BTreeSet::new();
+        let placed = self.shaders.iter().filter_map(|shader| shader.textures.home.0.as_ref());
+        let placed = placed.filter(|scene| seen.insert(Arc::as_ptr(scene))).map(|scene| &**scene);
+        std::iter::once(&*self.scene).chain(placed).collect()
+    }
+}
+
+fn program_of(modifier: &Modifier) -> Option<&Arc<radsight_cal::Program>> {
+    modifier.kind.function_call().map(|call| &call.program)
+}

@@ -1,0 +1,96 @@
+//! An allocator that calls a function of the program's when the system gives no more memory.
+//!
+//! Without it a program ends by SIGABRT, with hidden files left behind and an exit code that says
+//! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
+//! comparison with null.
+//!
+//! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
+//! meanwhile for the end of the process. Where the function itself finds no memory, the process
+//! aborts. This crate may not know limits, options or messages.
+//!
+//! ```
+//! #[global_allocator]
+//! static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
+//!
+//! radsight_memory::when_exhausted(|bytes| {
+//!     eprintln!("{bytes} bytes more cannot be had");
+//!     std::process::exit(3)
+//! });
+//! ```
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// What the program does when there is no memory: it gets the bytes that were asked for.
+pub type Exhausted = fn(usize) -> !;
+
+static EXHAUSTED: OnceLock<Exhausted> = OnceLock::new();
+/// Set by the first thread that finds no memory.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Says what to do when there is no memory. The first call counts.
+pub fn when_exhausted(act: Exhausted) {
+    let _ = EXHAUSTED.set(act);
+}
+
+/// The system's allocator, which does what [`when_exhausted`] says instead of giving null.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReportingAllocator;
+
+// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged.
+unsafe impl GlobalAlloc for ReportingAllocator {
+    #[inline]
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's promises are those that the system's allocator asks for.
+        checked(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as for `alloc`.
+        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as for `alloc`.
+        checked(unsafe { System.realloc(memory, layout, size) }, size)
+    }
+
+    #[inline]
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: as for `alloc`.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[inline]
+fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {
+    if memory.is_null() {
+        exhausted(bytes);
+    }
+    memory
+}
+
+/// Returns only where nothing was said, or to the function that says it.
+#[cold]
+fn exhausted(bytes: usize) {
+    let Some(act) = EXHAUSTED.get() else { return };
+    if ENDS_HERE.get() {
+        return;
+    }
+    if !IS_ENDING.swap(true, Ordering::AcqRel) {
+        ENDS_HERE.set(true);
+        act(bytes);
+    }
+    loop {
+        std::thread::sleep(Duration::from_secs(1));
+    }
+}
