@@ -35,6 +35,7 @@ mod shader_sets;
 mod specialise;
 mod substance;
 mod unbounded;
+mod unbounded_radiance;
 mod veiled;
 mod veils;
 mod visibility_class;
