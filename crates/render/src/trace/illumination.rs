@@ -41,6 +41,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
         let follow_highlight = point.has_highlight() && !(alone && lights_suffice);
+        // Other highlights share the work with light sampling, which does not depend on what is known of the receiver.
+        let lights_suffice = lights_suffice && point.is_retroreflector();
         let bounces = if path.follows_no_diffuse { 0 } else { path.ambient_bounces };
         let indirect = Indirect::after(bounces);
         let wants_indirect = point.has_diffuse() && indirect == Indirect::Followed && !alone;
