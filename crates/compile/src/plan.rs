@@ -3,7 +3,7 @@
 use crate::first_hit::{FirstHit, material_name};
 use crate::medium::Medium;
 use crate::mist_lights::MistLights;
-use crate::options::{GlobalMedium, RenderOptions, Skip};
+use crate::options::{BackFaces, GlobalMedium, RenderOptions, Skip};
 use crate::portals::Portals;
 use crate::reflectors::Reflector;
 use crate::shader::{Kind, Shader, Substitution};
@@ -243,6 +243,12 @@ impl RenderPlan {
     pub fn global_medium<const BANDS: usize>(&self) -> Medium<BANDS> {
         let GlobalMedium { extinction, albedo, eccentricity } = self.options.medium;
         Medium { extinction: bands(extinction), albedo: bands(albedo), eccentricity, lights: 0 }
+    }
+
+    /// Whether rays that meet a surface from behind pass it as if it were not there.
+    #[inline]
+    pub fn hides_its_back(&self, shader: &Shader) -> bool {
+        self.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back()
     }
 
     /// Whether diffuse interreflection is left out on the surfaces of a shader.

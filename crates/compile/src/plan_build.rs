@@ -68,7 +68,7 @@ impl RenderPlan {
         } else {
             Visibility::everything()
         };
-        let reflectors = find_reflectors(&scene, &geometry, shader);
+        let reflectors = find_reflectors(&scene, &geometry, &shaders, shader);
         let mist_lights = MistLights::new(&scene, &lights, &mut shaders).map_err(|error| vec![error])?;
         let excluded = excluded(&scene, &shaders, &options.ambient_surfaces);
         let mut plan = RenderPlan {

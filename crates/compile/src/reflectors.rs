@@ -48,8 +48,12 @@ impl Reflector {
 pub(crate) fn find_reflectors<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
+    shaders: &[Shader],
     shader: impl Fn(SurfaceHandle) -> &'a Shader,
 ) -> Vec<Reflector> {
+    if !shaders.iter().any(|shader| mirrors(&shader.kind, false)) {
+        return Vec::new();
+    }
     let is_mirror = |handle: SurfaceHandle| match scene.surfaces[handle].shape {
         // What they are made of is not looked into.
         Shape::Mesh(_) | Shape::Instance(_) => true,

@@ -6,9 +6,7 @@ use crate::trace::passage::Passage;
 use crate::trace::path_state::PathState;
 use glam::DVec3;
 use radsight_accel::{Intersection, is_flat};
-use radsight_compile::{
-    BackFaces, DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, Shader, Substitution,
-};
+use radsight_compile::{DielectricInterface, Emitter, Kind, Medium, MistKind, PrismKind, Shader, Substitution};
 use radsight_light::{Light, Reception};
 use radsight_sampling::DimensionSet;
 use radsight_texture::{SurfaceInteraction, bands, product};
@@ -222,8 +220,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         match substitute {
             Substitution::Shader(id) => {
                 let shader = plan.shader_at(id);
-                let one_sided = plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
-                if !(behind && one_sided) {
+                if !(behind && plan.hides_its_back(shader)) {
                     return self.shade(unseen, hit, shader);
                 }
                 self.push(self.passed_through(*path, hit));

@@ -3,6 +3,7 @@
 //! Rays in a grid over each mirror are followed to where they leave the last mirror; where one passes a light nearer than its neighbours do, Newton's method
 //! finds the ray that meets the light's middle (Hanika, Droske and Fascione 2015). What is not found is not lost, only found by chance as before.
 
+use crate::retrace::{MOST_LIGHTS, MOST_MIRRORS, MirroredRay};
 use crate::specular_chain::SpecularEvent;
 use crate::specular_return::{TangentPlane, passing_place};
 use crate::trace::PathIntegrator;
@@ -13,13 +14,6 @@ use radsight_accel::Ray;
 const MOST_RAYS: f64 = 1e5;
 const LEAST_SIDE: usize = 8;
 const MOST_SIDE: usize = 96;
-
-/// A ray is followed over no more mirrors, and through no more panes.
-const MOST_MIRRORS: usize = 3;
-const MOST_EVENTS: usize = 8;
-
-/// With more lights than this none is looked for.
-const MOST_LIGHTS: usize = 256;
 
 /// Newton's method takes no more steps, and ends within this share of a light's radius from its middle.
 const MOST_STEPS: u32 = 12;
@@ -51,12 +45,6 @@ impl MirroredLight {
     }
 }
 
-/// A ray behind mirrors, with its way there.
-struct MirroredRay {
-    ray: Ray,
-    events: Vec<SpecularEvent>,
-}
-
 /// What one ray of the grid passes, by the number of mirrors before.
 type Passing = [Option<DVec2>; MOST_MIRRORS];
 
@@ -77,7 +65,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
                 let along = |index: usize| reach * (2.0 * (index as f64 + 0.5) / side as f64 - 1.0);
                 frame.direction(DVec2::new(along(index % side), along(index / side)))
             };
-            let grid: Vec<_> = (0..side * side).map(|index| self.mirrored_rays(from, at(index))).collect();
+            let grid: Vec<_> = (0..side * side).map(|index| self.mirrored_rays((from, None), at(index))).collect();
             for light in 0..plan.lights.len() {
                 for (seed, mirrors) in nearest(&self.passings(light, &grid), side) {
                     let events = grid[seed][mirrors - 1].events.clone();
@@ -97,25 +85,6 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             }
         }
         distinct
-    }
-
-    /// The rays that a ray becomes behind its first mirror, its second, and so on.
-    fn mirrored_rays(&mut self, origin: DVec3, direction: DVec3) -> Vec<MirroredRay> {
-        let (mut ray, mut from) = (Ray { origin, direction }, None);
-        let (mut rays, mut events) = (Vec::new(), Vec::new());
-        while rays.len() < MOST_MIRRORS
-            && events.len() < MOST_EVENTS
-            && let Some(hit) = self.next_visible(ray, from)
-            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
-        {
-            ray = Ray { origin: hit.point, direction };
-            from = Some(hit.primitive);
-            events.push(event);
-            if event == SpecularEvent::Reflected {
-                rays.push(MirroredRay { ray, events: events.clone() });
-            }
-        }
-        rays
     }
 
     /// How far from a light's middle the rays of the grid pass, in its radii.

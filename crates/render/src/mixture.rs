@@ -3,7 +3,7 @@
 use crate::trace::PathIntegrator;
 use crate::trace::path_state::PathState;
 use radsight_accel::Intersection;
-use radsight_compile::{BackFaces, Kind, MixtureKind, Shader};
+use radsight_compile::{Kind, MixtureKind, Shader};
 use radsight_texture::SurfaceInteraction;
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
@@ -24,9 +24,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let weights = share.map_or([0.0; 2], |share| [share, 1.0 - share]);
         for (weight, id) in weights.into_iter().zip(mixture.arms) {
             let arm = plan.shader_at(id);
-            let hides =
-                interaction.behind && plan.options.back_faces == BackFaces::Invisible && arm.can_hide_its_back();
-            if matches!(arm.kind, Kind::Transparent) || hides {
+            let is_hidden = interaction.behind && plan.hides_its_back(arm);
+            if matches!(arm.kind, Kind::Transparent) || is_hidden {
                 passing += weight;
             } else if weight > 0.0 {
                 let part = PathState {

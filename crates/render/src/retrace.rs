@@ -5,11 +5,24 @@ use crate::trace::PathIntegrator;
 use glam::DVec3;
 use radsight_accel::{Intersection, PrimitiveId, Ray};
 use radsight_bsdf::{Bsdf, BsdfContext, Scatterer, through_pane};
-use radsight_compile::{BackFaces, Kind, Shader};
+use radsight_compile::{Kind, Shader};
 use radsight_texture::{SurfaceInteraction, mirrored, reflect, shading_normal};
 
 /// A ray passes no more surfaces that do nothing to it.
 const MAX_PASSED: u32 = 64;
+
+/// With more lights than this, looking for each by way of mirrors costs more than it saves.
+pub(crate) const MOST_LIGHTS: usize = 256;
+
+/// A ray that looks for lights is followed over no more mirrors, and no more mirrors and panes.
+pub(crate) const MOST_MIRRORS: usize = 3;
+const MOST_EVENTS: usize = 8;
+
+/// A ray behind mirrors, with its way there.
+pub(crate) struct MirroredRay {
+    pub(crate) ray: Ray,
+    pub(crate) events: Vec<SpecularEvent>,
+}
 
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray that a ray has become after these interactions; `None` where it has no such way.
@@ -28,8 +41,31 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         Some(ray)
     }
 
+    /// The rays that a ray becomes behind its first mirror, its second, and so on.
+    pub(crate) fn mirrored_rays(
+        &mut self,
+        (origin, mut from): (DVec3, Option<PrimitiveId>),
+        direction: DVec3,
+    ) -> Vec<MirroredRay> {
+        let mut ray = Ray { origin, direction };
+        let (mut rays, mut events) = (Vec::new(), Vec::new());
+        while rays.len() < MOST_MIRRORS
+            && events.len() < MOST_EVENTS
+            && let Some(hit) = self.next_visible(ray, from)
+            && let Some((event, direction)) = self.mirrored_step(&ray, &hit)
+        {
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
+            events.push(event);
+            if event == SpecularEvent::Reflected {
+                rays.push(MirroredRay { ray, events: events.clone() });
+            }
+        }
+        rays
+    }
+
     /// What becomes of a ray that looks for mirrors at a surface: panes let it through, anything else reflects it if it does.
-    pub(crate) fn mirrored_step(&mut self, ray: &Ray, hit: &Intersection) -> Option<(SpecularEvent, DVec3)> {
+    fn mirrored_step(&mut self, ray: &Ray, hit: &Intersection) -> Option<(SpecularEvent, DVec3)> {
         let shader = self.plan.shader_at(hit.shader);
         let event = match shader.kind {
             Kind::Glass { .. } => SpecularEvent::Transmitted,
@@ -39,14 +75,12 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The first surface that does anything to a ray.
-    pub(crate) fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
+    fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
         for _ in 0..MAX_PASSED {
             let hit = self.plan.first_hit(&ray, from)?;
             let shader = self.plan.shader_at(hit.shader);
             let behind = ray.direction.dot(hit.front) > 0.0;
-            let is_hidden =
-                behind && self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
-            if !is_hidden && !matches!(shader.kind, Kind::Transparent) {
+            if !(behind && self.plan.hides_its_back(shader)) && !matches!(shader.kind, Kind::Transparent) {
                 return Some(hit);
             }
             ray.origin = hit.point;

@@ -12,7 +12,7 @@ use glam::DVec3;
 use radsight_accel::{Crossing, Intersection, MemberId, PrimitiveId, Ray, RayFrame};
 use radsight_bsdf::pane;
 use radsight_cal::Scratch;
-use radsight_compile::{BackFaces, Kind, Medium, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
+use radsight_compile::{Kind, Medium, RenderPlan, Shader, Substitution, VisibilityClass, emission, given};
 use radsight_ir::Shape;
 use radsight_light::{Light, LightSample, Redirection, VirtualSource};
 use radsight_texture::{SurfaceInteraction, bands, product, reflect};
@@ -480,7 +480,7 @@ fn straight<const BANDS: usize>(
     }
     // Only what lets light through heeds `-bv-`: in Radiance what is opaque casts shadows from behind too.
     let behind = ray.direction.dot(hit.front) > 0.0;
-    if behind && plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back() {
+    if behind && plan.hides_its_back(shader) {
         return Some([1.0; BANDS]);
     }
     let interaction = SurfaceInteraction::at(ray, hit, travelled);

@@ -10,12 +10,13 @@
 //! This is a manifold walk of two Newton steps (Hanika, Droske and Fascione 2015; Zeltner, Georgiev and Jakob 2020) in the space of
 //! directions, taken for whole lamps at once. Since no root is looked for, none can be missed or found twice.
 
+use crate::retrace::MOST_LIGHTS;
 use crate::specular_chain::{SpecularChain, SpecularEvent};
 use crate::trace::PathIntegrator;
 use glam::{DMat2, DVec2, DVec3};
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_bsdf::{Bsdf, PdfRequest};
-use radsight_light::{DiskWarp, Light, LightForm};
+use radsight_light::{DiskWarp, Light, LightForm, LobePeak};
 use radsight_sampling::unit_disk;
 use radsight_texture::strongest;
 use std::f64::consts::PI;
@@ -26,15 +27,8 @@ const BESIDE: f64 = 1e-6;
 /// An image farther from the traced ray than this, as a tangent, or larger, is not drawn from: the map is not linear there.
 const FARTHEST: f64 = 1.0;
 
-/// With more lights than this, looking at each image costs more than the draws save.
-const MOST_LIGHTS: usize = 256;
-
 /// How many directions are drawn from the images of lamps.
 const DRAWS: u32 = 4;
-
-/// A ray towards a lamp is followed over no more mirrors, and through no more panes.
-const MOST_MIRRORS: usize = 3;
-const MOST_EVENTS: usize = 8;
 
 /// Rays towards no more lamps are looked at closer.
 const MOST_SEEDS: usize = 4;
@@ -206,6 +200,15 @@ pub(crate) fn passing_place(light: &Light, plane: &TangentPlane, ray: &Ray) -> O
     (along > 0.0).then(|| (plane.components(place), radius))
 }
 
+/// A point whose highlight looks for lamps.
+struct ReturnPoint<'b, const BANDS: usize> {
+    from: (DVec3, Option<PrimitiveId>),
+    bsdf: &'b Bsdf<'b, BANDS>,
+    peak: LobePeak,
+    /// A lamp where the lobe is no higher is not looked for.
+    least: f64,
+}
+
 impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The images of lamps in specular surfaces that a point sees about the way back; `None` where there are none.
     ///
@@ -213,26 +216,30 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     pub(crate) fn specular_return(
         &mut self,
         chain: SpecularChain,
-        (at, primitive): (DVec3, Option<PrimitiveId>),
-        point: &Bsdf<'_, BANDS>,
+        from: (DVec3, Option<PrimitiveId>),
+        bsdf: &Bsdf<'_, BANDS>,
     ) -> Option<SpecularReturn> {
         let plan = self.plan;
         if plan.has_antimatter || plan.lights_are_covered || plan.lights.len() > MOST_LIGHTS {
             return None;
         }
+        let mut point = ReturnPoint { from, bsdf, peak: bsdf.peak(), least: 0.0 };
         let mut found = SpecularReturn::default();
         if let Some(events) = chain.backwards() {
             let events: Vec<SpecularEvent> = events.collect();
-            self.add_images(&mut found, (at, primitive), point, (point.outgoing, &events));
+            self.add_images(&mut found, &point, (bsdf.outgoing, &events));
         }
-        if plan.reflectors.iter().any(|reflector| reflector.is_near(at, point.outgoing)) {
+        if plan.reflectors.iter().any(|reflector| reflector.is_near(from.0, bsdf.outgoing)) {
+            point.least = FAINT * self.lobe(&point, bsdf.outgoing);
             let mut seeds = 0;
             for light in plan.lights.iter().filter(|light| light.virtual_sources.is_empty()) {
-                let Some((direction, events)) = self.mirrored_way(light, (at, primitive), point) else { continue };
-                let is_known = found.images.iter().any(|image| image.place(direction).is_some());
-                if !is_known && seeds < MOST_SEEDS {
+                if seeds == MOST_SEEDS {
+                    break;
+                }
+                let Some((direction, events)) = self.mirrored_way(light, &point) else { continue };
+                if !found.images.iter().any(|image| image.place(direction).is_some()) {
                     seeds += 1;
-                    self.add_images(&mut found, (at, primitive), point, (direction, &events));
+                    self.add_images(&mut found, &point, (direction, &events));
                 }
             }
         }
@@ -240,47 +247,28 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// A way to somewhere near a light by way of mirrors: the direction of its middle, if a mirror is there.
-    fn mirrored_way(
-        &mut self,
-        light: &Light,
-        (at, primitive): (DVec3, Option<PrimitiveId>),
-        point: &Bsdf<'_, BANDS>,
-    ) -> Option<(DVec3, Vec<SpecularEvent>)> {
+    fn mirrored_way(&mut self, light: &Light, point: &ReturnPoint<'_, BANDS>) -> Option<(DVec3, Vec<SpecularEvent>)> {
+        let (at, _) = point.from;
         let (direction, distance) = match light.form {
             LightForm::Distant { direction, .. } => (direction, f64::INFINITY),
             _ => ((light.center - at).normalize_or_zero(), light.center.distance(at)),
         };
-        let least = FAINT * self.lobe(point, point.outgoing);
-        if self.lobe(point, direction) <= least {
+        if self.lobe(point, direction) <= point.least {
             return None;
         }
-        let start = Ray { origin: at, direction };
-        let first = self.next_visible(start, primitive).filter(|hit| hit.distance < distance)?;
-        let mut events = Vec::new();
-        let (mut ray, mut hit) = (start, first);
-        let mirrors =
-            |events: &[SpecularEvent]| events.iter().filter(|event| **event == SpecularEvent::Reflected).count();
-        while let Some((event, direction)) = self.mirrored_step(&ray, &hit) {
-            events.push(event);
-            ray = Ray { origin: hit.point, direction };
-            match self.next_visible(ray, Some(hit.primitive)) {
-                Some(next) if mirrors(&events) < MOST_MIRRORS && events.len() < MOST_EVENTS => hit = next,
-                _ => break,
-            }
-        }
-        // Panes behind the last mirror are passed by any ray.
-        (mirrors(&events) > 0).then_some((direction, events))
+        let mut rays = self.mirrored_rays(point.from, direction);
+        let is_before_the_light = rays.first().is_some_and(|first| first.ray.origin.distance(at) < distance);
+        is_before_the_light.then(|| rays.pop()).flatten().map(|last| (direction, last.events))
     }
 
     /// Adds the images of all lights by way of these interactions about a direction.
     fn add_images(
         &mut self,
         found: &mut SpecularReturn,
-        from: (DVec3, Option<PrimitiveId>),
-        point: &Bsdf<'_, BANDS>,
+        point: &ReturnPoint<'_, BANDS>,
         (axis, events): (DVec3, &[SpecularEvent]),
     ) {
-        let Some(first) = self.bundle(from, axis, events) else { return };
+        let Some(first) = self.bundle(point.from, axis, events) else { return };
         let mut images = self.images(&first, point);
         if images.iter().any(|image| found.holds(image)) {
             return;
@@ -288,8 +276,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let total: f64 = images.iter().map(|image| image.chance).sum();
         images.retain(|image| image.chance > NEGLIGIBLE * total);
         for mut image in images {
-            if !self.is_met(from, &image, events)
-                && let Some(better) = self.refined(from, point, &image, events)
+            if !self.is_met(point.from, &image, events)
+                && let Some(better) = self.refined(point, &image, events)
             {
                 image = better;
             }
@@ -314,14 +302,13 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The image of the same light from a bundle about its own middle: Newton's method; `None` where that does not converge.
     fn refined(
         &mut self,
-        from: (DVec3, Option<PrimitiveId>),
-        point: &Bsdf<'_, BANDS>,
+        point: &ReturnPoint<'_, BANDS>,
         image: &LightImage,
         events: &[SpecularEvent],
     ) -> Option<LightImage> {
         let mut axis = image.frame.direction(image.center);
         for _ in 0..MOST_STEPS {
-            let bundle = self.bundle(from, axis, events)?;
+            let bundle = self.bundle(point.from, axis, events)?;
             let (center, map) = bundle.image_of(&self.plan.lights[image.light])?;
             if (map.inverse() * center).length() <= 0.5 {
                 return self.image(&bundle, (image.light, center, map), point);
@@ -348,7 +335,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The images of all lights that a bundle ends near, each with what it is worth.
-    fn images(&mut self, bundle: &RayBundle, point: &Bsdf<'_, BANDS>) -> Vec<LightImage> {
+    fn images(&mut self, bundle: &RayBundle, point: &ReturnPoint<'_, BANDS>) -> Vec<LightImage> {
         let mut images = Vec::new();
         for (index, light) in self.plan.lights.iter().enumerate() {
             let Some((center, map)) = bundle.image_of(light) else { continue };
@@ -362,26 +349,27 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         &mut self,
         bundle: &RayBundle,
         (light, center, map): (usize, DVec2, DMat2),
-        point: &Bsdf<'_, BANDS>,
+        point: &ReturnPoint<'_, BANDS>,
     ) -> Option<LightImage> {
         let frame = bundle.frame;
         let map = map * MARGIN;
         let inverse = map.inverse();
         // The lobe at the middle of the image and where it is nearest to the way back.
-        let back = frame.components(point.outgoing) / point.outgoing.dot(frame.axis).max(FARTHEST / 2.0);
+        let outgoing = point.bsdf.outgoing;
+        let back = frame.components(outgoing) / outgoing.dot(frame.axis).max(FARTHEST / 2.0);
         let step = inverse * (back - center);
         let nearest = center + map * (step / step.length().max(1.0));
         let lobe = self.lobe(point, frame.direction(center)) + self.lobe(point, frame.direction(nearest));
         let chance = lobe * map.determinant().abs();
-        let gradient = map.transpose() * frame.components(point.peak().gradient(frame.direction(center)));
+        let gradient = map.transpose() * frame.components(point.peak.gradient(frame.direction(center)));
         let warp = DiskWarp::new(gradient.x, gradient.y);
         let image = LightImage { light, frame, center, map, inverse, warp, chance, density: 0.0 };
         (chance > 0.0 && chance.is_finite()).then_some(image)
     }
 
     /// The strongest band of the highlight times the cosine, 1/sr.
-    fn lobe(&mut self, point: &Bsdf<'_, BANDS>, direction: DVec3) -> f64 {
-        strongest(&point.eval(direction, 1.0, PdfRequest::Unused, &mut self.workspace.scratch).highlight)
+    fn lobe(&mut self, point: &ReturnPoint<'_, BANDS>, direction: DVec3) -> f64 {
+        strongest(&point.bsdf.eval(direction, 1.0, PdfRequest::Unused, &mut self.workspace.scratch).highlight)
     }
 }
 

@@ -27,7 +27,7 @@ use glam::DVec3;
 use radsight_accel::{Intersection, Ray};
 use radsight_bsdf::Bsdf;
 use radsight_cal::Scratch;
-use radsight_compile::{BackFaces, FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
+use radsight_compile::{FirstHit, Kind, Medium, Quantity, RenderPlan, Uncached};
 use radsight_sampling::RaySampler;
 use radsight_spectrum::Sampling;
 use radsight_texture::BandValues;
@@ -313,8 +313,7 @@ impl<'p, const BANDS: usize> PathIntegrator<'p, BANDS> {
             }
             path.follows_no_diffuse = self.plan.excludes_indirect(hit.shader);
             let behind = path.ray.direction.dot(hit.front) > 0.0;
-            let can_hide = self.plan.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back();
-            if behind && can_hide {
+            if behind && self.plan.hides_its_back(shader) {
                 path = self.unmet(&path, &hit);
                 continue;
             }
