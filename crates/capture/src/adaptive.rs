@@ -111,15 +111,13 @@ pub fn expose_to_error(
             break;
         }
     }
-    let values: Vec<f64> = pixels.iter().map(|pixel| scale * pixel.mean()).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
     Exposure {
-        values,
+        values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
         rays: traced.into_inner(),
         estimated_error: Some(estimate.relative_error()),
         pixels_done: pixels_done as u64,
         is_partial,
-        pixels: Some(estimate.statistics(mean)),
+        pixels: Some(estimate.statistics(scale)),
     }
 }
 
@@ -189,8 +187,10 @@ impl Work<'_> {
 
 /// What is known of the error.
 struct Estimate {
-    /// Squared error of each pixel relative to the mean exposure.
+    /// Squared error of each pixel relative to the mean of all.
     pixels: Vec<PixelError>,
+    /// The mean radiance·cos⁴ over all pixels.
+    mean: f64,
 }
 
 impl Estimate {
@@ -202,19 +202,18 @@ impl Estimate {
             pixels.iter().map(|pixel| squared(pixel) * f64::from(pixel.samples)).collect()
         };
         let (last, before) = (of_one(|pixel| pixel.last), of_one(|pixel| pixel.before));
-        let near = window_sums(&last, columns, NEAR);
-        let (around, around_before) = (window_sums(&last, columns, AROUND), window_sums(&before, columns, AROUND));
-        let counts = window_sums(&vec![1.0; pixels.len()], columns, NEAR);
+        let near = window_means(&last, columns, NEAR);
+        let (around, around_before) = (window_means(&last, columns, AROUND), window_means(&before, columns, AROUND));
         let estimate = |(index, pixel): (usize, &Pixel)| {
             let prior = PRIOR * around_before[index];
             let gain = (around[index] + prior * GAIN_RANGE.1) / (around_before[index] + prior);
             let gain = if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 };
-            let pooled = (near[index] / counts[index] / f64::from(pixel.samples)).max(0.25 * pixel.last);
+            let pooled = (near[index] / f64::from(pixel.samples)).max(0.25 * pixel.last);
             // The fall slows down when only edges are left.
             let later = 0.5 * (gain + GAIN_RANGE.1);
             PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
         };
-        Estimate { pixels: pixels.iter().enumerate().map(estimate).collect() }
+        Estimate { pixels: pixels.iter().enumerate().map(estimate).collect(), mean }
     }
 
     fn relative_error(&self) -> f64 {
@@ -222,9 +221,9 @@ impl Estimate {
         CHANCE_AGREEMENT * mean_square.sqrt()
     }
 
-    /// What it says of each pixel; `mean` is the mean exposure, J/m².
-    fn statistics(&self, mean: f64) -> PixelStatistics {
-        let error = |pixel: &PixelError| CHANCE_AGREEMENT * mean * pixel.squared.sqrt();
+    /// What it says of each pixel; `scale` is the exposure for a radiance of 1, J/m².
+    fn statistics(&self, scale: f64) -> PixelStatistics {
+        let error = |pixel: &PixelError| CHANCE_AGREEMENT * scale * self.mean * pixel.squared.sqrt();
         PixelStatistics {
             standard_errors: self.pixels.iter().map(error).collect(),
             samples: self.pixels.iter().map(|pixel| pixel.samples).collect(),
@@ -252,24 +251,19 @@ const AROUND: usize = 3;
 /// Share of what is known of that fall that is taken to be of independent samples.
 const PRIOR: f64 = 0.1;
 
-/// The sum over the square of pixels within `reach` of each, less where the picture ends.
-fn window_sums(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
+/// The mean over the square of pixels within `reach` of each, as far as the picture goes.
+fn window_means(values: &[f64], columns: usize, reach: usize) -> Vec<f64> {
     let rows = values.len() / columns.max(1);
-    let along = |values: &[f64], count: usize, at: &dyn Fn(usize) -> usize| -> Vec<f64> {
-        (0..count)
-            .map(|index| {
-                (index.saturating_sub(reach)..=(index + reach).min(count - 1)).map(|near| values[at(near)]).sum()
-            })
-            .collect()
+    let along = |count: usize, at: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let window = |index: usize| index.saturating_sub(reach)..(index + reach + 1).min(count);
+        (0..count).map(|index| window(index).map(at).sum::<f64>() / window(index).len() as f64).collect()
     };
-    let mut in_rows = Vec::with_capacity(values.len());
-    for row in values.chunks(columns.max(1)) {
-        in_rows.extend(along(row, row.len(), &|column| column));
-    }
-    let mut sums = vec![0.0; values.len()];
+    let in_rows: Vec<f64> =
+        values.chunks(columns.max(1)).flat_map(|row| along(row.len(), &|column| row[column])).collect();
+    let mut means = vec![0.0; values.len()];
     for column in 0..columns {
-        let of_column = along(&in_rows, rows, &|row| row * columns + column);
-        of_column.into_iter().enumerate().for_each(|(row, sum)| sums[row * columns + column] = sum);
+        let of_column = along(rows, &|row| in_rows[row * columns + column]);
+        of_column.into_iter().enumerate().for_each(|(row, mean)| means[row * columns + column] = mean);
     }
-    sums
+    means
 }

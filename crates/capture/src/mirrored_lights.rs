@@ -5,10 +5,10 @@
 //! points of the hole from which the image is seen fill an ellipse, known by the linear map from the hole to the light. The rays of a pixel
 //! are then drawn from a mixture of densities and divided by it, so that the mean stays what it was (Owen and Zhou 2000).
 
-use glam::{DMat2, DVec2};
+use glam::{DMat2, DVec2, DVec3};
 use radsight_pinhole::{CameraRay, Hole, Rays};
 use radsight_render::{MirroredLight, Ray, RayWorker, Renderer};
-use radsight_sampling::unit_disk;
+use radsight_sampling::{choose, unit_disk};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
@@ -102,7 +102,8 @@ impl PixelImages {
                 || renderer.worker(),
                 |worker, pixel| {
                     let pixel = pixel as u64;
-                    let images = found.iter().filter(|image| is_near(rays, pixel, image));
+                    let cone = PixelCone::new(rays, pixel);
+                    let images = found.iter().filter(|image| cone.as_ref().is_some_and(|cone| cone.holds(image)));
                     let search = &mut Search { worker, rays, pixel };
                     let ellipses: Vec<_> = images.filter_map(|image| search.image(image)).collect();
                     let share = (ellipses.len() as f64).recip();
@@ -129,15 +130,9 @@ impl PixelImages {
         let [fixed, drawn] = if is_point { [[u[2], u[3]], [u[0], u[1]]] } else { [[u[0], u[1]], [u[2], u[3]]] };
         let fixed = DVec2::from(fixed);
         let at = if drawn[0] < SHARE {
-            let mut choice = drawn[0] / SHARE;
-            let last = images.len() - 1;
-            let chosen = images[..last].iter().position(|image| {
-                let is_chosen = choice < image.chance;
-                choice -= if is_chosen { 0.0 } else { image.chance };
-                is_chosen
-            });
-            let image = &images[chosen.unwrap_or(last)];
-            let at = DVec2::from(unit_disk((choice / image.chance).clamp(0.0, 1.0), drawn[1]));
+            let (chosen, u) = choose(images.iter().map(|image| image.chance), drawn[0] / SHARE)?;
+            let image = &images[chosen];
+            let at = DVec2::from(unit_disk(u, drawn[1]));
             image.center_at(fixed) + image.map * at
         } else {
             let even = [(drawn[0] - SHARE) / (1.0 - SHARE), drawn[1]];
@@ -162,19 +157,28 @@ impl PixelImages {
     }
 }
 
-/// Whether a pixel's rays go about in the direction of an image.
-fn is_near(rays: &Rays, pixel: u64, image: &MirroredLight) -> bool {
-    let direction =
-        |place: [f64; 2], on_hole: [f64; 2]| rays.ray_through(pixel, place, on_hole).map(|ray| ray.direction);
-    let Some(middle) = direction([0.5; 2], [0.0; 2]) else { return false };
-    let off = middle.distance_squared(image.direction());
-    // No pixel and no hole is so wide.
-    if off > 0.25 {
-        return false;
+/// About where the rays of a pixel go.
+struct PixelCone {
+    /// Unit.
+    middle: DVec3,
+    /// Squared chord from it within which images are looked for.
+    reach: f64,
+}
+
+impl PixelCone {
+    fn new(rays: &Rays, pixel: u64) -> Option<PixelCone> {
+        let direction =
+            |place: [f64; 2], on_hole: [f64; 2]| rays.ray_through(pixel, place, on_hole).map(|ray| ray.direction);
+        let middle = direction([0.5; 2], [0.0; 2])?;
+        let across = |place, on_hole| direction(place, on_hole).map_or(0.0, |direction| direction.distance(middle));
+        let widest = across([0.0; 2], [0.0; 2]).max(across([1.0; 2], [0.0; 2])) + across([0.5; 2], [1.0, 0.0]);
+        // No pixel and no hole is wider.
+        Some(PixelCone { middle, reach: (2.0 * widest).powi(2).min(0.25) })
     }
-    let across = |place, on_hole| direction(place, on_hole).map_or(0.0, |direction| direction.distance(middle));
-    let widest = across([0.0; 2], [0.0; 2]).max(across([1.0; 2], [0.0; 2])) + across([0.5; 2], [1.0, 0.0]);
-    off <= (2.0 * widest).powi(2)
+
+    fn holds(&self, image: &MirroredLight) -> bool {
+        self.middle.distance_squared(image.direction()) <= self.reach
+    }
 }
 
 /// Looks for an image in one pixel.

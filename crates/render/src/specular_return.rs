@@ -17,7 +17,7 @@ use glam::{DMat2, DVec2, DVec3};
 use radsight_accel::{PrimitiveId, Ray};
 use radsight_bsdf::{Bsdf, PdfRequest};
 use radsight_light::{DiskWarp, Light, LightForm, LobePeak};
-use radsight_sampling::unit_disk;
+use radsight_sampling::{choose, unit_disk};
 use radsight_texture::strongest;
 use std::f64::consts::PI;
 
@@ -112,12 +112,9 @@ impl SpecularReturn {
 
     /// A unit direction; draw number `draw` of [`Self::draws`] chooses among the images evenly with the others.
     pub(crate) fn draw(&self, draw: u32, u: [f64; 3]) -> Option<DVec3> {
-        let mut choice = (f64::from(draw) + u[2]) / f64::from(DRAWS);
-        let chosen = self.images.iter().find(|image| {
-            choice -= image.chance;
-            choice < 0.0
-        });
-        let image = chosen.or(self.images.last())?;
+        let choice = (f64::from(draw) + u[2]) / f64::from(DRAWS);
+        let (chosen, _) = choose(self.images.iter().map(|image| image.chance), choice)?;
+        let image = &self.images[chosen];
         let at: DVec2 = image.warp.apply(unit_disk(u[0], u[1])).into();
         Some(image.frame.direction(image.center + image.map * at))
     }

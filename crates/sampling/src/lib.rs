@@ -21,7 +21,7 @@ mod allocation;
 mod warp;
 
 pub use allocation::{PixelError, doublings};
-pub use warp::{cosine_hemisphere, unit_disk};
+pub use warp::{choose, cosine_hemisphere, unit_disk};
 
 /// Rays after which the sequence is scrambled anew: what `sobol_burley` has points for.
 const SEQUENCE_LENGTH_LOG2: u32 = 16;

@@ -26,6 +26,26 @@ pub fn cosine_hemisphere(u: f64, v: f64) -> [f64; 3] {
     [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
 }
 
+/// Chooses by chances that add up to 1: the index of one, and where in its share `u` lies, between 0 and 1. `None` of none.
+///
+/// ```
+/// use radsight_sampling::choose;
+/// assert_eq!(choose([0.5, 0.25, 0.25], 0.625), Some((1, 0.5)));
+/// ```
+#[must_use]
+pub fn choose(chances: impl IntoIterator<Item = f64>, u: f64) -> Option<(usize, f64)> {
+    let (mut rest, mut last) = (u, None);
+    for (index, chance) in chances.into_iter().enumerate() {
+        last = Some((index, (rest / chance).clamp(0.0, 1.0)));
+        if rest < chance {
+            return last;
+        }
+        rest -= chance;
+    }
+    // By rounding the chances may add up to less.
+    last
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
