@@ -3,6 +3,7 @@
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
 use radsight_output::{Place, WholeFile, inputs};
+use radsight_picture::{FileFormat, Header, Image, write_image};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -154,6 +155,13 @@ fn refuse_inputs(name: &str, path: &Path) -> Outcome {
         }
         None => Ok(()),
     }
+}
+
+/// Writes an image of values in the format that the name of the file tells, else as a Radiance float matrix.
+pub(crate) fn write_image_file(path: &str, header: &Header, image: &Image<f32>) -> Outcome {
+    let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
+    let bytes = write_image(format, header, image).map_err(|error| Failure::fault(error.to_string()))?;
+    write_file(path, &bytes)
 }
 
 /// Writes a file whole; a device or pipe is written directly. `-` is standard output.

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use radsight_picture::{
     Header, Image, PictureError, write_png_grey8, write_png_grey16, write_png_rgb8, write_png_rgb16,
 };
+use radsight_report::GreyPicture;
 use radsight_sensor::{Bayer, BitDepth, Demosaic, Sensor};
 
 /// Writes an image of components of one width, with a header.
@@ -28,6 +29,13 @@ impl SensorPicture {
     /// The grey picture.
     pub(crate) fn grey_png(&self, header: &Header) -> Result<Vec<u8>, Failure> {
         self.png(self.greys.clone(), 1, (write_png_grey8, write_png_grey16), header)
+    }
+
+    /// The grey values themselves, for a page.
+    pub(crate) fn into_greys(self) -> Result<GreyPicture, Failure> {
+        let values = Image::new(self.width, self.height, 1, self.greys);
+        let values = values.map_err(|error| Failure::fault(error.to_string()))?;
+        Ok(GreyPicture { values, largest: self.bits.largest() })
     }
 
     /// The demosaiced picture of what stands behind a mosaic.

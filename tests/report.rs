@@ -2,19 +2,11 @@
 
 mod program;
 
-use program::{Folder, command, gripps, radsight, run_with};
+use program::{Folder, ROOM, command, gripps, radsight, run_with};
 use radsight_picture::{Image, read_image, read_png, write_pfm};
 use radsight_report::RunRecord;
 use std::process::Command;
 
-const ROOM: &str = "
-void light lamp 0 0 3 20 20 20
-void plastic wall 0 0 5 .6 .5 .4 .03 .1
-lamp ring bulb 0 0 8 0 4 2.9 0 0 -1 0 .4
-wall polygon floor 0 0 12 -3 0 0 3 0 0 3 8 0 -3 8 0
-wall polygon back 0 0 12 -3 8 0 3 8 0 3 8 3 -3 8 3
-wall sphere ball 0 0 4 .5 5 .6 .6
-";
 const VIEW: [&str; 14] = ["-vp", "0", "-1", "1.5", "-vd", "0", "1", "-.1", "-vh", "50", "-vv", "40", "-x", "64"];
 
 fn values(folder: &Folder, name: &str) -> Vec<f64> {

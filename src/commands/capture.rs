@@ -6,7 +6,7 @@ use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
-use crate::output::{check_writable, write_file};
+use crate::output::{check_writable, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
@@ -14,10 +14,9 @@ use crate::trust::Existing;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
 use radsight_output::interrupt;
-use radsight_picture::{FileFormat, Header, Image, write_image};
+use radsight_picture::{Header, Image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
-use radsight_sensor::Sensor;
 
 /// Error that is asked for when nothing is said.
 const DEFAULT_ERROR: f64 = 0.005;
@@ -31,7 +30,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     check_effort(arguments)?;
     use_threads(arguments.threads)?;
     let camera = read_camera(&arguments.camera)?;
-    let sensor = sensor_for(arguments, &camera)?;
+    check_sensor(arguments, &camera)?;
     if arguments.color.is_some() && camera.mosaic.is_none() {
         return Err(no_mosaic(&arguments.camera));
     }
@@ -61,9 +60,13 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     conclude(renderer.plan(), registry.as_ref(), &sources, &arguments.reading)?;
     say_result(&exposure, arguments);
     if exposure.pixels_done > 0 {
-        write(arguments, &camera, sensor, &exposure)?;
+        let image = exposure_image(&camera.camera, &exposure.values)?;
+        let is_wanted = arguments.output.is_some() || arguments.accounts.report.is_some();
+        let sensor = camera.sensor.as_ref().filter(|_| is_wanted);
+        let picture = sensor.map(|sensor| SensorPicture::new(sensor, &image, arguments.seed));
+        write(arguments, &camera, &exposure, (&image, picture.as_ref()))?;
         stopwatch.lap("sensor, files written");
-        accounts::write(arguments, &camera, &exposure, || {
+        accounts::write(arguments, &camera, &exposure, (&image, picture), || {
             accounts::record(&stopwatch, &renderer, &options, arguments, &exposure)
         })?;
     }
@@ -83,11 +86,10 @@ fn check_effort(arguments: &Capture) -> Outcome {
     }
 }
 
-/// The sensor, if a grey picture is wanted.
-fn sensor_for<'c>(arguments: &Capture, camera: &'c CameraFile) -> Result<Option<&'c Sensor>, Failure> {
+/// Whether there is a sensor, if a grey picture is wanted.
+fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
     match (&arguments.output, &camera.sensor) {
-        (None, _) => Ok(None),
-        (Some(_), Some(sensor)) => Ok(Some(sensor)),
+        (None, _) | (_, Some(_)) => Ok(()),
         (Some(_), None) => Err(Failure::input(format!(
             "\"{}\" has no [sensor], expected one for a grey picture (or only --exposure)",
             arguments.camera
@@ -155,7 +157,12 @@ fn header(arguments: &Capture, exposure: &Exposure) -> Header {
     header
 }
 
-fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, exposure: &Exposure) -> Outcome {
+fn write(
+    arguments: &Capture,
+    camera: &CameraFile,
+    exposure: &Exposure,
+    (image, picture): (&Image<f32>, Option<&SensorPicture>),
+) -> Outcome {
     let mut header = header(arguments, exposure);
     if let Some(alignment) = &camera.alignment {
         // One line of the header, as the file would say it in several.
@@ -164,23 +171,14 @@ fn write(arguments: &Capture, camera: &CameraFile, sensor: Option<&Sensor>, expo
     if let (Some(path), Some(alignment)) = (&arguments.specimen, &camera.alignment) {
         write_file(path, alignment.to_toml().as_bytes())?;
     }
-    let image = exposure_image(&camera.camera, &exposure.values)?;
     if let Some(path) = &arguments.exposure {
-        let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
-        let bytes = write_image(format, &header, &image).map_err(|error| Failure::fault(error.to_string()))?;
-        write_file(path, &bytes)?;
+        write_image_file(path, &header, image)?;
     }
-    let Some(sensor) = sensor.filter(|_| arguments.output.is_some() || arguments.color.is_some()) else {
-        return Ok(());
-    };
-    let picture = SensorPicture::new(sensor, &image, arguments.seed);
+    let (Some(output), Some(picture)) = (&arguments.output, picture) else { return Ok(()) };
     if let (Some(path), Some(mosaic)) = (&arguments.color, camera.mosaic) {
         write_file(path, &picture.color_png(mosaic, &header)?)?;
     }
-    match &arguments.output {
-        Some(path) => write_file(path, &picture.grey_png(&header)?),
-        None => Ok(()),
-    }
+    write_file(output, &picture.grey_png(&header)?)
 }
 
 /// The exposure as it is stored: in single precision.

@@ -31,10 +31,11 @@ pub(crate) fn run(arguments: &Report, trust: &Trust) -> Outcome {
     let components = shown.image.components();
     let mut page = Page::new(title, shown.image.clone(), quantity).map_err(named(&arguments.picture))?;
     page = of_header(page, &shown).map_err(named(&arguments.picture))?;
-    if let Some(path) = &arguments.camera {
-        let (file, text) = (read_camera(path)?, read_file(path, "camera file")?);
-        check_pixels(&file, &shown.image, path)?;
-        page = of_camera(page, &file, path, &text).map_err(named(path))?;
+    let camera = arguments.camera.as_deref().map(read_camera).transpose()?;
+    if let (Some(path), Some(file)) = (&arguments.camera, &camera) {
+        let text = read_file(path, "camera file")?;
+        check_pixels(file, &shown.image, path)?;
+        page = of_camera(page, file, path, &text).map_err(named(path))?;
     }
     if let Some(path) = &arguments.error_map {
         let map = error_map(read_map(path, "error map")?, arguments.error_map_kind, components);
@@ -44,7 +45,7 @@ pub(crate) fn run(arguments: &Report, trust: &Trust) -> Outcome {
         page = page.ray_map(read_map(path, "ray map")?.image).map_err(named(path))?;
     }
     if let Some(path) = &arguments.grey {
-        page = page.grey_picture(read_grey(path, arguments.camera.as_deref())?).map_err(named(path))?;
+        page = page.grey_picture(read_grey(path, camera.as_ref())?).map_err(named(path))?;
     }
     if let Some(path) = &arguments.log {
         page = page.log(ProgressLog::read(&String::from_utf8_lossy(&read_file(path, "log")?)));
@@ -210,10 +211,10 @@ fn error_map(read: ReadImage, asked: Option<ErrorMapKind>, components: usize) ->
 }
 
 /// A grey PNG; the largest value is that of the camera's sensor, where that is given.
-fn read_grey(path: &str, camera: Option<&str>) -> Result<GreyPicture, Failure> {
+fn read_grey(path: &str, camera: Option<&CameraFile>) -> Result<GreyPicture, Failure> {
     let png = read_png(&read_file(path, "grey picture")?);
     let png = png.map_err(|error| Failure::input(format!("grey picture \"{path}\": {error}")))?;
-    let sensor = camera.map(read_camera).transpose()?.and_then(|file| file.sensor);
+    let sensor = camera.and_then(|file| file.sensor.as_ref());
     let largest = sensor.map_or(u16::MAX >> (16 - png.bits), |sensor| sensor.bits().largest());
     Ok(GreyPicture { values: png.values, largest })
 }

@@ -9,6 +9,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
 
+/// A room with a lamp, two walls and a ball.
+pub(crate) const ROOM: &str = "
+void light lamp 0 0 3 20 20 20
+void plastic wall 0 0 5 .6 .5 .4 .03 .1
+lamp ring bulb 0 0 8 0 4 2.9 0 0 -1 0 .4
+wall polygon floor 0 0 12 -3 0 0 3 0 0 3 8 0 -3 8 0
+wall polygon back 0 0 12 -3 8 0 3 8 0 3 8 3 -3 8 3
+wall sphere ball 0 0 4 .5 5 .6 .6
+";
+
 /// What a run left behind.
 #[derive(Debug)]
 pub(crate) struct Run {

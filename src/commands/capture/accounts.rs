@@ -5,13 +5,14 @@ use crate::args::{Accounts, Capture};
 use crate::commands::report::{ERROR_MAP, of_camera};
 use crate::failure::{Failure, Outcome};
 use crate::input::{read_file, words_of_process};
-use crate::output::write_file;
+use crate::output::{write_file, write_image_file};
 use crate::run_record::Stopwatch;
+use crate::sensor_picture::SensorPicture;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposure, PixelStatistics};
-use radsight_picture::{FileFormat, Header, Image, write_image};
+use radsight_picture::Image;
 use radsight_render::{RenderOptions, Renderer};
-use radsight_report::{ErrorEstimate, ErrorMap, GreyPicture, Page, Quantity, ReportError, RunRecord};
+use radsight_report::{ErrorEstimate, ErrorMap, Page, Quantity, ReportError, RunRecord};
 
 impl Accounts {
     /// The files that are to be written.
@@ -25,6 +26,7 @@ pub(super) fn write(
     arguments: &Capture,
     camera: &CameraFile,
     exposure: &Exposure,
+    (image, picture): (&Image<f32>, Option<SensorPicture>),
     record: impl FnOnce() -> RunRecord,
 ) -> Outcome {
     let accounts = &arguments.accounts;
@@ -32,10 +34,10 @@ pub(super) fn write(
     if let Some(path) = &accounts.error_map {
         let mut header = header.clone();
         header.push_variable(ERROR_MAP, " absolute");
-        write_map(path, &header, &error_image(camera, statistics(exposure)?)?)?;
+        write_image_file(path, &header, &error_image(camera, statistics(exposure)?)?)?;
     }
     if let Some(path) = &accounts.ray_map {
-        write_map(path, &header, &ray_image(camera, statistics(exposure)?)?)?;
+        write_image_file(path, &header, &ray_image(camera, statistics(exposure)?)?)?;
     }
     if accounts.record.is_none() && accounts.report.is_none() {
         return Ok(());
@@ -45,7 +47,10 @@ pub(super) fn write(
         write_file(path, record.to_json().as_bytes())?;
     }
     match &accounts.report {
-        Some(path) => write_file(path, page(arguments, camera, exposure, record)?.to_html().as_bytes()),
+        Some(path) => {
+            let page = page(arguments, camera, exposure, (image, picture))?.record(record);
+            write_file(path, page.to_html().as_bytes())
+        }
         None => Ok(()),
     }
 }
@@ -53,12 +58,6 @@ pub(super) fn write(
 fn statistics(exposure: &Exposure) -> Result<&PixelStatistics, Failure> {
     let stopped = "the work was stopped before the error of pixels was known: no error map, no ray map";
     exposure.pixels.as_ref().ok_or_else(|| Failure::fault(stopped))
-}
-
-fn write_map(path: &str, header: &Header, image: &Image<f32>) -> Outcome {
-    let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
-    let bytes = write_image(format, header, image).map_err(|error| Failure::fault(error.to_string()))?;
-    write_file(path, &bytes)
 }
 
 fn error_image(camera: &CameraFile, statistics: &PixelStatistics) -> Result<Image<f32>, Failure> {
@@ -101,8 +100,12 @@ pub(super) fn record(
     record
 }
 
-fn page(arguments: &Capture, camera: &CameraFile, exposure: &Exposure, record: RunRecord) -> Result<Page, Failure> {
-    let image = exposure_image(&camera.camera, &exposure.values)?;
+fn page(
+    arguments: &Capture,
+    camera: &CameraFile,
+    exposure: &Exposure,
+    (image, picture): (&Image<f32>, Option<SensorPicture>),
+) -> Result<Page, Failure> {
     let failed = |error: ReportError| Failure::fault(format!("no report: {error}"));
     let named = arguments.output.as_ref().or(arguments.exposure.as_ref()).filter(|name| *name != "-");
     let mut page = Page::new(named.unwrap_or(&arguments.camera), image.clone(), Quantity::Exposure).map_err(failed)?;
@@ -112,12 +115,8 @@ fn page(arguments: &Capture, camera: &CameraFile, exposure: &Exposure, record: R
         page = page.error_map(ErrorMap::Absolute(error_image(camera, statistics)?)).map_err(failed)?;
         page = page.ray_map(ray_image(camera, statistics)?).map_err(failed)?;
     }
-    if let Some(sensor) = &camera.sensor {
-        let stored: Vec<f64> = image.data().iter().map(|value| f64::from(*value)).collect();
-        let greys = sensor.greys(&stored, arguments.seed);
-        let values = Image::new(image.width(), image.height(), 1, greys);
-        let values = values.map_err(|error| Failure::fault(error.to_string()))?;
-        page = page.grey_picture(GreyPicture { values, largest: sensor.bits().largest() }).map_err(failed)?;
+    if let Some(picture) = picture {
+        page = page.grey_picture(picture.into_greys()?).map_err(failed)?;
     }
-    Ok(page.text("Header", header(arguments, exposure).to_text()).record(record))
+    Ok(page.text("Header", header(arguments, exposure).to_text()))
 }

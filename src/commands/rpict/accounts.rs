@@ -4,12 +4,12 @@ use super::defaults;
 use super::options::Options;
 use crate::commands::report::ERROR_MAP;
 use crate::failure::{Failure, Outcome};
-use crate::output::{check_writable, write_file};
+use crate::output::{check_writable, write_file, write_image_file};
 use crate::render_args::number;
 use crate::run_record::Stopwatch;
 use crate::trust::{Existing, OutputName, Trust};
 use radsight_film::{Film, SamplingBudget};
-use radsight_picture::{FileFormat, Header, Image, write_image};
+use radsight_picture::{Header, Image};
 use radsight_render::Renderer;
 use radsight_report::{ErrorEstimate, RunRecord};
 
@@ -77,10 +77,8 @@ impl Accounts {
         }
         let columns = film.columns();
         let write_map = |path: &str, header: &Header, values: Vec<f32>| {
-            let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
             let image = Image::new(columns, values.len() / columns, 1, values);
-            let bytes = image.and_then(|image| write_image(format, header, &image));
-            write_file(path, &bytes.map_err(|error| Failure::fault(error.to_string()))?)
+            write_image_file(path, header, &image.map_err(|error| Failure::fault(error.to_string()))?)
         };
         if let (Some(path), Some(errors)) = (&self.error_map, film.relative_errors()) {
             let mut header = header.history();
