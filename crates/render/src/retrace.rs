@@ -80,7 +80,8 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let hit = self.plan.first_hit(&ray, from)?;
             let shader = self.plan.shader_at(hit.shader);
             let behind = ray.direction.dot(hit.front) > 0.0;
-            if !(behind && self.plan.hides_its_back(shader)) && !matches!(shader.kind, Kind::Transparent) {
+            let does_nothing = matches!(shader.kind, Kind::Transparent) || behind && self.plan.hides_its_back(shader);
+            if !does_nothing {
                 return Some(hit);
             }
             ray.origin = hit.point;
