@@ -36,6 +36,9 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     if arguments.color.is_some() && camera.mosaic.is_none() {
         return Err(no_mosaic(&arguments.camera));
     }
+    if arguments.specimen.is_some() && camera.alignment.is_none() {
+        return Err(no_alignment(&arguments.camera));
+    }
     let outputs = [&arguments.output, &arguments.color, &arguments.exposure, &arguments.specimen];
     for path in outputs.into_iter().chain(arguments.accounts.paths()).flatten().filter(|path| *path != "-") {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
@@ -45,14 +48,14 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?;
     check_scene(&planned.plan, &camera)?;
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
-    let start = checkpoint.read(arguments, &camera)?;
+    let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
+    let start = checkpoint.read(arguments, &rays)?;
     let Planned { plan, registry, sources } = planned;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);
     let bar = Bar::new("capturing");
     stopwatch.lap("scene read, checked and compiled");
-    let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     // A signal stops the work; what is done is written then.
     let postponed = interrupt::postpone();
     let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights };
@@ -68,7 +71,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     say_result(&exposure, arguments, can_resume);
     if exposure.pixels_done > 0 {
         let image = exposure_image(&camera.camera, &exposure.values)?;
-        let is_wanted = arguments.output.is_some() || arguments.accounts.report.is_some();
+        let is_wanted = arguments.output.is_some() || arguments.color.is_some() || arguments.accounts.report.is_some();
         let sensor = camera.sensor.as_ref().filter(|_| is_wanted);
         let picture = sensor.map(|sensor| SensorPicture::new(sensor, &image, arguments.seed));
         write(arguments, &camera, &exposure, (&image, picture.as_ref()))?;
@@ -94,6 +97,14 @@ fn check_effort(arguments: &Capture) -> Outcome {
         }
         _ => Ok(()),
     }
+}
+
+/// Why there is no specimen.
+fn no_alignment(camera: &str) -> Failure {
+    Failure::input(format!(
+        "\"{camera}\" has neither [alignment] nor [tolerances]: there is no specimen to be written\n\
+         hint: for example [tolerances] with specimen = 1 and camera_turn_deg = 0.3"
+    ))
 }
 
 /// Whether there is a sensor, if a grey picture is wanted.
@@ -186,11 +197,14 @@ fn write(
     if let Some(path) = &arguments.exposure {
         write_image_file(path, &header, image)?;
     }
-    let (Some(output), Some(picture)) = (&arguments.output, picture) else { return Ok(()) };
+    let Some(picture) = picture else { return Ok(()) };
     if let (Some(path), Some(mosaic)) = (&arguments.color, camera.mosaic) {
         write_file(path, &picture.color_png(mosaic, &header)?)?;
     }
-    write_file(output, &picture.grey_png(&header)?)
+    match &arguments.output {
+        Some(output) => write_file(output, &picture.grey_png(&header)?),
+        None => Ok(()),
+    }
 }
 
 /// The exposure as it is stored: in single precision.

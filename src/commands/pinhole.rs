@@ -47,7 +47,7 @@ fn average(arguments: &Average) -> Outcome {
     let weights = weights(&file, arguments.bands)?;
     let wrong = |error: &dyn std::fmt::Display| Failure::input(format!("standard input: {error}"));
     let mut stream = ExposureStream::new(&rays, &weights, format, arguments.bands).map_err(|error| wrong(&error))?;
-    let mut exposures = Vec::with_capacity(rays.camera().pixel_count() as usize);
+    let mut exposures = Vec::with_capacity(rays.cells() as usize);
     let mut input = io::stdin().lock();
     let mut piece = vec![0; BYTES_AT_A_TIME];
     loop {
@@ -60,7 +60,7 @@ fn average(arguments: &Average) -> Outcome {
         stream.feed(&piece[..read], &mut exposures).map_err(|error| wrong(&error))?;
     }
     stream.finish(&mut exposures).map_err(|error| wrong(&error))?;
-    write_exposure(&file, &exposures)
+    write_exposure(&file, &rays.picture(exposures))
 }
 
 fn shift(arguments: &Shift) -> Outcome {

@@ -209,5 +209,6 @@ fn read_document(
         Some(alignment) => alignment_section::apply(alignment, camera?, rig, found)?,
         None => (camera?, rig),
     };
+    let camera = if mosaic.is_some() { camera.with_whole_pattern() } else { camera };
     Some(CameraFile { camera, rig, sensor, band_weights, mosaic, alignment, warnings: Vec::new() })
 }

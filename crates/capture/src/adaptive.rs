@@ -81,9 +81,14 @@ impl Exposer<'_> {
         let columns = camera.columns() as usize;
         let estimate = (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error));
         let scale = camera.exposure_per_radiance();
+        let mut values: Vec<f64> = state.pixels.iter().map(|pixel| scale * pixel.mean()).collect();
+        if estimate.is_some() {
+            values.extend(work.around(&state.pixels).into_iter().map(|mean| scale * mean));
+            values = self.rays.picture(values);
+        }
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
-            values: state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            values,
             rays: work.traced.into_inner(),
             estimated_error,
             pixels_done: pixels_done as u64,
@@ -209,6 +214,23 @@ impl<'a> Work<'a> {
                 self.save(state);
             }
         }
+    }
+
+    /// The means of the cells around the picture, each over as many rays as a pixel has on average.
+    fn around(&self, pixels: &[Pixel]) -> Vec<f64> {
+        let taken: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let samples = (taken / pixels.len() as u64).next_power_of_two().clamp(1, u64::from(MAX_SAMPLES)) as u32;
+        (pixels.len()..self.exposer.rays.cells() as usize)
+            .into_par_iter()
+            .with_min_len(4)
+            .map_init(
+                || self.exposer.renderer.worker(),
+                |worker, cell| {
+                    self.report(samples);
+                    self.sum(worker, cell, 0..samples) / f64::from(samples)
+                },
+            )
+            .collect()
     }
 
     fn save(&self, state: &AdaptiveState) {

@@ -16,29 +16,37 @@ impl Exposer<'_> {
     pub fn with_samples(&self, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
         let samples = self.rays.samples();
         let pixels = self.rays.camera().pixel_count();
+        let cells = self.rays.cells();
         let mut values = match start {
             Some(Checkpoint(State::Fixed(state))) if state.samples == samples => state.values,
             _ => Vec::new(),
         };
-        values.resize(pixels as usize, None);
+        values.resize(cells as usize, None);
         let known = |values: &[Option<f64>]| values.iter().flatten().count() as u64;
         let checkpoint =
             |values: &[Option<f64>]| Checkpoint(State::Fixed(FixedState { samples, values: values.to_vec() }));
         loop {
             self.expose_unknown(&mut values, progress);
-            if known(&values) == pixels || progress.stops() {
+            if known(&values) == cells || progress.stops() {
                 break;
             }
             progress.save(checkpoint(&values));
         }
-        let pixels_done = known(&values);
+        let cells_done = known(&values);
+        let checkpoint = checkpoint(&values);
+        let exposures: Vec<f64> = values.iter().map(|value| value.unwrap_or(0.0)).collect();
         Exposure {
-            checkpoint: checkpoint(&values),
-            values: values.into_iter().map(|value| value.unwrap_or(0.0)).collect(),
-            rays: pixels_done * u64::from(samples),
+            checkpoint,
+            // What diffraction spreads is known when all is.
+            values: if cells_done == cells {
+                self.rays.picture(exposures)
+            } else {
+                exposures[..pixels as usize].to_vec()
+            },
+            rays: cells_done * u64::from(samples),
             estimated_error: None,
-            pixels_done,
-            is_partial: pixels_done < pixels,
+            pixels_done: known(&values[..pixels as usize]),
+            is_partial: cells_done < cells,
             pixels: None,
         }
     }
