@@ -38,6 +38,8 @@ struct Builder {
     scene: SceneText,
     size: DVec3,
     has_window: bool,
+    /// Whether a lamp shines in all directions, or down in all.
+    is_lit: bool,
     contents: Vec<&'static str>,
 }
 
@@ -46,7 +48,7 @@ impl Builder {
         let mut chance = Chance::new(seed);
         let size = DVec3::new(chance.between(3.0, 8.0), chance.between(3.0, 8.0), chance.between(2.4, 3.5));
         let has_window = chance.is(0.65);
-        Builder { chance, scene: SceneText::default(), size, has_window, contents: Vec::new() }
+        Builder { chance, scene: SceneText::default(), size, has_window, is_lit: false, contents: Vec::new() }
     }
 
     /// A diffuse material of about this reflectance, a little coloured.
@@ -166,7 +168,9 @@ impl Builder {
                 self.size.z - self.chance.between(0.1, 0.5),
             );
             let flux = self.chance.scaled(0.3, 3.0);
-            match self.chance.count(0, 4) {
+            let form = self.chance.count(0, 4);
+            self.is_lit |= form < 4;
+            match form {
                 0 => self.sphere_lamp(lamp, place, flux),
                 1 => self.disk_lamp(lamp, place, flux),
                 2 => self.tube_lamp(lamp, place, flux),
@@ -335,7 +339,8 @@ impl Builder {
         let divisions = 256 << self.chance.count(0, 2);
         let options = format!(
             "-ab {} -aa {:.2} -ar {} -ad {divisions} -as {}",
-            self.chance.count(1, 3),
+            // Nobody wants a picture that is mostly black, as one bounce leaves a room without a lamp that shines around.
+            self.chance.count(if self.is_lit { 1 } else { 2 }, 3),
             self.chance.between(0.1, 0.25),
             64 << self.chance.count(0, 2),
             divisions / 4,
