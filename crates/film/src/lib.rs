@@ -10,10 +10,11 @@
 
 mod adaptive;
 mod interpolated;
+mod residual;
 mod single;
 mod view_camera;
 
-pub use adaptive::{Estimate, Film, MAX_SAMPLES, SamplingBudget};
+pub use adaptive::{Estimate, Film, MAX_SAMPLES, SamplingBudget, Stop, TimeLeft};
 pub use interpolated::Interpolation;
 pub use single::average;
 pub use view_camera::{CameraRay, ViewCamera};
