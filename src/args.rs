@@ -139,6 +139,12 @@ pub(crate) struct Capture {
     /// Chooses the sample sequence and the sensor's noise
     #[arg(long, default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Go on with what an interrupted capture has left in OUT.png.checkpoint, to the same bits
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Save what is done this often, in OUT.png.checkpoint, until the capture is complete
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub(crate) checkpoint_interval: f64,
     /// Threads [default: one for each processor]
     #[arg(long)]
     pub(crate) threads: Option<usize>,

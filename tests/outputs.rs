@@ -115,10 +115,71 @@ fn an_interrupted_exposure_is_saved_as_partial() {
     assert!(child.try_wait().expect("the child is known").is_none(), "the program ended before it was interrupted");
     kill(pid(&child), Signal::SIGTERM).expect("the signal is sent");
     assert_eq!(child.wait().expect("the program ends").signal(), Some(Signal::SIGTERM as i32));
-    assert_eq!(folder.names(), ["exposure.mtx", "grey.png"]);
+    assert_eq!(folder.names(), ["exposure.mtx", "grey.png", "grey.png.checkpoint"]);
     let words = partial(&folder.read("exposure.mtx")).expect("it is marked");
     assert!(words.ends_with(" of 31680 pixels"), "{words}");
     assert!(folder.read("grey.png").windows(8).any(|part| part == b"PARTIAL="));
+}
+
+/// A small picture of Fig. 11's scene, which is begun, interrupted and gone on with.
+fn small_capture(folder: &Folder, effort: [&'static str; 2]) -> Vec<String> {
+    let camera = fs::read_to_string(gripps("fig11.toml")).expect("a camera");
+    folder.file("camera.toml", camera.replace("pixels = [192, 165]", "pixels = [32, 28]"));
+    folder.file("hlmp-8104.csv", fs::read_to_string(gripps("hlmp-8104.csv")).expect("a table"));
+    ["capture", "camera.toml", &gripps("sheet-retro.rad"), effort[0], effort[1]].map(str::to_owned).to_vec()
+}
+
+#[test]
+fn an_interrupted_exposure_goes_on_to_the_same_bits() {
+    for effort in [["--samples", "256"], ["--error", ".005"]] {
+        let folder = Folder::new();
+        let capture = small_capture(&folder, effort);
+        let capture: Vec<&str> = capture.iter().map(String::as_str).collect();
+        let begun = Instant::now();
+        run(&folder, &[&capture[..], &["--exposure", "whole.pfm"]].concat()).done();
+        let whole = begun.elapsed();
+        let words = [&capture[..], &["-o", "grey.png", "--exposure", "part.pfm", "--resume"]].concat();
+        let mut interruptions = 0;
+        loop {
+            let mut child = start(in_folder(&folder, &words));
+            sleep(whole * (4 + interruptions) / 12);
+            // It may have ended by itself.
+            let _ = kill(pid(&child), Signal::SIGINT);
+            if child.wait().expect("the program ends").signal().is_none() {
+                break;
+            }
+            interruptions += 1;
+            assert!(interruptions < 200, "{effort:?}: it never ends");
+        }
+        assert!(interruptions > 0, "{effort:?}: it was not interrupted");
+        assert!(folder.read("part.pfm") == folder.read("whole.pfm"), "{effort:?}: the same bits");
+        assert_eq!(folder.names(), ["camera.toml", "grey.png", "hlmp-8104.csv", "part.pfm", "whole.pfm"], "{effort:?}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused() {
+    let folder = Folder::new();
+    let capture = small_capture(&folder, ["--samples", "4096"]);
+    let capture: Vec<&str> = capture.iter().map(String::as_str).collect();
+    let words = [&capture[..], &["-o", "grey.png"]].concat();
+    let mut child = start(in_folder(&folder, &words));
+    sleep(Duration::from_millis(300));
+    kill(pid(&child), Signal::SIGTERM).expect("the signal is sent");
+    child.wait().expect("the program ends");
+    let saved = folder.read("grey.png.checkpoint");
+    let other_seed = run(&folder, &[&words[..], &["--resume", "--seed", "1"]].concat());
+    assert_eq!(other_seed.code, 1, "{}", other_seed.messages);
+    let camera = String::from_utf8(folder.read("camera.toml")).expect("text");
+    folder.file("camera.toml", camera.replace("exposure_ms = 10.0", "exposure_ms = 11.0"));
+    let refused = run(&folder, &[&words[..], &["--resume"]].concat());
+    assert_eq!(refused.code, 1, "{}", refused.messages);
+    assert!(refused.messages.contains("it belongs to another scene, camera file"), "{}", refused.messages);
+    folder.file("camera.toml", camera);
+    folder.file("grey.png.checkpoint", &saved[..saved.len() - 1]);
+    let broken = run(&folder, &[&words[..], &["--resume"]].concat());
+    assert_eq!(broken.code, 1, "{}", broken.messages);
+    assert!(broken.messages.contains("it is no whole checkpoint"), "{}", broken.messages);
 }
 
 /// How often each program is killed, unless more is asked for.
@@ -171,21 +232,23 @@ fn killed_rpict(kills: u32) {
 }
 
 #[test]
-fn a_killed_capture_leaves_no_half() {
+fn a_killed_capture_leaves_no_half_and_goes_on_to_the_same_bits() {
     killed_capture(KILLS);
 }
 
 fn killed_capture(kills: u32) {
     let folder = Folder::new();
-    let camera = fs::read_to_string(gripps("fig10.toml")).expect("a camera");
-    folder.file("camera.toml", camera.replace("pixels = [192, 165]", "pixels = [64, 55]"));
-    let words = ["capture", "camera.toml", &gripps("rig-table.rad"), "--samples", "64", "-o", "a.png"];
-    run(&folder, &words).done();
-    let whole = folder.read("a.png");
+    let capture = small_capture(&folder, ["--error", ".02"]);
+    let capture: Vec<&str> = capture.iter().map(String::as_str).collect();
+    run(&folder, &[&capture[..], &["--exposure", "whole.pfm"]].concat()).done();
+    let whole = folder.read("whole.pfm");
     let same = |bytes: &[u8]| bytes == whole;
-    kill_at_random_moments(kills, &folder, &words, &|folder| whole_or_absent(folder, "a.png", &same));
+    let words = [&capture[..], &["--exposure", "a.pfm", "--resume", "--checkpoint-interval", ".05"]].concat();
+    // Each run goes on with what the killed one before has left.
+    kill_at_random_moments(kills, &folder, &words, &|folder| whole_or_absent(folder, "a.pfm", &same));
     run(&folder, &words).done();
-    assert_eq!(folder.names(), ["a.png", "camera.toml"], "nothing is left over");
+    assert!(same(&folder.read("a.pfm")), "the same bits");
+    assert_eq!(folder.names(), ["a.pfm", "camera.toml", "hlmp-8104.csv", "whole.pfm"], "nothing is left over");
 }
 
 #[test]

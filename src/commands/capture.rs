@@ -1,6 +1,7 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 mod accounts;
+mod resume;
 
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
@@ -12,11 +13,12 @@ use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposure, expose_to_error, expose_with_samples};
+use radsight_capture::{Exposer, Exposure};
 use radsight_output::interrupt;
 use radsight_picture::{Header, Image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
 use radsight_render::{RenderOptions, RenderPlan, Renderer};
+use resume::{CheckpointFile, Saving};
 
 /// Error that is asked for when nothing is said.
 const DEFAULT_ERROR: f64 = 0.005;
@@ -41,8 +43,10 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     stopwatch.lap("camera file read");
     let options = RenderOptions { seed: arguments.seed, ..render };
     let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?;
+    check_scene(&planned.plan, &camera)?;
+    let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
+    let start = checkpoint.read(arguments, &camera)?;
     let Planned { plan, registry, sources } = planned;
-    check_scene(&plan, &camera)?;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);
@@ -51,14 +55,17 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     // A signal stops the work; what is done is written then.
     let postponed = interrupt::postpone();
+    let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights };
+    let progress = Saving { bar: &bar, file: &checkpoint };
     let exposure = match arguments.samples {
-        Some(_) => expose_with_samples(&renderer, &rays, &weights, &bar),
-        None => expose_to_error(&renderer, &rays, &weights, arguments.error.unwrap_or(DEFAULT_ERROR), &bar),
+        Some(_) => exposer.with_samples(start, &progress),
+        None => exposer.to_error(arguments.error.unwrap_or(DEFAULT_ERROR), start, &progress),
     };
     bar.finish();
     stopwatch.lap("rays traced, exposure");
     conclude(renderer.plan(), registry.as_ref(), &sources, &arguments.reading)?;
-    say_result(&exposure, arguments);
+    let can_resume = exposure.is_partial && checkpoint.save(&exposure.checkpoint)?;
+    say_result(&exposure, arguments, can_resume);
     if exposure.pixels_done > 0 {
         let image = exposure_image(&camera.camera, &exposure.values)?;
         let is_wanted = arguments.output.is_some() || arguments.accounts.report.is_some();
@@ -69,6 +76,9 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         accounts::write(arguments, &camera, &exposure, (&image, picture), || {
             accounts::record(&stopwatch, &renderer, &options, arguments, &exposure)
         })?;
+    }
+    if !exposure.is_partial {
+        checkpoint.remove()?;
     }
     postponed.end();
     Ok(())
@@ -135,9 +145,11 @@ fn partial(exposure: &Exposure, arguments: &Capture) -> String {
     }
 }
 
-fn say_result(exposure: &Exposure, arguments: &Capture) {
+fn say_result(exposure: &Exposure, arguments: &Capture, can_resume: bool) {
     if exposure.is_partial {
-        return say(&format!("radsight: interrupted: the exposure is partial ({})\n", partial(exposure, arguments)));
+        let what = partial(exposure, arguments);
+        let how = if can_resume { "; --resume goes on with it" } else { "" };
+        return say(&format!("radsight: interrupted: the exposure is partial ({what}){how}\n"));
     }
     let asked = arguments.error.unwrap_or(DEFAULT_ERROR);
     if let Some(error) = exposure.estimated_error.filter(|error| *error > 1.05 * asked) {

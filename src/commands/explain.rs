@@ -5,7 +5,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::{plan, read_camera, use_default_threads};
 use crate::output::write_standard_output;
 use radsight_camera::CameraFile;
-use radsight_capture::{Silent, expose_with_samples};
+use radsight_capture::{Exposer, Silent};
 use radsight_pinhole::Rays;
 use radsight_render::{RenderOptions, Renderer, Skip};
 use std::time::{Duration, Instant};
@@ -56,6 +56,6 @@ fn time(camera: &CameraFile, renderer: &Renderer) -> Result<Duration, Failure> {
         camera.band_weights_for(renderer.plan().bands()).map_err(|error| Failure::input(error.to_string()))?;
     let rays = Rays::new(&camera.camera, MEASURED_SAMPLES, renderer.plan().seed());
     let start = Instant::now();
-    let _ = expose_with_samples(renderer, &rays, &weights, &Silent);
+    let _ = Exposer { renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent);
     Ok(start.elapsed())
 }

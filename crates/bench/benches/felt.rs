@@ -4,7 +4,7 @@ use divan::{Bencher, black_box};
 use glam::DVec3;
 use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};
 use radsight_camera::CameraFile;
-use radsight_capture::{Silent, expose_with_samples};
+use radsight_capture::{Exposer, Silent};
 use radsight_diag::SourceMap;
 use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record};
 use radsight_loader::MemoryLoader;
@@ -160,7 +160,7 @@ fn capture_of_a_small_sheet(bencher: Bencher<'_, '_>) {
     let weights = camera.band_weights_for(plan.bands()).expect("the bands are the scene's");
     let renderer = Renderer::new(plan);
     let rays = Rays::new(&camera.camera, 4, 0);
-    bencher.bench_local(|| expose_with_samples(&renderer, &rays, &weights, &Silent));
+    bencher.bench_local(|| Exposer { renderer: &renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent));
 }
 
 #[divan::bench(sample_count = 10)]

@@ -7,7 +7,7 @@ use crate::figure::{Disk, read};
 use radsight_brdf::{Brdf, Lambert, WardIsotropic};
 use radsight_brdf_host::{Band, Label, Registry, Request, SearchPath, SelfCheck};
 use radsight_camera::CameraFile;
-use radsight_capture::{Silent, expose_with_samples};
+use radsight_capture::{Exposer, Silent};
 use radsight_diag::{Diagnostic, SourceMap};
 use radsight_parse::{Input, ReadOptions, read_scene};
 use radsight_pinhole::Rays;
@@ -90,7 +90,7 @@ impl Subject {
         let renderer = Renderer::new(plan);
         let rays = Rays::new(&self.camera.camera, samples, 0);
         let start = Clock::now();
-        let exposure = expose_with_samples(&renderer, &rays, &weights, &Silent);
+        let exposure = Exposer { renderer: &renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent);
         Ok((start.seconds(), exposure.values))
     }
 }

@@ -7,11 +7,11 @@
 //! independent samples (q = ½), and much less for smooth integrands. q is measured over the pixels around each: what is smooth converges faster
 //! than an edge.
 
+use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::radiance;
 use crate::mirrored_lights::PixelImages;
-use crate::{Exposure, PixelStatistics, Progress};
-use radsight_pinhole::{BandWeights, Rays};
-use radsight_render::Renderer;
+use crate::{Exposer, Exposure, PixelStatistics, Progress};
+use radsight_render::RayWorker;
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -35,14 +35,15 @@ const CHANCE_AGREEMENT: f64 = 1.33;
 const MAX_PASSES: u32 = 64;
 
 /// One pixel's samples so far.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pixel {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Pixel {
     /// Sum of radiance·cos⁴ over all samples.
-    sum: f64,
-    samples: u32,
+    pub(crate) sum: f64,
+    /// 0 before anything is known.
+    pub(crate) samples: u32,
     /// d² of the last two doublings: half differences of the means of halves.
-    last: f64,
-    before: f64,
+    pub(crate) last: f64,
+    pub(crate) before: f64,
 }
 
 impl Pixel {
@@ -61,125 +62,169 @@ impl Pixel {
     }
 }
 
-/// Exposes until the estimated rms error over the pixels is `error` times the mean exposure.
-///
-/// `rays` gives camera and seed; its number of samples is not used.
-#[must_use]
-pub fn expose_to_error(
-    renderer: &Renderer,
-    rays: &Rays,
-    weights: &BandWeights,
-    error: f64,
-    progress: &dyn Progress,
-) -> Exposure {
-    let images = PixelImages::find(renderer, rays);
-    let work = Work { renderer, rays, weights, images: &images };
-    let (columns, rows) = (rays.camera().columns() as usize, rays.camera().rows() as usize);
-    let mut pixels = vec![Pixel::default(); columns * rows];
-    let all: Vec<usize> = (0..pixels.len()).collect();
-    let traced = AtomicU64::new(0);
-    let planned = AtomicU64::new(all.len() as u64 * u64::from(FIRST_SAMPLES));
-    let report = |count: u64| {
-        let done = traced.fetch_add(count, Ordering::Relaxed) + count;
-        progress.report(done, planned.load(Ordering::Relaxed).max(done));
-    };
-    work.begin(&mut pixels, progress, &report);
-    let scale = rays.camera().exposure_per_radiance();
-    let pixels_done = pixels.iter().filter(|pixel| pixel.samples > 0).count();
-    if pixels_done < pixels.len() {
-        return Exposure {
-            values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
-            rays: traced.into_inner(),
-            estimated_error: None,
-            pixels_done: pixels_done as u64,
-            is_partial: true,
-            pixels: None,
+impl Exposer<'_> {
+    /// Exposes until the estimated rms error over the pixels is `error` times the mean exposure; goes on with a checkpoint of such an
+    /// exposure.
+    ///
+    /// The number of samples of [`Rays`](radsight_pinhole::Rays) is not used.
+    #[must_use]
+    pub fn to_error(&self, error: f64, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
+        let mut state = match start {
+            Some(Checkpoint(State::Adaptive(state))) => state,
+            _ => AdaptiveState::default(),
         };
-    }
-    let mut estimate = Estimate::new(&pixels, columns);
-    let mut is_partial = false;
-    for _ in 0..MAX_PASSES {
-        let chosen = estimate.choose(error);
-        if chosen.is_empty() {
-            break;
+        let camera = self.rays.camera();
+        state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
+        let work = Work::new(self, progress, &state.pixels);
+        work.begin(&mut state);
+        let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
+        let columns = camera.columns() as usize;
+        let estimate = (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error));
+        let scale = camera.exposure_per_radiance();
+        let estimated_error = estimate.as_ref().map(Estimate::relative_error);
+        Exposure {
+            values: state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            rays: work.traced.into_inner(),
+            estimated_error,
+            pixels_done: pixels_done as u64,
+            is_partial: progress.stops() && estimated_error.is_none_or(|reached| reached > error),
+            pixels: estimate.map(|estimate| estimate.statistics(scale)),
+            checkpoint: Checkpoint(State::Adaptive(state)),
         }
-        planned.fetch_add(chosen.iter().map(|&index| u64::from(pixels[index].samples)).sum(), Ordering::Relaxed);
-        work.double(&mut pixels, &chosen, progress, &report);
-        estimate = Estimate::new(&pixels, columns);
-        if progress.stops() {
-            is_partial = estimate.relative_error() > error;
-            break;
-        }
-    }
-    Exposure {
-        values: pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
-        rays: traced.into_inner(),
-        estimated_error: Some(estimate.relative_error()),
-        pixels_done: pixels_done as u64,
-        is_partial,
-        pixels: Some(estimate.statistics(scale)),
     }
 }
 
 struct Work<'a> {
-    renderer: &'a Renderer,
-    rays: &'a Rays,
-    weights: &'a BandWeights,
-    images: &'a PixelImages,
+    exposer: &'a Exposer<'a>,
+    images: PixelImages,
+    progress: &'a dyn Progress,
+    traced: AtomicU64,
+    planned: AtomicU64,
 }
 
-impl Work<'_> {
-    /// The first samples of every pixel, with two doublings to see how the error falls.
-    fn begin(&self, pixels: &mut [Pixel], progress: &dyn Progress, report: &(impl Fn(u64) + Sync)) {
-        pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
-            || self.renderer.worker(),
-            |worker, (index, pixel)| {
-                if progress.stops() {
-                    return;
-                }
-                pixel.samples = FIRST_SAMPLES / 4;
-                pixel.sum = self.sum(worker, index, 0..pixel.samples);
-                for _ in 0..2 {
-                    pixel.double(self.sum(worker, index, pixel.samples..2 * pixel.samples));
-                }
-                report(u64::from(FIRST_SAMPLES));
-            },
-        );
-    }
-
-    /// Doubles the samples of some pixels, as far as the work goes on.
-    fn double(&self, pixels: &mut [Pixel], chosen: &[usize], progress: &dyn Progress, report: &(impl Fn(u64) + Sync)) {
-        let before: &[Pixel] = pixels;
-        let second_halves: Vec<Option<f64>> = chosen
-            .par_iter()
-            .with_min_len(4)
-            .map_init(
-                || self.renderer.worker(),
-                |worker, &index| {
-                    if progress.stops() {
-                        return None;
-                    }
-                    let samples = before[index].samples;
-                    let sum = self.sum(worker, index, samples..2 * samples);
-                    report(u64::from(samples));
-                    Some(sum)
-                },
-            )
-            .collect();
-        for (&index, second_half) in chosen.iter().zip(second_halves) {
-            second_half.into_iter().for_each(|half| pixels[index].double(half));
+impl<'a> Work<'a> {
+    fn new(exposer: &'a Exposer<'a>, progress: &'a dyn Progress, pixels: &[Pixel]) -> Work<'a> {
+        let traced = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
+        Work {
+            exposer,
+            images: PixelImages::find(exposer.renderer, exposer.rays),
+            progress,
+            traced: AtomicU64::new(traced),
+            planned: AtomicU64::new(traced + first),
         }
     }
 
+    /// Whether the threads are to come together.
+    fn pauses(&self) -> bool {
+        self.progress.stops() || self.progress.wants_checkpoint()
+    }
+
+    fn report(&self, rays: u32) {
+        let done = self.traced.fetch_add(u64::from(rays), Ordering::Relaxed) + u64::from(rays);
+        self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
+    }
+
+    /// The first samples of every pixel that has none, as far as the work goes on.
+    fn begin(&self, state: &mut AdaptiveState) {
+        loop {
+            state.pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
+                || self.exposer.renderer.worker(),
+                |worker, (index, pixel)| {
+                    if pixel.samples == 0 && !self.pauses() {
+                        *pixel = self.first(worker, index);
+                        self.report(FIRST_SAMPLES);
+                    }
+                },
+            );
+            if self.progress.stops() || state.pixels.iter().all(|pixel| pixel.samples > 0) {
+                return;
+            }
+            self.save(state);
+        }
+    }
+
+    /// The first samples, with two doublings to see how the error falls.
+    fn first(&self, worker: &mut RayWorker<'_>, index: usize) -> Pixel {
+        let samples = FIRST_SAMPLES / 4;
+        let mut pixel = Pixel { samples, sum: self.sum(worker, index, 0..samples), ..Pixel::default() };
+        for _ in 0..2 {
+            pixel.double(self.sum(worker, index, pixel.samples..2 * pixel.samples));
+        }
+        pixel
+    }
+
+    /// Doubles samples where that lowers the error most for its cost, until the error is what it is to be or the work is stopped.
+    fn refine(&self, state: &mut AdaptiveState, columns: usize, error: f64) -> Estimate {
+        self.double(state);
+        let mut estimate = Estimate::new(&state.pixels, columns);
+        while state.passes < MAX_PASSES && !self.progress.stops() {
+            state.pending = estimate.choose(error);
+            if state.pending.is_empty() {
+                break;
+            }
+            state.passes += 1;
+            self.double(state);
+            estimate = Estimate::new(&state.pixels, columns);
+        }
+        estimate
+    }
+
+    /// Doubles the samples of the pixels that are chosen for it, as far as the work goes on.
+    fn double(&self, state: &mut AdaptiveState) {
+        let rays: u64 = state.pending.iter().map(|&index| u64::from(state.pixels[index].samples)).sum();
+        self.planned.fetch_add(rays, Ordering::Relaxed);
+        while !state.pending.is_empty() {
+            let before: &[Pixel] = &state.pixels;
+            let second_halves: Vec<Option<f64>> = state
+                .pending
+                .par_iter()
+                .with_min_len(4)
+                .map_init(
+                    || self.exposer.renderer.worker(),
+                    |worker, &index| {
+                        if self.pauses() {
+                            return None;
+                        }
+                        let samples = before[index].samples;
+                        let sum = self.sum(worker, index, samples..2 * samples);
+                        self.report(samples);
+                        Some(sum)
+                    },
+                )
+                .collect();
+            let mut halves = second_halves.into_iter();
+            let pixels = &mut state.pixels;
+            state.pending.retain(|&index| match halves.next().flatten() {
+                Some(half) => {
+                    pixels[index].double(half);
+                    false
+                }
+                None => true,
+            });
+            if self.progress.stops() {
+                return;
+            }
+            if !state.pending.is_empty() {
+                self.save(state);
+            }
+        }
+    }
+
+    fn save(&self, state: &AdaptiveState) {
+        self.progress.save(Checkpoint(State::Adaptive(state.clone())));
+    }
+
     /// Sum of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
-    fn sum(&self, worker: &mut radsight_render::RayWorker<'_>, pixel: usize, samples: std::ops::Range<u32>) -> f64 {
+    fn sum(&self, worker: &mut RayWorker<'_>, pixel: usize, samples: std::ops::Range<u32>) -> f64 {
         let first = (pixel as u64) << SEQUENCE_LOG2;
+        let Exposer { rays, weights, .. } = *self.exposer;
         samples
             .map(|sample| {
                 let index = first | u64::from(sample);
-                let u = RaySampler::new(self.rays.seed(), index).take(DimensionSet::CAMERA);
-                let Some((ray, weight)) = self.images.ray(self.rays, pixel, u) else { return 0.0 };
-                weight * ray.cos4 * radiance(worker, index, (self.rays, pixel as u64), &ray, self.weights)
+                let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
+                let Some((ray, weight)) = self.images.ray(rays, pixel, u) else { return 0.0 };
+                weight * ray.cos4 * radiance(worker, index, (rays, pixel as u64), &ray, weights)
             })
             .sum()
     }

@@ -5,11 +5,26 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod checkpoint;
 mod fixed;
 mod mirrored_lights;
 
-pub use adaptive::{MAX_SAMPLES, expose_to_error};
-pub use fixed::expose_with_samples;
+pub use adaptive::MAX_SAMPLES;
+pub use checkpoint::{Checkpoint, CheckpointError};
+
+use radsight_pinhole::{BandWeights, Rays};
+use radsight_render::Renderer;
+
+/// A camera in front of a scene. [`Exposer::with_samples`] and [`Exposer::to_error`] expose it.
+#[derive(Clone, Copy, Debug)]
+pub struct Exposer<'a> {
+    /// Answers rays.
+    pub renderer: &'a Renderer,
+    /// The camera's rays.
+    pub rays: &'a Rays,
+    /// How the bands of radiance add up.
+    pub weights: &'a BandWeights,
+}
 
 /// The exposed picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +41,8 @@ pub struct Exposure {
     pub is_partial: bool,
     /// What is known of each pixel, where the error was estimated.
     pub pixels: Option<PixelStatistics>,
+    /// With it the exposure can go on: to its end, or to a smaller error.
+    pub checkpoint: Checkpoint,
 }
 
 /// How exact each pixel is, in scanline order from the top left.
@@ -55,6 +72,14 @@ pub trait Progress: Sync {
     fn stops(&self) -> bool {
         false
     }
+
+    /// Whether [`Progress::save`] is to be called soon. Until then it stays so.
+    fn wants_checkpoint(&self) -> bool {
+        false
+    }
+
+    /// Takes what is done so far; [`Progress::wants_checkpoint`] is false after it.
+    fn save(&self, _checkpoint: Checkpoint) {}
 }
 
 /// Says nothing.

@@ -79,6 +79,11 @@ impl SourceMap {
         &self.sources[source.0 as usize].text
     }
 
+    /// All texts that are not forgotten, in the order in which they were added; empty ones in the places of others.
+    pub fn texts(&self) -> impl Iterator<Item = &[u8]> {
+        self.sources.iter().map(|source| &source.text[..])
+    }
+
     /// The place that asked for the text.
     #[must_use]
     pub fn included_at(&self, source: SourceId) -> Option<Span> {

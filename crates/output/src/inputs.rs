@@ -34,6 +34,19 @@ pub fn name_of(path: &Path) -> Option<String> {
     })
 }
 
+/// The names under which files were read, one for each file.
+#[must_use]
+pub fn names() -> Vec<String> {
+    READ.lock().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
+}
+
+/// Takes back that a file is an input: it belongs to this program, which writes it anew.
+pub fn forget(path: &Path) {
+    if let Some(identity) = fs::metadata(path).ok().and_then(|found| identity(path, &found)) {
+        READ.lock().unwrap_or_else(PoisonError::into_inner).remove(&identity);
+    }
+}
+
 /// Whether a file is the one that standard output goes to.
 #[must_use]
 pub fn is_standard_output(path: &Path, file: &File) -> bool {

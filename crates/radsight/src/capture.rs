@@ -6,7 +6,7 @@ use crate::renderer::check_materials;
 use crate::report_page;
 use crate::scene::Scene;
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposure, PixelStatistics, Progress, Silent, expose_to_error, expose_with_samples};
+use radsight_capture::{Exposer, Exposure, PixelStatistics, Progress, Silent};
 use radsight_diag::SourceMap;
 use radsight_loader::{FileKind, Loader};
 use radsight_pinhole::Rays;
@@ -140,9 +140,10 @@ impl Capture {
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
         let renderer = radsight_render::Renderer::new(plan);
         let rays = Rays::new(&self.file.camera, self.samples.unwrap_or(1), self.options.seed);
+        let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights };
         let exposure = match self.samples {
-            Some(_) => expose_with_samples(&renderer, &rays, &weights, progress),
-            None => expose_to_error(&renderer, &rays, &weights, self.error, progress),
+            Some(_) => exposer.with_samples(None, progress),
+            None => exposer.to_error(self.error, None, progress),
         };
         check_materials(renderer.plan(), &scene.sources)?;
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))

@@ -1,0 +1,221 @@
+//! What is done of an exposure, to be saved and gone on with to the same bits.
+
+use crate::adaptive::{MAX_SAMPLES, Pixel};
+use std::fmt;
+
+/// First bytes of every checkpoint, with the version of its layout.
+const MAGIC: &[u8; 20] = b"radsight checkpoint1";
+
+/// An exposure that is not complete.
+///
+/// Which scene, camera and seed it belongs to is for the caller to know: [`Checkpoint::to_bytes`] takes a key that says so, and
+/// [`Checkpoint::from_bytes`] wants the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint(pub(crate) State);
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum State {
+    Fixed(FixedState),
+    Adaptive(AdaptiveState),
+}
+
+/// With the same number of rays for every pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FixedState {
+    pub(crate) samples: u32,
+    /// E_pixel in J/m²; `None` where it is not known yet.
+    pub(crate) values: Vec<Option<f64>>,
+}
+
+/// With as many rays as an error needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct AdaptiveState {
+    /// Passes that have begun.
+    pub(crate) passes: u32,
+    pub(crate) pixels: Vec<Pixel>,
+    /// Pixels whose samples the last pass has chosen to double, and has not doubled yet.
+    pub(crate) pending: Vec<usize>,
+}
+
+/// Why bytes are no checkpoint of an exposure.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// They are something else, or not all of it.
+    Broken,
+    /// Their key is another one.
+    OfAnother,
+}
+
+impl fmt::Display for CheckpointError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            CheckpointError::Broken => "it is no whole checkpoint",
+            CheckpointError::OfAnother => "it belongs to another scene, camera file, seed or version",
+        })
+    }
+}
+
+impl std::error::Error for CheckpointError {}
+
+impl Checkpoint {
+    /// The bytes of a file: magic, key, kind, numbers in little-endian order.
+    #[must_use]
+    pub fn to_bytes(&self, key: &[u8; 32]) -> Vec<u8> {
+        let mut bytes = [&MAGIC[..], key].concat();
+        match &self.0 {
+            State::Fixed(state) => {
+                bytes.push(0);
+                put_u32(&mut bytes, state.samples);
+                put_u32(&mut bytes, state.values.len() as u32);
+                for value in &state.values {
+                    bytes.push(u8::from(value.is_some()));
+                    put_f64(&mut bytes, value.unwrap_or(0.0));
+                }
+            }
+            State::Adaptive(state) => {
+                bytes.push(1);
+                put_u32(&mut bytes, state.passes);
+                put_u32(&mut bytes, state.pixels.len() as u32);
+                for pixel in &state.pixels {
+                    put_u32(&mut bytes, pixel.samples);
+                    [pixel.sum, pixel.last, pixel.before].iter().for_each(|value| put_f64(&mut bytes, *value));
+                }
+                put_u32(&mut bytes, state.pending.len() as u32);
+                state.pending.iter().for_each(|index| put_u32(&mut bytes, *index as u32));
+            }
+        }
+        bytes
+    }
+
+    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of so many pixels.
+    ///
+    /// # Errors
+    /// [`CheckpointError`].
+    pub fn from_bytes(bytes: &[u8], key: &[u8; 32], pixels: usize) -> Result<Checkpoint, CheckpointError> {
+        let mut reader = Reader(bytes);
+        if reader.take::<20>()? != *MAGIC {
+            return Err(CheckpointError::Broken);
+        }
+        if reader.take::<32>()? != *key {
+            return Err(CheckpointError::OfAnother);
+        }
+        let state = match reader.take()? {
+            [0] => State::Fixed(reader.fixed(pixels)?),
+            [1] => State::Adaptive(reader.adaptive(pixels)?),
+            _ => return Err(CheckpointError::Broken),
+        };
+        if reader.0.is_empty() { Ok(Checkpoint(state)) } else { Err(CheckpointError::Broken) }
+    }
+}
+
+fn put_u32(bytes: &mut Vec<u8>, value: u32) {
+    bytes.extend(value.to_le_bytes());
+}
+
+fn put_f64(bytes: &mut Vec<u8>, value: f64) {
+    bytes.extend(value.to_le_bytes());
+}
+
+/// Takes numbers from the front of bytes.
+struct Reader<'b>(&'b [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], CheckpointError> {
+        let (first, rest) = self.0.split_first_chunk::<N>().ok_or(CheckpointError::Broken)?;
+        self.0 = rest;
+        Ok(*first)
+    }
+
+    fn u32(&mut self) -> Result<u32, CheckpointError> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    /// A finite number, as all sums of radiance and of squares are.
+    fn amount(&mut self) -> Result<f64, CheckpointError> {
+        let value = self.take().map(f64::from_le_bytes)?;
+        if value.is_finite() { Ok(value) } else { Err(CheckpointError::Broken) }
+    }
+
+    /// The number of pixels, which must be this one.
+    fn pixel_count(&mut self, pixels: usize) -> Result<(), CheckpointError> {
+        if self.u32()? as usize == pixels { Ok(()) } else { Err(CheckpointError::Broken) }
+    }
+
+    fn fixed(&mut self, pixels: usize) -> Result<FixedState, CheckpointError> {
+        let samples = self.u32()?;
+        self.pixel_count(pixels)?;
+        let value = |_| match (self.take()?, self.amount()?) {
+            ([0], _) => Ok(None),
+            ([1], value) => Ok(Some(value)),
+            _ => Err(CheckpointError::Broken),
+        };
+        let values: Result<Vec<_>, _> = (0..pixels).map(value).collect();
+        Ok(FixedState { samples, values: values? })
+    }
+
+    fn adaptive(&mut self, pixels: usize) -> Result<AdaptiveState, CheckpointError> {
+        let passes = self.u32()?;
+        self.pixel_count(pixels)?;
+        let pixel = |_| {
+            let samples = self.u32()?;
+            if samples != 0 && !(samples.is_power_of_two() && samples <= MAX_SAMPLES) {
+                return Err(CheckpointError::Broken);
+            }
+            Ok(Pixel { samples, sum: self.amount()?, last: self.amount()?, before: self.amount()? })
+        };
+        let known: Result<Vec<Pixel>, CheckpointError> = (0..pixels).map(pixel).collect();
+        let known = known?;
+        let count = self.u32()? as usize;
+        let index = |_| match self.u32()? as usize {
+            index if known.get(index).is_some_and(|pixel| pixel.samples > 0) => Ok(index),
+            _ => Err(CheckpointError::Broken),
+        };
+        let pending: Result<Vec<usize>, _> = (0..count).map(index).collect();
+        let pending = pending?;
+        match pending.is_sorted_by(|before, after| before < after) {
+            true => Ok(AdaptiveState { passes, pending, pixels: known }),
+            false => Err(CheckpointError::Broken),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn adaptive() -> Checkpoint {
+        let pixel = |samples| Pixel { samples, sum: 0.1 * f64::from(samples), last: 1e-9, before: 2e-7 };
+        let pixels = vec![pixel(4), pixel(0), pixel(64)];
+        Checkpoint(State::Adaptive(AdaptiveState { passes: 3, pixels, pending: vec![0, 2] }))
+    }
+
+    #[test]
+    fn a_checkpoint_is_read_as_it_was_written() {
+        let fixed = FixedState { samples: 16, values: vec![Some(1.5e-7), None, Some(0.0)] };
+        for checkpoint in [adaptive(), Checkpoint(State::Fixed(fixed))] {
+            let bytes = checkpoint.to_bytes(&[7; 32]);
+            assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 3), Ok(checkpoint));
+            assert_eq!(Checkpoint::from_bytes(&bytes, &[8; 32], 3), Err(CheckpointError::OfAnother));
+            assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 4), Err(CheckpointError::Broken));
+        }
+    }
+
+    #[test]
+    fn no_part_of_a_checkpoint_is_taken_for_one() {
+        let bytes = adaptive().to_bytes(&[7; 32]);
+        for length in 0..bytes.len() {
+            assert_eq!(Checkpoint::from_bytes(&bytes[..length], &[7; 32], 3), Err(CheckpointError::Broken), "{length}");
+        }
+        let longer = [&bytes[..], &[0]].concat();
+        assert_eq!(Checkpoint::from_bytes(&longer, &[7; 32], 3), Err(CheckpointError::Broken));
+    }
+
+    #[test]
+    fn a_pixel_without_samples_is_not_to_be_doubled() {
+        let Checkpoint(State::Adaptive(mut state)) = adaptive() else { unreachable!() };
+        state.pending = vec![1];
+        let bytes = Checkpoint(State::Adaptive(state)).to_bytes(&[7; 32]);
+        assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 3), Err(CheckpointError::Broken));
+    }
+}
