@@ -381,3 +381,93 @@ impl Judgement {
         wanted
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLUMNS: usize = 48;
+    const PIXELS: usize = 48 * 36;
+    const RAYS: u32 = 16;
+
+    /// Evenly distributed noise of this standard deviation (SplitMix64).
+    fn noise(state: &mut u64, deviation: f64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12f64.sqrt() * deviation
+    }
+
+    /// Residuals of a block whose cache misses `truth`, by rays of this standard deviation through pixels of which one in `every` has rays.
+    fn residuals(seed: u64, truth: &[f64], deviation: f64, every: usize) -> Residuals {
+        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS]);
+        let mut state = seed;
+        let chosen = if every > 1 { residuals.first_pixels() } else { (0..PIXELS).collect() };
+        for pixel in chosen {
+            let rays = f64::from(RAYS);
+            let half = |state: &mut u64| [rays * truth[pixel] + rays.sqrt() * noise(state, deviation); 3];
+            let halves = [half(&mut state), half(&mut state)];
+            residuals.pixels[pixel] = Residual { sums: halves, rays: RAYS };
+        }
+        residuals
+    }
+
+    fn left(judgement: &Judgement, truth: &[f64]) -> f64 {
+        judgement.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
+    }
+
+    /// None, a smooth one, one with an edge, and one that no neighbour knows of.
+    fn truths() -> [Vec<f64>; 4] {
+        let truth = |of: &dyn Fn(usize, usize) -> f64| (0..PIXELS).map(|at| of(at % COLUMNS, at / COLUMNS)).collect();
+        [
+            truth(&|_, _| 0.0),
+            truth(&|x, y| 0.1 * (0.1 * x as f64).sin() + 0.05 * (0.2 * y as f64).cos()),
+            truth(&|x, _| if x < 20 { 0.3 } else { 0.0 }),
+            truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { 0.4 } else { 0.0 }),
+        ]
+    }
+
+    #[test]
+    fn the_error_that_is_left_is_estimated_without_bias() {
+        for (number, truth) in truths().iter().enumerate() {
+            for every in [1, 2] {
+                let (mut found, mut actual, mut variance) = (0.0, 0.0, 0.0);
+                for seed in 0..24 {
+                    let judgement = residuals(seed, truth, 0.8, every).judge(1 << 16);
+                    found += judgement.squared;
+                    actual += left(&judgement, truth);
+                    variance += judgement.variance;
+                }
+                let apart = (found - actual).abs();
+                assert!(
+                    apart < 3.0 * variance.sqrt() + 0.05 * actual,
+                    "{number}, {every}: {found} for {actual} ± {}",
+                    variance.sqrt()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_errors_of_the_cache_are_corrected_and_none_are_made() {
+        let [none, smooth, ..] = truths();
+        let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
+        let corrected = left(&residuals(1, &smooth, 0.8, 1).judge(1 << 16), &smooth);
+        assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
+        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(2 * RAYS);
+        let made = left(&residuals(1, &none, 0.8, 1).judge(1 << 16), &none);
+        assert!(made < 0.05 * alone, "{made}, where pixels alone would have {alone}");
+    }
+
+    #[test]
+    fn rays_go_where_the_cache_is_wrong_until_nothing_helps() {
+        let [_, _, edge, _] = truths();
+        let judgement = residuals(3, &edge, 0.8, 1).judge(1 << 16);
+        assert!(judgement.wanted(1e9).is_empty());
+        let wanted = judgement.wanted(judgement.upper() - 1.0);
+        let wrong = wanted.iter().filter(|pixel| **pixel % COLUMNS < 24).count();
+        assert!(!wanted.is_empty() && 2 * wrong > wanted.len(), "{wrong} of {}", wanted.len());
+        assert!(residuals(3, &edge, 0.8, 1).judge(RAYS).wanted(0.0).is_empty());
+    }
+}
