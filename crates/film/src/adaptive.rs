@@ -11,16 +11,12 @@
 
 use crate::interpolated::{self, Interpolation};
 use crate::residual::{Judgement, Residuals};
+use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_render::{RayWorker, Renderer};
 use radsight_sampling::{PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// No pixel gets more samples: what one scramble of the sequence holds.
-pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
-
-pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
 /// Samples of every pixel before anything is decided.
 const FIRST_SAMPLES: u32 = 4;
@@ -39,6 +35,11 @@ const DAZZLING: f64 = 10.0;
 
 /// What of a squared error pixels' own noise may have where irradiance is cached.
 const NOISE_SHARE: f64 = 0.4;
+
+/// Where a few pixels have most of the noise, its estimate is uncertain: the target is lowered by this factor until the estimate and one
+/// standard error more are within what is asked, down to a share of that.
+const STRICTER: f64 = 0.7;
+const LEAST_TARGET: f64 = 0.03;
 
 /// What stands for a distance to nothing, as in Radiance.
 const NOWHERE: f64 = 1e10;
@@ -135,6 +136,13 @@ impl Finished {
         self.squares += error * error;
     }
 
+    /// The mean of squared errors of noise, and the variance of that.
+    fn noise(&self) -> [f64; 2] {
+        let mean = self.errors / self.pixels;
+        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
+        [mean, spread * SHARING / self.pixels]
+    }
+
     fn add_cached(&mut self, judgement: &Judgement) {
         let [squared, variance] = self.cached.unwrap_or_default();
         self.cached = Some([squared + judgement.squared.max(0.0), variance + judgement.variance]);
@@ -142,9 +150,8 @@ impl Finished {
 
     fn estimate(&self) -> Option<Estimate> {
         let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / self.pixels);
-        let noise = self.errors / self.pixels;
-        let spread = (self.squares / self.pixels - noise * noise).max(0.0);
-        let variance = (spread * SHARING + cached_variance) / self.pixels;
+        let [noise, noise_variance] = self.noise();
+        let variance = noise_variance + cached_variance / self.pixels;
         let error = (noise + cached).sqrt();
         // The root's standard error is that of the square over twice the root.
         let uncertainty = if error > 0.0 { 0.5 * CONFIDENCE * variance.sqrt() / error } else { 0.0 };
@@ -280,17 +287,23 @@ impl<'r> Film<'r> {
         self.pixels[range.clone()].iter().zip(corrections).map(corrected).collect()
     }
 
-    /// Doubles samples until the pixels' own noise is this, in squares; gives what is left.
+    /// Doubles samples until the pixels' own noise is this, in squares, and one standard error of that more; gives what is left.
     fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
+        let mut target = squared;
         loop {
             let pooled = self.pool(range);
-            let needed = doublings(&pooled, squared, most);
+            let needed = doublings(&pooled, target, most);
             let chosen: Vec<usize> =
                 range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
             if chosen.is_empty() {
-                let left: f64 = pooled.iter().map(|pixel| pixel.squared).sum();
-                if left > squared * range.len() as f64 {
+                let mut found = Finished::default();
+                pooled.iter().for_each(|pixel| found.add(pixel.squared, pixel.samples));
+                let [mean, variance] = found.noise();
+                if mean > squared {
                     self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
+                } else if mean + variance.sqrt() > squared && target > LEAST_TARGET * squared {
+                    target *= STRICTER;
+                    continue;
                 }
                 return pooled;
             }

@@ -14,7 +14,7 @@
 //! Rays go where they lower the estimated error or its uncertainty most. Large blocks of pixels are divided into cells; one
 //! pixel of each cell stands for it until more are needed.
 
-use crate::adaptive::SEQUENCE_LOG2;
+use crate::sequence::SEQUENCE_LOG2;
 use crate::view_camera::{ViewCamera, traced_both};
 use radsight_render::Renderer;
 use radsight_sampling::RaySampler;

@@ -177,7 +177,7 @@ impl RayWorker<'_> {
     #[must_use]
     pub fn trace_uncached(&mut self, index: u64, ray: &Ray) -> Traced {
         in_bands!(&mut self.0, Bands(tracer) => {
-            let caches = std::mem::replace(&mut tracer.caches, [None; 2]);
+            let caches = std::mem::take(&mut tracer.caches);
             let traced = tracer.trace(index, ray);
             tracer.caches = caches;
             traced
