@@ -153,8 +153,7 @@ impl Finished {
         let [noise, noise_variance] = self.noise();
         let variance = noise_variance + cached_variance / self.pixels;
         let error = (noise + cached).sqrt();
-        // The root's standard error is that of the square over twice the root.
-        let uncertainty = if error > 0.0 { 0.5 * CONFIDENCE * variance.sqrt() / error } else { 0.0 };
+        let uncertainty = (error * error + CONFIDENCE * variance.sqrt()).sqrt() - error;
         (self.pixels > 0.0).then(|| Estimate {
             error,
             uncertainty,

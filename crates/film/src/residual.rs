@@ -36,6 +36,10 @@ const RADII: [usize; 2] = [1, 3];
 /// Those, and none.
 const CORRECTIONS: usize = RADII.len() + 1;
 
+/// Standard errors by which the estimate must be within what is asked: rare bright paths make more of it than a normal distribution
+/// would.
+const CERTAINTY: f64 = 2.0;
+
 /// In one round no pixel gets rays that is worth less than this share of the best.
 const LEAST_WORTH: f64 = 0.1;
 
@@ -310,6 +314,11 @@ impl Residuals {
         for cell in cells {
             self.add_cell(cell, (around, left, &found), most, &mut judgement);
         }
+        // What surroundings tell of single pixels adds up to the estimate of all.
+        let sum: f64 = judgement.of_pixels.iter().sum();
+        let total = judgement.squared.max(0.0);
+        let even = total / self.pixels.len().max(1) as f64;
+        judgement.of_pixels.iter_mut().for_each(|left| *left = if sum > 0.0 { *left * (total / sum) } else { even });
         judgement
     }
 
@@ -356,22 +365,22 @@ impl Residuals {
 }
 
 impl Judgement {
-    /// What may be left in all: the estimate, and one standard error more.
+    /// What may be left in all: the estimate, and some standard errors more.
     pub(crate) fn upper(&self) -> f64 {
-        self.squared.max(0.0) + self.variance.sqrt()
+        self.squared.max(0.0) + CERTAINTY * self.variance.sqrt()
     }
 
     /// The pixels to trace further until no more than `allowed` is left; none where nothing helps.
     pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
         let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
-        let worth = |option: &Worth| (option.squared + 0.5 * option.variance / deviation) / option.rays;
+        let worth = |option: &Worth| (option.squared + 0.5 * CERTAINTY * option.variance / deviation) / option.rays;
         let mut options: Vec<(f64, &Worth)> = self.options.iter().map(|option| (worth(option), option)).collect();
         options.retain(|(worth, _)| *worth > 0.0);
         options.sort_by(|(one, _), (two, _)| two.total_cmp(one));
         let least = LEAST_WORTH * options.first().map_or(0.0, |(worth, _)| *worth);
         let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
         for (worth, option) in options {
-            if worth < least || squared.max(0.0) + variance.max(0.0).sqrt() <= allowed {
+            if worth < least || squared.max(0.0) + CERTAINTY * variance.max(0.0).sqrt() <= allowed {
                 break;
             }
             squared -= option.squared;
