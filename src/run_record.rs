@@ -7,6 +7,8 @@ use std::time::Instant;
 /// Measures the stages of a run, one after the other.
 pub(crate) struct Stopwatch {
     stages: Vec<Stage>,
+    started: Instant,
+    /// Of the present stage.
     begun: Instant,
     processor_s: Option<f64>,
 }
@@ -14,7 +16,13 @@ pub(crate) struct Stopwatch {
 impl Stopwatch {
     /// Begins the first stage.
     pub(crate) fn start() -> Stopwatch {
-        Stopwatch { stages: Vec::new(), begun: Instant::now(), processor_s: processor_seconds() }
+        let now = Instant::now();
+        Stopwatch { stages: Vec::new(), started: now, begun: now, processor_s: processor_seconds() }
+    }
+
+    /// When the first stage began.
+    pub(crate) fn started(&self) -> Instant {
+        self.started
     }
 
     /// Ends a stage, of this name, and begins the next.

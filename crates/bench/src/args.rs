@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Race(Race),
     /// Other people's rpict commands beside real Radiance: processor time, and how near the pictures are to the truth
     Commands(Commands),
+    /// Random rooms: whether rpict --error ends at the asked error, by references of single paths
+    Rooms(Rooms),
     /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
     Rays(Rays),
     /// How time and memory grow with triangles, lights, pixels and threads, beside the other programs
@@ -57,6 +59,32 @@ pub(crate) struct Commands {
     /// Rays a pixel of the truth
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub(crate) truth: u32,
+}
+
+/// `radsight-bench rooms`.
+#[derive(Debug, Args)]
+pub(crate) struct Rooms {
+    /// Seeds of the rooms, from A to B
+    #[arg(long, value_name = "A..B", default_value = "1..20", value_parser = crate::rooms::seeds)]
+    pub(crate) seeds: (u64, u64),
+    /// Errors that are asked for, as shares
+    #[arg(long, value_name = "E,…", value_delimiter = ',', default_values_t = [0.1, 0.05, 0.02])]
+    pub(crate) errors: Vec<f64>,
+    /// Seconds that rpict may take for a picture (its --time-limit); without it, as long as it takes
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) limit: Option<f64>,
+    /// Columns of the pictures; rows are three quarters of that
+    #[arg(long, value_name = "N", default_value_t = 48)]
+    pub(crate) columns: usize,
+    /// Seconds of processor time that may be spent on a room's references; what is there already is kept and made better
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
+    pub(crate) reference_budget: f64,
+    /// Writes scenes, views and options, names their folders, and ends
+    #[arg(long)]
+    pub(crate) scenes_only: bool,
+    /// Where rooms and references go [default: bench in the folder above this program's]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) folder: Option<PathBuf>,
 }
 
 /// `radsight-bench race`.

@@ -8,6 +8,8 @@
 //!
 //! `radsight-bench commands` runs other people's `rpict` commands as they stand with both programs: time, and distance from the truth.
 //!
+//! `radsight-bench rooms` asks for errors in random rooms, and says which are reached and whether what is reported is true.
+//!
 //! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
 //!
 //! `radsight-bench scaling` says how time and memory grow with triangles, lights, pixels and threads.
@@ -37,6 +39,7 @@ mod race;
 mod radiance;
 mod radsight;
 mod rays;
+mod rooms;
 mod run;
 mod scaling;
 mod table;
@@ -50,6 +53,7 @@ fn main() -> ExitCode {
         args::Command::Capture(arguments) => capture::run(&arguments),
         args::Command::Plugin(arguments) => plugin::run(&arguments),
         args::Command::Load(arguments) => load::run(&arguments),
+        args::Command::Rooms(arguments) => rooms::run(&arguments),
         args::Command::Rays(arguments) => rays::run(&arguments),
         args::Command::Scaling(arguments) => scaling::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),

@@ -6,18 +6,17 @@
 //! a low-discrepancy sequence both are smaller. One such difference says little, so the squares of neighbours are averaged, and
 //! those of the doubling before count too; g is that of a whole block. What no sample has met so far, such as the corner of a lamp, is expected to be like the
 //! neighbour that differs most.
+//!
+//! Where irradiance is cached, the error of that counts too: single paths tell it, and correct it (`residual.rs`).
 
 use crate::interpolated::{self, Interpolation};
+use crate::residual::{Judgement, Residuals};
+use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_render::{RayWorker, Renderer};
 use radsight_sampling::{PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// No pixel gets more samples: what one scramble of the sequence holds.
-pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
-
-pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
 /// Samples of every pixel before anything is decided.
 const FIRST_SAMPLES: u32 = 4;
@@ -34,6 +33,14 @@ const DARK: f64 = 0.01;
 /// Brighter pixels than this many times the median do not count further for what is typical.
 const DAZZLING: f64 = 10.0;
 
+/// What of a squared error pixels' own noise may have where irradiance is cached.
+const NOISE_SHARE: f64 = 0.4;
+
+/// Where a few pixels have most of the noise, its estimate is uncertain: the target is lowered by this factor until the estimate and one
+/// standard error more are within what is asked, down to a share of that.
+const STRICTER: f64 = 0.7;
+const LEAST_TARGET: f64 = 0.03;
+
 /// What stands for a distance to nothing, as in Radiance.
 const NOWHERE: f64 = 1e10;
 
@@ -44,8 +51,8 @@ pub enum SamplingBudget {
     Samples(u32),
     /// As few as the error allows.
     Error {
-        /// Estimated error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all pixels: d the standard error of a value v, m what is
-        /// typical of the band.
+        /// Estimated error of the picture, `sqrt(mean(d²/(v² + (0.01·m)²)))` over the bands of all pixels: d the error of a value v, m what is
+        /// typical of the band. Noise of the pixels, and noise and interpolation bias of cached irradiance together.
         error: f64,
         /// At most so many, at most [`MAX_SAMPLES`].
         most: u32,
@@ -88,16 +95,37 @@ pub struct Estimate {
     pub uncertainty: f64,
     /// Mean number of rays a pixel.
     pub rays: f64,
+    /// What of the error is noise of the pixels' own rays, and what is the error of cached irradiance (`None` where none is cached): their squares add up.
+    pub noise: f64,
+    /// See `noise`.
+    pub cache: Option<f64>,
+    /// What stopped the work before the asked error was reached.
+    pub stopped: Option<Stop>,
 }
+
+/// Why a picture has more error than was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// No pixel may have more rays.
+    Rays,
+    /// The time was over.
+    Time,
+}
+
+/// Whether there is time left to work on a block with which this share of the picture is done.
+pub type TimeLeft<'t> = dyn Fn(f64) -> bool + Sync + 't;
 
 /// Sums over finished pixels.
 #[derive(Clone, Copy, Debug, Default)]
 struct Finished {
     pixels: f64,
     rays: f64,
-    /// Of squared errors, and of their squares.
+    /// Of squared errors of noise, and of their squares.
     errors: f64,
     squares: f64,
+    /// Of squared errors of cached irradiance, and the variance of that sum; `None` where none is cached.
+    cached: Option<[f64; 2]>,
+    stopped: Option<Stop>,
 }
 
 impl Finished {
@@ -108,13 +136,32 @@ impl Finished {
         self.squares += error * error;
     }
 
-    fn estimate(&self) -> Option<Estimate> {
+    /// The mean of squared errors of noise, and the variance of that.
+    fn noise(&self) -> [f64; 2] {
         let mean = self.errors / self.pixels;
-        let variance = (self.squares / self.pixels - mean * mean).max(0.0) * SHARING / self.pixels;
-        let error = mean.sqrt();
-        // The root's standard error is that of the square over twice the root.
-        let uncertainty = if error > 0.0 { 0.5 * CONFIDENCE * variance.sqrt() / error } else { 0.0 };
-        (self.pixels > 0.0).then(|| Estimate { error, uncertainty, rays: self.rays / self.pixels })
+        let spread = (self.squares / self.pixels - mean * mean).max(0.0);
+        [mean, spread * SHARING / self.pixels]
+    }
+
+    fn add_cached(&mut self, judgement: &Judgement) {
+        let [squared, variance] = self.cached.unwrap_or_default();
+        self.cached = Some([squared + judgement.squared.max(0.0), variance + judgement.variance]);
+    }
+
+    fn estimate(&self) -> Option<Estimate> {
+        let [cached, cached_variance] = self.cached.unwrap_or_default().map(|sum| sum / self.pixels);
+        let [noise, noise_variance] = self.noise();
+        let variance = noise_variance + cached_variance / self.pixels;
+        let error = (noise + cached).sqrt();
+        let uncertainty = (error * error + CONFIDENCE * variance.sqrt()).sqrt() - error;
+        (self.pixels > 0.0).then(|| Estimate {
+            error,
+            uncertainty,
+            rays: self.rays / self.pixels,
+            noise: noise.sqrt(),
+            cache: self.cached.map(|_| cached.sqrt()),
+            stopped: self.stopped,
+        })
     }
 }
 
@@ -125,7 +172,6 @@ const CONFIDENCE: f64 = 1.96;
 const SHARING: f64 = 7.1;
 
 /// A picture in the making.
-#[derive(Debug)]
 pub struct Film<'r> {
     renderer: &'r Renderer,
     camera: ViewCamera,
@@ -136,6 +182,21 @@ pub struct Film<'r> {
     finished: Finished,
     /// Squared relative errors of the pixels that are finished, where an error was asked for.
     errors: Vec<f32>,
+    /// Rays beside those of the pixels' own samples.
+    further_rays: Vec<u32>,
+    time_left: Option<Box<TimeLeft<'r>>>,
+}
+
+impl std::fmt::Debug for Film<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Film { camera, budget, finished, .. } = self;
+        formatter
+            .debug_struct("Film")
+            .field("camera", camera)
+            .field("budget", budget)
+            .field("finished", finished)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<'r> Film<'r> {
@@ -144,13 +205,31 @@ impl<'r> Film<'r> {
     pub fn new(renderer: &'r Renderer, camera: ViewCamera, budget: SamplingBudget) -> Film<'r> {
         let pixels = vec![Pixel::default(); camera.columns() * camera.rows()];
         let finished = Finished::default();
-        let mut frame = Film { renderer, camera, budget, pixels, floors: [0.0; 3], finished, errors: Vec::new() };
+        let mut frame = Film {
+            renderer,
+            camera,
+            budget,
+            pixels,
+            floors: [0.0; 3],
+            finished,
+            errors: Vec::new(),
+            further_rays: Vec::new(),
+            time_left: None,
+        };
         if let SamplingBudget::Error { .. } = budget {
             frame.errors = vec![f32::NAN; frame.pixels.len()];
+            frame.further_rays = vec![0; frame.pixels.len()];
             frame.begin();
             frame.floors = typical(&frame.pixels).map(|band| DARK * band);
         }
         frame
+    }
+
+    /// Stops work on an asked error where there is no time left.
+    #[must_use]
+    pub fn while_time_is_left(mut self, time_left: Box<TimeLeft<'r>>) -> Film<'r> {
+        self.time_left = Some(time_left);
+        self
     }
 
     /// Pixels in a row.
@@ -179,24 +258,97 @@ impl<'r> Film<'r> {
                 return interpolated::block(self.renderer, &self.camera, interpolation, &block);
             }
             SamplingBudget::Samples(samples) => self.trace_all(range.clone(), samples.clamp(1, MAX_SAMPLES)),
-            SamplingBudget::Error { error, most } => {
-                let most = most.min(MAX_SAMPLES);
-                loop {
-                    let pooled = self.pool(&range);
-                    let needed = doublings(&pooled, error * error, most);
-                    let chosen: Vec<usize> =
-                        range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
-                    if chosen.is_empty() {
-                        pooled.iter().for_each(|pixel| self.finished.add(pixel.squared, pixel.samples));
-                        let kept = self.errors[range.clone()].iter_mut().zip(&pooled);
-                        kept.for_each(|(kept, pixel)| *kept = pixel.squared as f32);
-                        break;
-                    }
-                    self.double(&chosen);
-                }
-            }
+            SamplingBudget::Error { error, most } => return self.finish_to_error(&range, error, most.min(MAX_SAMPLES)),
         }
         self.pixels[range].iter().map(|pixel| pixel.mean().map(|band| band as f32)).collect()
+    }
+
+    /// Finishes pixels to an asked error.
+    fn finish_to_error(&mut self, range: &Range<usize>, error: f64, most: u32) -> Vec<[f32; 3]> {
+        let is_cached = self.renderer.irradiance_noise().is_some();
+        let share = if is_cached { NOISE_SHARE } else { 1.0 };
+        let pooled = self.reduce_noise(range, share * error * error, most);
+        let noise: f64 = pooled.iter().map(|pixel| pixel.squared).sum();
+        let judgement = is_cached.then(|| self.correct(range, error * error * range.len() as f64 - noise, most));
+        let (mut corrections, mut of_pixels) = (vec![[0.0; 3]; range.len()], vec![0.0; range.len()]);
+        if let Some(judgement) = judgement {
+            self.finished.add_cached(&judgement);
+            (corrections, of_pixels) = (judgement.corrections, judgement.of_pixels);
+        }
+        for ((index, pixel), of_cache) in range.clone().zip(&pooled).zip(of_pixels) {
+            self.finished.add(pixel.squared, pixel.samples + self.further_rays[index]);
+            self.errors[index] = (pixel.squared + of_cache) as f32;
+        }
+        let corrected = |(pixel, correction): (&Pixel, [f64; 3])| {
+            let mean = pixel.mean();
+            std::array::from_fn(|band| (mean[band] + correction[band]).max(0.0) as f32)
+        };
+        self.pixels[range.clone()].iter().zip(corrections).map(corrected).collect()
+    }
+
+    /// Doubles samples until the pixels' own noise is this, in squares, and one standard error of that more; gives what is left.
+    fn reduce_noise(&mut self, range: &Range<usize>, squared: f64, most: u32) -> Vec<PixelError> {
+        let mut target = squared;
+        loop {
+            let pooled = self.pool(range);
+            let needed = doublings(&pooled, target, most);
+            let chosen: Vec<usize> =
+                range.clone().zip(needed).filter(|(_, needed)| *needed > 0.0).map(|(pixel, _)| pixel).collect();
+            if chosen.is_empty() {
+                let mut found = Finished::default();
+                pooled.iter().for_each(|pixel| found.add(pixel.squared, pixel.samples));
+                let [mean, variance] = found.noise();
+                if mean > squared {
+                    self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
+                } else if mean + variance.sqrt() > squared && target > LEAST_TARGET * squared {
+                    target *= STRICTER;
+                    continue;
+                }
+                return pooled;
+            }
+            if !self.has_time(range) {
+                return pooled;
+            }
+            self.double(&chosen);
+        }
+    }
+
+    /// Corrects cached irradiance until the sum of squared errors that it leaves is no more than this, as far as can be told.
+    fn correct(&mut self, range: &Range<usize>, allowed: f64, most: u32) -> Judgement {
+        let units = self.pixels[range.clone()].iter().map(|pixel| self.units(pixel)).collect();
+        let mut residuals = Residuals::new(range.clone(), self.camera.columns(), units);
+        let mut wanted = residuals.first_pixels();
+        loop {
+            residuals.trace(self.renderer, &self.camera, &wanted);
+            let judgement = residuals.judge(most);
+            let is_enough = judgement.upper() <= allowed;
+            wanted = if is_enough { Vec::new() } else { judgement.wanted(allowed) };
+            if !is_enough && wanted.is_empty() {
+                self.finished.stopped = self.finished.stopped.or(Some(Stop::Rays));
+            }
+            if wanted.is_empty() || !self.has_time(range) {
+                for index in range.clone() {
+                    self.further_rays[index] = residuals.rays_of(index - range.start);
+                }
+                return judgement;
+            }
+        }
+    }
+
+    /// Whether there is time left for a block; notes that there is not.
+    fn has_time(&mut self, range: &Range<usize>) -> bool {
+        let share = range.end as f64 / self.pixels.len() as f64;
+        let has_time = self.time_left.as_ref().is_none_or(|time_left| time_left(share));
+        if !has_time {
+            self.finished.stopped = Some(Stop::Time);
+        }
+        has_time
+    }
+
+    /// What errors of a pixel's bands are relative to.
+    fn units(&self, pixel: &Pixel) -> [f64; 3] {
+        let mean = pixel.mean();
+        std::array::from_fn(|band| mean[band].hypot(self.floors[band]).max(f64::MIN_POSITIVE.sqrt()))
     }
 
     /// How good the pixels are that are finished; `None` where no error was asked for.
@@ -216,7 +368,9 @@ impl<'r> Film<'r> {
     #[must_use]
     pub fn samples(&self) -> Option<Vec<u32>> {
         let is_interpolated = matches!(self.budget, SamplingBudget::Interpolated(_));
-        (!is_interpolated).then(|| self.pixels.iter().map(|pixel| pixel.samples).collect())
+        let further = |index: usize| self.further_rays.get(index).copied().unwrap_or(0);
+        (!is_interpolated)
+            .then(|| self.pixels.iter().enumerate().map(|(index, pixel)| pixel.samples + further(index)).collect())
     }
 
     /// Distances along the rays through the middles of the pixels of some rows, scene units, by way of mirrors and panes; 1e10 for

@@ -1,7 +1,7 @@
 //! One ray, traced as often as it needs.
 
 use crate::SamplingBudget;
-use crate::adaptive::{MAX_SAMPLES, SEQUENCE_LOG2};
+use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use radsight_render::{Ray, RayWorker, Traced};
 
 /// Samples of a ray before anything is decided: no neighbour helps to tell its error.

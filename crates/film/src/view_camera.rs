@@ -208,3 +208,10 @@ pub(crate) fn traced(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) ->
     let is_clipped = ray.length.is_some_and(|length| traced.first_hit.is_none_or(|hit| hit.distance > length));
     (!is_clipped).then_some(traced)
 }
+
+/// The radiance that a ray finds with cached irradiance, and by a single path; `None` for nothing.
+pub(crate) fn traced_both(worker: &mut RayWorker<'_>, index: u64, ray: &CameraRay) -> Option<[[f64; 3]; 2]> {
+    let cached = traced(worker, index, ray)?;
+    let ray = Ray::new(ray.origin, ray.direction)?;
+    Some([cached.value, worker.trace_uncached(index, &ray).value])
+}

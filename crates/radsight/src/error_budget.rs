@@ -6,12 +6,11 @@ use radsight_render::{Gathering, LightDivision, RenderOptions};
 /// For less error than this pixels may have more rays than usual, and cache points more.
 const COARSE_ERROR: f64 = 0.02;
 
-/// What of an error goes to the noise and the reach of cached irradiance, and to pixels; records that reach no farther than this
+/// What of an error goes to the noise and the reach of cached irradiance; records that reach no farther than this
 /// are good enough for any error.
 const NOISE_SHARE: f64 = 1.5;
 const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
-const PIXEL_SHARE: f64 = 0.8;
 
 /// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
 const EVENNESS: f64 = 0.1;
@@ -40,8 +39,8 @@ const USUAL_JITTER: f64 = 0.67;
 /// use radsight::{ErrorBudget, RenderOptions, SamplingBudget};
 /// let mut options = RenderOptions { ambient_bounces: 2, ..RenderOptions::default() };
 /// let pixels = ErrorBudget::error(0.02).apply(&mut options);
-/// // The cache gets a part of the error, pixels the rest.
-/// assert!(matches!(pixels, SamplingBudget::Error { error, .. } if error < 0.02));
+/// // The cache is filled for a part of the error; pixels find out what is left of it.
+/// assert!(matches!(pixels, SamplingBudget::Error { error, .. } if error == 0.02));
 /// assert!(options.gathering.noise <= 0.03);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +63,7 @@ impl Default for ErrorBudget {
 
 impl ErrorBudget {
     /// Rays a pixel at most, where an error is asked for.
-    pub const MOST_SAMPLES: u32 = 1024;
+    pub const MOST_SAMPLES: u32 = MAX_SAMPLES;
 
     /// This relative error: rms over the bands of all pixels, as a share of their values.
     #[must_use]
@@ -123,7 +122,6 @@ impl ErrorBudget {
     /// distance that records reach.
     #[must_use]
     pub fn apply(&self, options: &mut RenderOptions) -> SamplingBudget {
-        let bounces = options.ambient_bounces;
         let gathering = &mut options.gathering;
         match self.0 {
             Asked::Error(error, most) => {
@@ -135,10 +133,9 @@ impl ErrorBudget {
                 }
                 gathering.caustic_error = (CAUSTIC_NOISES * gathering.noise).min(Gathering::MAX_INTERPOLATION_ERROR);
                 gathering.accuracy = gathering.accuracy.min((REACH_SHARE * error.sqrt()).max(NEAR_ENOUGH));
-                let share = if bounces == 0 { 1.0 } else { PIXEL_SHARE };
                 let finer = (COARSE_ERROR / error).max(1.0).powi(2);
                 let most = (finer * f64::from(most)).min(MAX_SAMPLES.into()) as u32;
-                SamplingBudget::Error { error: share * error, most }
+                SamplingBudget::Error { error, most }
             }
             Asked::Samples(samples) => SamplingBudget::Samples(samples),
             Asked::Preview(interpolation) => {

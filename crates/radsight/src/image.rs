@@ -127,13 +127,17 @@ impl Image {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RenderReport {
-    /// Estimated relative noise of the pixels, rms over their bands; `None` where it was not estimated.
+    /// Estimated relative error of the pixels, rms over their bands: noise, and noise and interpolation bias of cached irradiance. `None`
+    /// where it was not estimated.
     pub error: Option<f64>,
     /// With 95 % confidence the error is no farther away from this.
     pub uncertainty: Option<f64>,
     /// Mean number of rays a pixel, where it was counted.
     pub rays_per_pixel: Option<f64>,
-    /// Relative noise of cached irradiance, rms over the cache points; interpolation bias is not in it. `None` without a cache.
+    /// Whether the limit of rays a pixel stopped the work before the asked error was reached.
+    pub is_stopped: bool,
+    /// Relative noise of cached irradiance as the cache itself tells it, rms over the cache points, before pixels are corrected. `None`
+    /// without a cache.
     pub cache_noise: Option<f64>,
     /// What the plan left out, and why.
     pub skipped: Vec<String>,
@@ -145,6 +149,7 @@ impl RenderReport {
             error: estimate.map(|estimate| estimate.error),
             uncertainty: estimate.map(|estimate| estimate.uncertainty),
             rays_per_pixel: estimate.map(|estimate| estimate.rays),
+            is_stopped: estimate.is_some_and(|estimate| estimate.stopped.is_some()),
             cache_noise,
             skipped,
         }
@@ -156,15 +161,20 @@ impl fmt::Display for RenderReport {
         match (self.error, self.uncertainty) {
             (Some(error), Some(uncertainty)) => writeln!(
                 formatter,
-                "pixels: {:.2} % ± {:.2} % noise (95 %), {:.1} rays each",
+                "pixels: {:.2} % ± {:.2} % error (95 %), {:.1} rays each",
                 100.0 * error,
                 100.0 * uncertainty,
                 self.rays_per_pixel.unwrap_or(0.0)
             )?,
-            _ => writeln!(formatter, "pixels: noise not estimated")?,
+            _ => writeln!(formatter, "pixels: error not estimated")?,
+        }
+        if self.is_stopped {
+            writeln!(formatter, "stopped by the limit of rays a pixel")?;
         }
         if let Some(noise) = self.cache_noise {
-            writeln!(formatter, "irradiance cache: {:.2} % noise; interpolation bias is not estimated", 100.0 * noise)?;
+            let corrected =
+                if self.error.is_some() { "pixels are corrected" } else { "interpolation bias is not estimated" };
+            writeln!(formatter, "irradiance cache: {:.2} % noise; {corrected}", 100.0 * noise)?;
         }
         self.skipped.iter().try_for_each(|skipped| writeln!(formatter, "skipped: {skipped}"))
     }

@@ -172,4 +172,15 @@ impl RayWorker<'_> {
     pub fn trace(&mut self, index: u64, ray: &Ray) -> Traced {
         in_bands!(&mut self.0, Bands(tracer) => tracer.trace(index, ray))
     }
+
+    /// Answers ray number `index` of its stream by single paths, without irradiance that was gathered before: more noise, and no bias.
+    #[must_use]
+    pub fn trace_uncached(&mut self, index: u64, ray: &Ray) -> Traced {
+        in_bands!(&mut self.0, Bands(tracer) => {
+            let caches = std::mem::take(&mut tracer.caches);
+            let traced = tracer.trace(index, ray);
+            tracer.caches = caches;
+            traced
+        })
+    }
 }

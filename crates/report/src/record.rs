@@ -33,7 +33,7 @@ pub struct RunRecord {
     /// Rays that were traced from the camera.
     #[serde(default)]
     pub rays: Option<u64>,
-    /// Relative noise of cached irradiance; interpolation bias is not in it.
+    /// Relative noise of cached irradiance; interpolation bias is not in it, nor what correcting pixels takes away.
     #[serde(default)]
     pub cache_noise: Option<f64>,
     /// What the renderer decided: what it did, and what it left out.

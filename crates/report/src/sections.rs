@@ -110,18 +110,20 @@ pub(crate) fn error(record: &RunRecord, map: Option<&ErrorMap>) -> String {
             let asked = error.asked.map_or(String::new(), |asked| format!("; asked for were {}", percent(asked)));
             let _ = writeln!(
                 out,
-                "<p>Estimated noise of the picture: <strong>{}</strong>{asked}. It is estimated from the picture's own samples.</p>",
+                "<p>Estimated error of the picture: <strong>{}</strong>{asked}. It is estimated from the picture's own samples.</p>",
                 interval(error.reached, error.uncertainty)
             );
         }
-        None => out.push_str("<p>No estimate of the whole picture's noise came with it.</p>\n"),
+        None => out.push_str("<p>No estimate of the whole picture's error came with it.</p>\n"),
     }
     if let Some(noise) = record.cache_noise {
-        let _ = writeln!(
-            out,
-            "<p>Irradiance cache: {} noise. Its interpolation bias is not estimated and comes on top.</p>",
-            percent(noise)
-        );
+        let bias = match record.error {
+            Some(_) => {
+                "The estimate above counts what is left of it and of interpolation bias after pixels were corrected."
+            }
+            None => "Its interpolation bias is not estimated and comes on top.",
+        };
+        let _ = writeln!(out, "<p>Irradiance cache: {} noise. {bias}</p>", percent(noise));
     }
     out.push_str(match map {
         Some(_) => {

@@ -18,7 +18,7 @@ use crate::view_args;
 use options::Options;
 use output::{PictureWriter, Recovered, Replaces, Start};
 use radsight::Image;
-use radsight_film::{Estimate, Film, SamplingBudget, ViewCamera};
+use radsight_film::{Estimate, Film, MAX_SAMPLES, SamplingBudget, Stop, ViewCamera};
 use radsight_picture::{Encoding, Header, Resolution, RgbPrimaries, View, ViewOptions, write_rgbe_scanline};
 use radsight_render::Renderer;
 use report::Report;
@@ -126,6 +126,10 @@ impl Picture {
         }
         let mut report = Report::new(options.report);
         let mut frame = Film::new(renderer, self.lens, options.pixels);
+        if let Some(limit) = options.time_limit {
+            let started = stopwatch.started();
+            frame = frame.while_time_is_left(Box::new(move |share| started.elapsed().as_secs_f64() < share * limit));
+        }
         let mut row = done;
         while row < rows {
             let block = frame.block_of(row);
@@ -155,7 +159,7 @@ impl Picture {
         writer.finish()?;
         options.accounts.write(options, &self.header, renderer, &frame, stopwatch)?;
         if options.effort.is_some() && !options.reading.no_warnings {
-            frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, renderer)));
+            frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, options)));
         }
         Ok(())
     }
@@ -172,13 +176,18 @@ fn rays_through(pixels: usize, frame: &Film<'_>, options: &Options) -> f64 {
 }
 
 /// What came of an error that was asked for.
-fn achieved(estimate: &Estimate, renderer: &Renderer) -> String {
-    let Estimate { error, uncertainty, rays } = estimate;
-    let shared = renderer.irradiance_noise().map_or(String::new(), |noise| {
-        format!("; irradiance cache: {:.2} % noise, interpolation bias not counted", 100.0 * noise)
+fn achieved(estimate: &Estimate, options: &Options) -> String {
+    let Estimate { error, uncertainty, rays, noise, cache, stopped } = *estimate;
+    let parts = cache.map_or(String::new(), |cache| {
+        format!(" (noise of pixels {:.2} %, irradiance cache {:.2} %)", 100.0 * noise, 100.0 * cache)
     });
+    let stopped = match (stopped, options.time_limit) {
+        (None, _) => String::new(),
+        (Some(Stop::Time), Some(limit)) => format!("; stopped by --time-limit {limit}"),
+        (Some(_), _) => format!("; stopped by the limit of {MAX_SAMPLES} rays a pixel"),
+    };
     format!(
-        "rpict: note: the error of pixels is {:.2} % ± {:.2} % (95 %) with {rays:.1} rays each{shared}\n",
+        "rpict: note: the error is {:.2} % ± {:.2} % (95 %){parts} with {rays:.1} rays a pixel{stopped}\n",
         100.0 * error,
         100.0 * uncertainty
     )

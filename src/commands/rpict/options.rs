@@ -49,6 +49,8 @@ pub(super) struct Options {
     pub(super) effort: Option<SamplingBudget>,
     /// What is left to the pixels of that.
     pub(super) pixels: SamplingBudget,
+    /// Seconds after which work on an asked error stops, where that is said.
+    pub(super) time_limit: Option<f64>,
     pub(super) threads: Option<usize>,
     /// Seconds between reports of progress; 0 for none.
     pub(super) report: u64,
@@ -84,6 +86,7 @@ impl Default for Options {
             contrast: 0.05,
             effort: None,
             pixels: SamplingBudget::Samples(1),
+            time_limit: None,
             threads: None,
             report: 0,
             first_frame: 0,
@@ -128,6 +131,9 @@ impl Options {
         options.pixels = options.budget().apply(&mut options.render);
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
+        }
+        if options.time_limit.is_some() && !matches!(options.pixels, SamplingBudget::Error { .. }) {
+            return Err(Failure::usage("rpict: --time-limit needs --error"));
         }
         options.accounts.check(&options)?;
         if options.scenes.is_empty() {
@@ -184,6 +190,7 @@ impl Options {
             "-x" => self.size[0] = number(words, word, "a number of columns")?,
             "-y" => self.size[1] = number(words, word, "a number of rows")?,
             "-t" => self.report = number(words, word, "a number of seconds")?,
+            "--time-limit" => self.time_limit = Some(positive(words, "seconds, 0 or more")?),
             "-n" | "--threads" => self.threads = Some(number(words, word, "a number of threads")?),
             _ if control_file::is_option(word) => {
                 let file: String = number(words, word, "a control file")?;

@@ -1,0 +1,266 @@
+//! `radsight-bench rooms`: whether `rpict --error E` ends at E, over random rooms.
+//!
+//! Each seed makes a room, a view and options ([`room`]). Two independent references of single paths tell the true error of
+//! each picture without bias ([`judge`]).
+
+mod chance;
+mod judge;
+mod reference;
+mod room;
+mod text;
+
+use crate::args::Rooms;
+use crate::capture::print;
+use crate::error::BenchError;
+use crate::race::{beside_this_program, put, read_picture};
+use crate::radsight::Radsight;
+use crate::table::Table;
+use crate::taken::taken;
+use judge::Judgement;
+use reference::Reference;
+use room::Room;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A reference tells an error if it knows its square to this share.
+const TOLD: f64 = 1.0 / 9.0;
+
+/// Shares by which a reported error may differ from the true one beyond both intervals.
+const CLOSE: f64 = 0.15;
+
+/// Measures all seeds and prints a table and what is to be said of all.
+pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
+    if let Some(&value) = arguments.errors.iter().find(|error| !(**error > 0.0 && error.is_finite())) {
+        return Err(BenchError::AskedError { value });
+    }
+    let folder = arguments.folder.clone().unwrap_or_else(beside_this_program).join("rooms");
+    let mut rows = Vec::new();
+    let mut table = Table::new(&HEADING, 2);
+    for seed in arguments.seeds.0..=arguments.seeds.1 {
+        let place = Place::make(seed, arguments, &folder)?;
+        if arguments.scenes_only {
+            print(&format!("{}\n", place.folder.display()));
+            continue;
+        }
+        for row in place.measure(arguments)? {
+            table.push(row.cells());
+            print(&format!("{}\n", row.cells().join("  ")));
+            rows.push(row);
+        }
+    }
+    if !rows.is_empty() {
+        print(&format!("\n{}\n{}", table.to_text(), summary(&rows, &arguments.errors)));
+    }
+    Ok(())
+}
+
+const HEADING: [&str; 10] =
+    ["room", "contents", "asked %", "true %", "±", "blocks %", "reported %", "±", "processor s", "stopped by"];
+
+/// A room in a folder of its own.
+struct Place {
+    seed: u64,
+    room: Room,
+    folder: PathBuf,
+    size: [String; 2],
+}
+
+/// What came of one asked error.
+struct Row {
+    seed: u64,
+    contents: String,
+    asked: f64,
+    found: Judgement,
+    /// Error and half of its interval, as the program says.
+    reported: Option<[f64; 2]>,
+    seconds: f64,
+    stopped: String,
+}
+
+impl Place {
+    fn make(seed: u64, arguments: &Rooms, folder: &Path) -> Result<Place, BenchError> {
+        let room = Room::new(seed);
+        let size = [arguments.columns, arguments.columns * 3 / 4].map(|side| side.max(1).to_string());
+        let key = fingerprint(&[&room.scene, &room.view.join(" "), &room.options.join(" "), &size[0]]);
+        let folder = folder.join(format!("{seed}-{key:016x}"));
+        fs::create_dir_all(&folder).map_err(|reason| BenchError::Write { path: folder.clone(), reason })?;
+        put(&folder.join("room.rad"), room.scene.as_bytes())?;
+        put(&folder.join("view.vf"), format!("rvu {}\n", room.view.join(" ")).as_bytes())?;
+        put(&folder.join("options.opt"), format!("{}\n", room.options.join(" ")).as_bytes())?;
+        Ok(Place { seed, room, folder, size })
+    }
+
+    /// `rpict` with the room's view and options; the scene comes last.
+    fn command(&self, radsight: &Radsight) -> Command {
+        let mut command = radsight.command(&["rpict", "-w-", "-ff", "-pj", "1"]);
+        command.args(["-x", &self.size[0], "-y", &self.size[1], "-pa", "1"]);
+        command.args(&self.room.view).args(&self.room.options);
+        command
+    }
+
+    fn measure(&self, arguments: &Rooms) -> Result<Vec<Row>, BenchError> {
+        let smallest = arguments.errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut reference = Reference::read(self.folder.join("reference"));
+        reference.improve(&|radsight| self.command(radsight), arguments.reference_budget, &self.folder, &|halves| {
+            // As if the picture had the asked error itself.
+            let noise = Judgement::new(halves[0], [halves[1], halves[1]]).pixels.value.max(0.0);
+            let pixels = halves[0].data().len() as f64 / 3.0;
+            (noise * noise + 2.0 * smallest.powi(2) * noise).sqrt() / pixels.sqrt() < 0.5 * TOLD * smallest.powi(2)
+        })?;
+        let Some(halves) = reference.halves() else { return Ok(Vec::new()) };
+        let contents = self.room.contents.join(" ");
+        let mut rows = Vec::new();
+        for &asked in &arguments.errors {
+            let [output, notes] = ["picture.floats", "notes.txt"].map(|name| self.folder.join(name));
+            let _ = fs::remove_file(&notes);
+            let mut command = Radsight::find().command(&["rpict"]);
+            command.args(self.command(&Radsight::find()).get_args().skip(2));
+            command.args(["--error", &asked.to_string(), "-e", "notes.txt"]);
+            if let Some(seconds) = arguments.limit {
+                command.args(["--time-limit", &seconds.to_string()]);
+            }
+            command.arg("room.rad");
+            let took = taken(&mut command, &self.folder, None, Some(&output))?;
+            let notes = fs::read_to_string(&notes).unwrap_or_default();
+            rows.push(Row {
+                seed: self.seed,
+                contents: format!("-ab {} {contents}", self.room.options[1]),
+                asked,
+                found: Judgement::new(&read_picture(&output)?, halves),
+                reported: reported(&notes),
+                seconds: took.processor,
+                stopped: stopped(&notes),
+            });
+        }
+        Ok(rows)
+    }
+}
+
+/// The first two percentages of a note.
+fn reported(notes: &str) -> Option<[f64; 2]> {
+    let words: Vec<&str> = notes.split_whitespace().collect();
+    let percentages = words.windows(2).filter(|pair| pair[1].starts_with('%'));
+    let numbers: Vec<f64> = percentages.filter_map(|pair| pair[0].parse::<f64>().ok()).map(|n| n / 100.0).collect();
+    numbers.first_chunk().copied()
+}
+
+/// What the note says stopped the work.
+fn stopped(notes: &str) -> String {
+    notes.split_once("stopped by ").map_or_else(String::new, |(_, reason)| reason.trim().to_owned())
+}
+
+impl Row {
+    /// Whether the reference tells the error.
+    fn is_told(&self) -> bool {
+        self.found.pixels.standard_error <= TOLD * self.asked.powi(2).max(self.found.pixels.value)
+    }
+
+    fn is_reached(&self) -> bool {
+        self.found.pixels.error() <= self.asked
+    }
+
+    /// Whether the intervals of the true and of the reported error meet, but for a little.
+    fn agrees(&self) -> bool {
+        let Some([error, half]) = self.reported else { return false };
+        let [low, high] = self.found.pixels.interval();
+        error - half <= high * (1.0 + CLOSE) && error + half >= low * (1.0 - CLOSE)
+    }
+
+    fn cells(&self) -> Vec<String> {
+        let percent = |share: f64| format!("{:.2}", 100.0 * share);
+        let [low, high] = self.found.pixels.interval();
+        let reported = self.reported.map_or(["?".to_owned(), "?".to_owned()], |pair| pair.map(percent));
+        let [error, half] = reported;
+        let mark = if !self.is_told() {
+            " ?"
+        } else if self.is_reached() {
+            ""
+        } else {
+            " !"
+        };
+        vec![
+            self.seed.to_string(),
+            self.contents.clone(),
+            percent(self.asked),
+            percent(self.found.pixels.error()) + mark,
+            percent(0.5 * (high - low)),
+            percent(self.found.blocks.error()),
+            error,
+            half + if self.agrees() { "" } else { " !" },
+            format!("{:.2}", self.seconds),
+            self.stopped.clone(),
+        ]
+    }
+}
+
+/// Of each asked error, and of all: how many came there and how many said so.
+fn summary(rows: &[Row], errors: &[f64]) -> String {
+    let mut text = String::new();
+    let mut line = |name: String, of: Vec<&Row>| {
+        let told: Vec<&&Row> = of.iter().filter(|row| row.is_told()).collect();
+        let stopped = told.iter().filter(|row| !row.stopped.is_empty()).count();
+        let reached = told.iter().filter(|row| row.is_reached()).count();
+        let honest = told.iter().filter(|row| row.is_reached() || !row.stopped.is_empty()).count();
+        let agreeing = told.iter().filter(|row| row.agrees()).count();
+        let mut ratios: Vec<f64> = told.iter().map(|row| row.found.pixels.error() / row.asked).collect();
+        ratios.sort_by(f64::total_cmp);
+        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
+        let mut seconds: Vec<f64> = of.iter().map(|row| row.seconds).collect();
+        seconds.sort_by(f64::total_cmp);
+        let typical = seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN);
+        text.push_str(&format!(
+            "{name}: {reached} of {} at or below what was asked (references could not tell {}), {honest} so or said to be stopped \
+             ({stopped} stopped); {agreeing} reported what is there; median error {median:.2} of the asked one, \
+             {typical:.2} s of processor time\n",
+            told.len(),
+            of.len() - told.len(),
+        ));
+    };
+    for error in errors {
+        line(format!("asked {} %", 100.0 * error), rows.iter().filter(|row| row.asked == *error).collect());
+    }
+    line("all".to_owned(), rows.iter().collect());
+    text
+}
+
+/// Tells texts apart (FNV-1a).
+fn fingerprint(texts: &[&str]) -> u64 {
+    let bytes = texts.iter().flat_map(|text| text.bytes().chain([0]));
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// The seeds `A..B`, both among them, or one seed.
+pub(crate) fn seeds(text: &str) -> Result<(u64, u64), String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    match (first.parse(), last.trim_start_matches('=').parse()) {
+        (Ok(first), Ok(last)) if first <= last => Ok((first, last)),
+        _ => Err("expected A..B, two whole numbers of which the first is no larger".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::judge::Squared;
+    use super::*;
+
+    #[test]
+    fn notes_are_understood() {
+        let note = "rpict: note: the error is 4.12 % ± 0.34 % (95 %) with 12.5 rays each; stopped by --time-limit 3\n";
+        assert_eq!(reported(note).map(|pair| pair.map(|n| (1e6 * n).round())), Some([41200.0, 3400.0]));
+        assert_eq!(stopped(note), "--time-limit 3");
+        assert_eq!(stopped("rpict: note: the error is 4.12 % ± 0.34 %\n"), "");
+    }
+
+    #[test]
+    fn seeds_are_a_range_or_one() {
+        assert_eq!(seeds("3..9"), Ok((3, 9)));
+        assert_eq!(seeds("7"), Ok((7, 7)));
+        assert!(seeds("9..3").is_err() && seeds("a").is_err());
+    }
+
+    #[test]
+    fn a_square_that_noise_makes_negative_is_no_error() {
+        assert_eq!(Squared { value: -1.0, standard_error: 0.1 }.error(), 0.0);
+    }
+}

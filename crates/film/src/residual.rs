@@ -1,0 +1,482 @@
+//! What cached irradiance misses, told by single paths.
+//!
+//! In some pixels camera rays are followed twice: with cached irradiance, and without (single paths, which have no bias).
+//! The mean D of the differences is an estimate, without bias, of what the cache's noise and interpolation take from a
+//! pixel. It comes in two halves A and B of independent rays, so `E[A·B]` is the squared error of the cache there, whatever
+//! the noise of A and B. The same holds for what is left of the error once something is added to the pixel that knows
+//! nothing of A and B: with a correction m made of the pixels around, `E[(A − m)(B − m)]`.
+//!
+//! A pixel's correction is `w·D + (1 − w)·m`, where m is a mean of D over pixels around or nothing, whichever leaves less
+//! there, and w is what minimises the squared error `(1 − w)²·(A − m)(B − m) + w²·Var D`. Both are chosen by what is found in
+//! the pixels around alone: the estimate of the error that is left so stays without bias (as Stein's does). Where the cache
+//! is good this leaves pixels as they are; where it is not they become means of single paths.
+//!
+//! Rays go where they lower the estimated error or its uncertainty most. Large blocks of pixels are divided into cells; one
+//! pixel of each cell stands for it until more are needed.
+
+use crate::sequence::SEQUENCE_LOG2;
+use crate::view_camera::{ViewCamera, traced_both};
+use radsight_render::Renderer;
+use radsight_sampling::RaySampler;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// About so many pixels of a block stand for all at first.
+const FIRST_PIXELS: usize = 1024;
+
+/// Rays of each half of a pixel at first.
+const FIRST_RAYS: u32 = 8;
+
+/// What is found around a pixel is averaged over so many cells to each side.
+const REGION: usize = 3;
+
+/// Corrections are means over so many cells to each side.
+const RADII: [usize; 2] = [1, 3];
+
+/// Those, and none.
+const CORRECTIONS: usize = RADII.len() + 1;
+
+/// Standard errors by which the estimate must be within what is asked: rare bright paths make more of it than a normal distribution
+/// would.
+const CERTAINTY: f64 = 2.0;
+
+/// In one round no pixel gets rays that is worth less than this share of the best.
+const LEAST_WORTH: f64 = 0.1;
+
+/// The residuals of a block of pixels, in units of the values that errors are relative to.
+#[derive(Debug)]
+pub(crate) struct Residuals {
+    range: Range<usize>,
+    columns: usize,
+    rows: usize,
+    /// Side of a cell, pixels.
+    side: usize,
+    pixels: Vec<Residual>,
+    /// What stands for one in each band of each pixel.
+    units: Vec<[f64; 3]>,
+}
+
+/// The residual of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Residual {
+    /// Sums over the rays of each half.
+    sums: [[f64; 3]; 2],
+    /// Rays of each half.
+    rays: u32,
+}
+
+impl Residual {
+    fn means(&self) -> [[f64; 3]; 2] {
+        self.sums.map(|sum| sum.map(|band| band / f64::from(self.rays.max(1))))
+    }
+
+    /// The mean of both halves.
+    fn mean(&self) -> [f64; 3] {
+        let [a, b] = self.means();
+        std::array::from_fn(|band| 0.5 * (a[band] + b[band]))
+    }
+
+    /// Of the mean of both halves, averaged over the bands.
+    fn variance(&self) -> f64 {
+        let [a, b] = self.means();
+        (0..3).map(|band| 0.25 * (a[band] - b[band]).powi(2)).sum::<f64>() / 3.0
+    }
+
+    /// The squared error that a correction leaves, without bias.
+    fn left_by(&self, correction: &[f64; 3]) -> f64 {
+        let [a, b] = self.means();
+        (0..3).map(|band| (a[band] - correction[band]) * (b[band] - correction[band])).sum::<f64>() / 3.0
+    }
+}
+
+/// What is known of a pixel from its surroundings, without itself.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surroundings {
+    /// The correction that they make, and which one that is.
+    correction: [f64; 3],
+    chosen: usize,
+    /// The squared error that it leaves.
+    left: f64,
+    /// Variance of the mean of a pixel's two halves, if each has one ray.
+    of_a_ray: f64,
+}
+
+/// How good a block is with the corrections that are known by now.
+#[derive(Debug)]
+pub(crate) struct Judgement {
+    /// What to add to each pixel.
+    pub(crate) corrections: Vec<[f64; 3]>,
+    /// Sum over the pixels of the squared errors that are left, and the variance of that sum.
+    pub(crate) squared: f64,
+    pub(crate) variance: f64,
+    /// About what is left in each pixel.
+    pub(crate) of_pixels: Vec<f64>,
+    options: Vec<Worth>,
+}
+
+/// What further rays of a pixel would do.
+#[derive(Clone, Copy, Debug)]
+struct Worth {
+    pixel: usize,
+    /// By how much the sum of squared errors falls, and its variance.
+    squared: f64,
+    variance: f64,
+    rays: f64,
+}
+
+impl Residuals {
+    /// Before any ray. `units` of each pixel are the values that errors are relative to.
+    pub(crate) fn new(range: Range<usize>, columns: usize, units: Vec<[f64; 3]>) -> Residuals {
+        let rows = range.len() / columns.max(1);
+        let side = ((range.len() as f64 / FIRST_PIXELS as f64).sqrt().ceil() as usize).max(1);
+        let pixels = vec![Residual::default(); range.len()];
+        Residuals { range, columns, rows, side, pixels, units }
+    }
+
+    /// One pixel of each cell.
+    pub(crate) fn first_pixels(&self) -> Vec<usize> {
+        let (across, down) = self.cells();
+        let pixel = |cell: usize| {
+            let (left, top) = (cell % across * self.side, cell / across * self.side);
+            // Steps of the R₂ sequence (Roberts 2018).
+            let [x, y] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (cell as f64 * step).fract());
+            let [width, height] = [self.side.min(self.columns - left), self.side.min(self.rows - top)];
+            (top + (y * height as f64) as usize) * self.columns + left + (x * width as f64) as usize
+        };
+        (0..across * down).map(pixel).collect()
+    }
+
+    fn cells(&self) -> (usize, usize) {
+        (self.columns.div_ceil(self.side), self.rows.div_ceil(self.side))
+    }
+
+    fn cell_of(&self, pixel: usize) -> (usize, usize) {
+        (pixel % self.columns / self.side, pixel / self.columns / self.side)
+    }
+
+    /// Rays so far, both halves and both ways.
+    pub(crate) fn rays_of(&self, pixel: usize) -> u32 {
+        4 * self.pixels[pixel].rays
+    }
+
+    /// Gives pixels as many rays again, or their first ones.
+    pub(crate) fn trace(&mut self, renderer: &Renderer, camera: &ViewCamera, chosen: &[usize]) {
+        let (first, film) = (self.range.start, (camera.columns() * camera.rows()) as u64);
+        let (pixels, units) = (&self.pixels, &self.units);
+        let sums: Vec<([[f64; 3]; 2], u32)> = chosen
+            .par_iter()
+            .with_max_len(4)
+            .map_init(
+                || renderer.worker(),
+                |worker, &pixel| {
+                    let before = pixels[pixel].rays;
+                    let further = if before == 0 { FIRST_RAYS } else { before };
+                    let (column, row) = ((first + pixel) % camera.columns(), (first + pixel) / camera.columns());
+                    let half = |half: u64| {
+                        // Each half has a scramble of the sequence of its own, and the film's pixels another.
+                        let stream = ((first + pixel) as u64 + (1 + half) * film) << SEQUENCE_LOG2;
+                        let mut sum = [0.0; 3];
+                        for sample in before..before + further {
+                            let index = stream | u64::from(sample);
+                            let sampler = RaySampler::new(renderer.plan().seed(), index);
+                            let Some(ray) = camera.ray(column, row, &sampler) else { continue };
+                            let Some([cached, single]) = traced_both(worker, index, &ray) else { continue };
+                            let unit = units[pixel];
+                            sum = std::array::from_fn(|band| sum[band] + (single[band] - cached[band]) / unit[band]);
+                        }
+                        sum
+                    };
+                    ([0, 1].map(half), further)
+                },
+            )
+            .collect();
+        for (&pixel, (sums, further)) in chosen.iter().zip(sums) {
+            let residual = &mut self.pixels[pixel];
+            for (own, further) in residual.sums.iter_mut().zip(sums) {
+                *own = std::array::from_fn(|band| own[band] + further[band]);
+            }
+            residual.rays += further;
+        }
+    }
+
+    /// The pixels that have rays, cell by cell.
+    fn sampled(&self) -> Vec<Vec<usize>> {
+        let (across, down) = self.cells();
+        let mut cells = vec![Vec::new(); across * down];
+        for pixel in (0..self.pixels.len()).filter(|pixel| self.pixels[*pixel].rays > 0) {
+            let (column, row) = self.cell_of(pixel);
+            cells[row * across + column].push(pixel);
+        }
+        cells
+    }
+
+    /// Visits the pixels with rays around one, but not itself, with weights that fall to zero.
+    fn around(&self, cells: &[Vec<usize>], pixel: usize, radius: usize, mut visit: impl FnMut(usize, f64)) {
+        let (across, down) = self.cells();
+        let (column, row) = self.cell_of(pixel);
+        for y in row.saturating_sub(radius)..(row + radius + 1).min(down) {
+            for x in column.saturating_sub(radius)..(column + radius + 1).min(across) {
+                let weight = (radius + 1 - x.abs_diff(column)) * (radius + 1 - y.abs_diff(row));
+                for &other in cells[y * across + x].iter().filter(|other| **other != pixel) {
+                    visit(other, weight as f64);
+                }
+            }
+        }
+    }
+
+    /// The corrections that the pixels around one can make.
+    fn corrections(&self, cells: &[Vec<usize>], pixel: usize) -> [[f64; 3]; CORRECTIONS] {
+        let mut corrections = [[0.0; 3]; CORRECTIONS];
+        for (correction, radius) in corrections[1..].iter_mut().zip(RADII) {
+            let mut weights = 0.0;
+            self.around(cells, pixel, radius, |other, weight| {
+                let mean = self.pixels[other].mean();
+                *correction = std::array::from_fn(|band| correction[band] + weight * mean[band]);
+                weights += weight;
+            });
+            *correction = correction.map(|band| band / f64::max(weights, f64::MIN_POSITIVE));
+        }
+        corrections
+    }
+
+    /// How good the block is by now; no pixel gets more than `most` rays.
+    pub(crate) fn judge(&self, most: u32) -> Judgement {
+        let cells = self.sampled();
+        let all = 0..self.pixels.len();
+        let corrections: Vec<[[f64; 3]; CORRECTIONS]> =
+            all.clone().into_par_iter().with_min_len(64).map(|pixel| self.corrections(&cells, pixel)).collect();
+        let left: Vec<[f64; CORRECTIONS]> = (corrections.iter().zip(&self.pixels))
+            .map(|(corrections, pixel)| corrections.map(|correction| pixel.left_by(&correction)))
+            .collect();
+        let around: Vec<Surroundings> = all
+            .clone()
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|pixel| self.surroundings(&cells, pixel, &corrections[pixel], &left))
+            .collect();
+        self.conclude(&cells, &around, &left, most)
+    }
+
+    fn surroundings(
+        &self,
+        cells: &[Vec<usize>],
+        pixel: usize,
+        corrections: &[[f64; 3]; CORRECTIONS],
+        left: &[[f64; CORRECTIONS]],
+    ) -> Surroundings {
+        let (mut sums, mut of_a_ray, mut weights) = ([0.0; CORRECTIONS], 0.0, 0.0);
+        self.around(cells, pixel, REGION, |other, weight| {
+            for (sum, left) in sums.iter_mut().zip(left[other]) {
+                *sum += weight * left;
+            }
+            of_a_ray += weight * self.pixels[other].variance() * f64::from(self.pixels[other].rays);
+            weights += weight;
+        });
+        let chosen = (0..CORRECTIONS).min_by(|a, b| sums[*a].total_cmp(&sums[*b])).unwrap_or(0);
+        let weights = f64::max(weights, f64::MIN_POSITIVE);
+        Surroundings {
+            correction: corrections[chosen],
+            chosen,
+            left: (sums[chosen] / weights).max(0.0),
+            of_a_ray: of_a_ray / weights,
+        }
+    }
+
+    fn conclude(
+        &self,
+        cells: &[Vec<usize>],
+        around: &[Surroundings],
+        left: &[[f64; CORRECTIONS]],
+        most: u32,
+    ) -> Judgement {
+        let own_weight = |pixel: usize| {
+            let noise = around[pixel].of_a_ray / f64::from(self.pixels[pixel].rays.max(1));
+            let known = around[pixel].left + noise;
+            if self.pixels[pixel].rays == 0 || known <= 0.0 { 0.0 } else { around[pixel].left / known }
+        };
+        let mut judgement = Judgement {
+            corrections: vec![[0.0; 3]; self.pixels.len()],
+            squared: 0.0,
+            variance: 0.0,
+            of_pixels: vec![0.0; self.pixels.len()],
+            options: Vec::new(),
+        };
+        let mut found = vec![0.0; self.pixels.len()];
+        for (pixel, residual) in self.pixels.iter().enumerate() {
+            let (Surroundings { correction, .. }, own) = (around[pixel], own_weight(pixel));
+            let (mean, unit) = (residual.mean(), self.units[pixel]);
+            judgement.corrections[pixel] =
+                std::array::from_fn(|band| unit[band] * (own * mean[band] + (1.0 - own) * correction[band]));
+            judgement.of_pixels[pixel] = (1.0 - own) * around[pixel].left;
+            let left = left[pixel][around[pixel].chosen];
+            found[pixel] = (1.0 - own).powi(2) * left + own * own * residual.variance();
+        }
+        for cell in cells {
+            self.add_cell(cell, (around, left, &found), most, &mut judgement);
+        }
+        // What surroundings tell of single pixels adds up to the estimate of all.
+        let sum: f64 = judgement.of_pixels.iter().sum();
+        let total = judgement.squared.max(0.0);
+        let even = total / self.pixels.len().max(1) as f64;
+        judgement.of_pixels.iter_mut().for_each(|left| *left = if sum > 0.0 { *left * (total / sum) } else { even });
+        judgement
+    }
+
+    /// Adds what the pixels of a cell tell of it: those without rays are like the others would be by the surroundings alone.
+    fn add_cell(
+        &self,
+        cell: &[usize],
+        (around, left, found): (&[Surroundings], &[[f64; CORRECTIONS]], &[f64]),
+        most: u32,
+        judgement: &mut Judgement,
+    ) {
+        let Some(&one) = cell.first() else { return };
+        let (column, row) = self.cell_of(one);
+        let rows = row * self.side..((row + 1) * self.side).min(self.rows);
+        let columns = column * self.side..((column + 1) * self.side).min(self.columns);
+        let pixels = rows.flat_map(|y| columns.clone().map(move |x| y * self.columns + x)).collect::<Vec<usize>>();
+        let others = (pixels.len() - cell.len()) as f64 / cell.len() as f64;
+        for &pixel in cell {
+            let value = found[pixel] + others * left[pixel][around[pixel].chosen];
+            judgement.squared += value;
+            judgement.variance += (value - judgement.of_pixels[pixel] - others * around[pixel].left).powi(2);
+        }
+        for pixel in pixels {
+            let rays = self.pixels[pixel].rays;
+            let further = if rays == 0 { FIRST_RAYS } else { rays };
+            if rays + further > most {
+                continue;
+            }
+            let Surroundings { left, of_a_ray, .. } = around[pixel];
+            let [now, then] = [rays, rays + further].map(|rays| of_a_ray / f64::from(rays.max(1)));
+            let remains = |noise: f64| if left > 0.0 { left * noise / (left + noise) } else { 0.0 };
+            let squared = if rays == 0 { left - remains(then) } else { remains(now) - remains(then) };
+            // Each half has twice the variance of both.
+            let spread = |noise: f64| 4.0 * noise * noise + 4.0 * left * noise;
+            let variance = if rays == 0 {
+                let [before, after] = [cell.len(), cell.len() + 1].map(|count| 1.0 / count as f64);
+                (1.0 + others).powi(2) * (cell.len() as f64).powi(2) * (before - after) * (spread(then) + left * left)
+            } else {
+                (1.0 + others).powi(2) * (spread(now) - spread(then))
+            };
+            judgement.options.push(Worth { pixel, squared, variance, rays: f64::from(further) });
+        }
+    }
+}
+
+impl Judgement {
+    /// What may be left in all: the estimate, and some standard errors more.
+    pub(crate) fn upper(&self) -> f64 {
+        self.squared.max(0.0) + CERTAINTY * self.variance.sqrt()
+    }
+
+    /// The pixels to trace further until no more than `allowed` is left; none where nothing helps.
+    pub(crate) fn wanted(&self, allowed: f64) -> Vec<usize> {
+        let deviation = self.variance.sqrt().max(f64::MIN_POSITIVE);
+        let worth = |option: &Worth| (option.squared + 0.5 * CERTAINTY * option.variance / deviation) / option.rays;
+        let mut options: Vec<(f64, &Worth)> = self.options.iter().map(|option| (worth(option), option)).collect();
+        options.retain(|(worth, _)| *worth > 0.0);
+        options.sort_by(|(one, _), (two, _)| two.total_cmp(one));
+        let least = LEAST_WORTH * options.first().map_or(0.0, |(worth, _)| *worth);
+        let (mut squared, mut variance, mut wanted) = (self.squared.max(0.0), self.variance, Vec::new());
+        for (worth, option) in options {
+            if worth < least || squared.max(0.0) + CERTAINTY * variance.max(0.0).sqrt() <= allowed {
+                break;
+            }
+            squared -= option.squared;
+            variance -= option.variance;
+            wanted.push(option.pixel);
+        }
+        wanted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLUMNS: usize = 48;
+    const PIXELS: usize = 48 * 36;
+    const RAYS: u32 = 16;
+
+    /// Evenly distributed noise of this standard deviation (SplitMix64).
+    fn noise(state: &mut u64, deviation: f64) -> f64 {
+        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 12f64.sqrt() * deviation
+    }
+
+    /// Residuals of a block whose cache misses `truth`, by rays of this standard deviation through pixels of which one in `every` has rays.
+    fn residuals(seed: u64, truth: &[f64], deviation: f64, every: usize) -> Residuals {
+        let mut residuals = Residuals::new(0..PIXELS, COLUMNS, vec![[1.0; 3]; PIXELS]);
+        let mut state = seed;
+        let chosen = if every > 1 { residuals.first_pixels() } else { (0..PIXELS).collect() };
+        for pixel in chosen {
+            let rays = f64::from(RAYS);
+            let half = |state: &mut u64| [rays * truth[pixel] + rays.sqrt() * noise(state, deviation); 3];
+            let halves = [half(&mut state), half(&mut state)];
+            residuals.pixels[pixel] = Residual { sums: halves, rays: RAYS };
+        }
+        residuals
+    }
+
+    fn left(judgement: &Judgement, truth: &[f64]) -> f64 {
+        judgement.corrections.iter().zip(truth).map(|(correction, truth)| (correction[0] - truth).powi(2)).sum()
+    }
+
+    /// None, a smooth one, one with an edge, and one that no neighbour knows of.
+    fn truths() -> [Vec<f64>; 4] {
+        let truth = |of: &dyn Fn(usize, usize) -> f64| (0..PIXELS).map(|at| of(at % COLUMNS, at / COLUMNS)).collect();
+        [
+            truth(&|_, _| 0.0),
+            truth(&|x, y| 0.1 * (0.1 * x as f64).sin() + 0.05 * (0.2 * y as f64).cos()),
+            truth(&|x, _| if x < 20 { 0.3 } else { 0.0 }),
+            truth(&|x, y| if (7 * x + 11 * y) % 13 == 0 { 0.4 } else { 0.0 }),
+        ]
+    }
+
+    #[test]
+    fn the_error_that_is_left_is_estimated_without_bias() {
+        for (number, truth) in truths().iter().enumerate() {
+            for every in [1, 2] {
+                let (mut found, mut actual, mut variance) = (0.0, 0.0, 0.0);
+                for seed in 0..24 {
+                    let judgement = residuals(seed, truth, 0.8, every).judge(1 << 16);
+                    found += judgement.squared;
+                    actual += left(&judgement, truth);
+                    variance += judgement.variance;
+                }
+                let apart = (found - actual).abs();
+                assert!(
+                    apart < 3.0 * variance.sqrt() + 0.05 * actual,
+                    "{number}, {every}: {found} for {actual} ± {}",
+                    variance.sqrt()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_errors_of_the_cache_are_corrected_and_none_are_made() {
+        let [none, smooth, ..] = truths();
+        let uncorrected: f64 = smooth.iter().map(|truth| truth * truth).sum();
+        let corrected = left(&residuals(1, &smooth, 0.8, 1).judge(1 << 16), &smooth);
+        assert!(corrected < 0.5 * uncorrected, "{corrected} of {uncorrected}");
+        let alone = PIXELS as f64 * 0.8 * 0.8 / f64::from(2 * RAYS);
+        let made = left(&residuals(1, &none, 0.8, 1).judge(1 << 16), &none);
+        assert!(made < 0.05 * alone, "{made}, where pixels alone would have {alone}");
+    }
+
+    #[test]
+    fn rays_go_where_the_cache_is_wrong_until_nothing_helps() {
+        let [_, _, edge, _] = truths();
+        let judgement = residuals(3, &edge, 0.8, 1).judge(1 << 16);
+        assert!(judgement.wanted(1e9).is_empty());
+        let wanted = judgement.wanted(judgement.upper() - 1.0);
+        let wrong = wanted.iter().filter(|pixel| **pixel % COLUMNS < 24).count();
+        assert!(!wanted.is_empty() && 2 * wrong > wanted.len(), "{wrong} of {}", wanted.len());
+        assert!(residuals(3, &edge, 0.8, 1).judge(RAYS).wanted(0.0).is_empty());
+    }
+}
