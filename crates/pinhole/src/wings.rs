@@ -57,40 +57,54 @@ impl<'a> Wings<'a> {
     fn convolved(&self, values: &[f64]) -> Vec<f64> {
         let (columns, rows) = (self.camera.columns() as usize, self.camera.rows() as usize);
         let pixels = columns * rows;
-        let around = values.get(pixels..).unwrap_or_default();
+        let around = &values[pixels..];
         let margin = [columns / 2, rows / 2];
         let size = [2 * (columns + margin[0]), 2 * (rows + margin[1])];
-        let mut picture = vec![Complex::ZERO; size[0] * size[1]];
-        for row in 0..rows + 2 * margin[1] {
-            for column in 0..columns + 2 * margin[0] {
-                let at = [column as f64 - margin[0] as f64 + 0.5, row as f64 - margin[1] as f64 + 0.5];
-                let inside = [column.wrapping_sub(margin[0]), row.wrapping_sub(margin[1])];
-                let value = match inside[0] < columns && inside[1] < rows {
-                    true => values[inside[1] * columns + inside[0]],
-                    false => self.surround.cell_at(at).map_or(0.0, |cell| around[cell]),
-                };
-                picture[row * size[0] + column].re = value;
-            }
-        }
         let mut planner = FftPlanner::new();
-        transform(&mut planner, &mut picture, size, FftDirection::Forward);
-        let spread = self.spread(&mut planner, size);
-        picture.iter_mut().zip(spread).for_each(|(value, factor)| *value *= factor);
-        transform(&mut planner, &mut picture, size, FftDirection::Inverse);
+        let spectra = self.spectra(&mut planner, size);
+        let mut blurred = self.field(size, |column, row| match self.pixel_at(margin, column, row) {
+            Some(pixel) => values[pixel],
+            None => self.cell_at(margin, column, row).map_or(0.0, |cell| around[cell]),
+        });
+        filter(&mut planner, &mut blurred, size, spectra.iter().map(|[core, _]| *core));
+        // Beyond the edges nothing has been seen through the core yet.
+        let mut picture = self.field(size, |column, row| match self.pixel_at(margin, column, row) {
+            Some(pixel) => values[pixel],
+            None => self.cell_at(margin, column, row).map_or(0.0, |_| blurred[row * size[0] + column].re),
+        });
+        filter(&mut planner, &mut picture, size, spectra.iter().map(|[_, quotient]| *quotient));
         let far = self.far_light(around);
         let scale = self.wing.core_share();
-        let unit = scale / picture.len() as f64;
         let at = |pixel: usize| (pixel / columns + margin[1]) * size[0] + pixel % columns + margin[0];
         (0..pixels)
             .map(|pixel| {
                 let place = [(pixel % columns) as f64 + 0.5, (pixel / columns) as f64 + 0.5];
-                scale * values[pixel] + unit * picture[at(pixel)].re + far.at(place)
+                scale * values[pixel] + scale * picture[at(pixel)].re + far.at(place)
             })
             .collect()
     }
 
-    /// B/A over the frequencies of a periodic picture of this size: means over pixels by the midpoint rule.
-    fn spread(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<f64> {
+    /// A field over the plane of the transform, whose first places are the margin's.
+    fn field(&self, size: [usize; 2], value: impl Fn(usize, usize) -> f64) -> Vec<Complex<f64>> {
+        (0..size[0] * size[1]).map(|index| Complex::from(value(index % size[0], index / size[0]))).collect()
+    }
+
+    /// The pixel at a place of the transform's plane.
+    fn pixel_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
+        let (columns, rows) = (self.camera.columns() as usize, self.camera.rows() as usize);
+        let (column, row) = (column.checked_sub(margin[0])?, row.checked_sub(margin[1])?);
+        (column < columns && row < rows).then_some(row * columns + column)
+    }
+
+    /// The cell of the near surround at such a place; none beyond the margin.
+    fn cell_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
+        let place = [column as f64 - margin[0] as f64 + 0.5, row as f64 - margin[1] as f64 + 0.5];
+        self.surround.cell_at(place)
+    }
+
+    /// Over the frequencies of a periodic picture of this size the transform of the core, 1 at frequency 0, and B/A. The pattern is taken in
+    /// means over pixels, by the midpoint rule.
+    fn spectra(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<[f64; 2]> {
         let pitch = self.camera.pixel_pitch_m();
         // Both parts are even, so their transforms are real: one goes into the real part, one into the imaginary.
         let mut parts = vec![Complex::ZERO; size[0] * size[1]];
@@ -115,8 +129,10 @@ impl<'a> Wings<'a> {
             }
         }
         transform(planner, &mut parts, size, FftDirection::Forward);
-        let least = (LEAST_CORE * parts[0].re).powi(2);
-        parts.iter().map(|part| part.im * part.re / (part.re * part.re + least)).collect()
+        let whole = parts[0].re;
+        let least = (LEAST_CORE * whole).powi(2);
+        let quotient = |part: &Complex<f64>| part.im * part.re / (part.re * part.re + least);
+        parts.iter().map(|part| [part.re / whole, quotient(part)]).collect()
     }
 
     /// What comes from beyond the part of the plane that the transform holds.
@@ -158,6 +174,19 @@ impl FarLight {
         };
         row(0) * (1.0 - y) + row(1) * y
     }
+}
+
+/// Multiplies the transform of a field by real factors.
+fn filter(
+    planner: &mut FftPlanner<f64>,
+    field: &mut [Complex<f64>],
+    size: [usize; 2],
+    factors: impl Iterator<Item = f64>,
+) {
+    transform(planner, field, size, FftDirection::Forward);
+    let unit = (field.len() as f64).recip();
+    field.iter_mut().zip(factors).for_each(|(value, factor)| *value *= unit * factor);
+    transform(planner, field, size, FftDirection::Inverse);
 }
 
 /// The Fourier transform of a picture, not normalised.
