@@ -126,6 +126,9 @@ fn key(
     key.update(env!("CARGO_PKG_VERSION"));
     key.update(format!("{:?} {options:?} {:?}", arguments.samples, camera.camera));
     key.update(format!("{:?} {:?}", camera.rig, camera.band_weights_for(planned.plan.bands())));
+    if !camera.flickering.is_empty() {
+        key.update(format!("{:?} {:?}", camera.shutter, camera.flickering));
+    }
     key.update(format!("{:?}", arguments.reading.trust.replacements()));
     for text in planned.sources.texts() {
         key.update(Sha256::digest(text));
