@@ -117,10 +117,10 @@ pub(crate) struct Capture {
     #[arg(value_name = "SCENE.rad", required = true)]
     pub(crate) scenes: Vec<String>,
     /// Grey picture
-    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report"])]
+    #[arg(short, long, value_name = "OUT.png", required_unless_present_any = ["exposure", "report", "color"])]
     pub(crate) output: Option<String>,
     /// Also writes the colours behind a mosaic of colour filters, demosaiced
-    #[arg(long, value_name = "OUT.png", requires = "output")]
+    #[arg(long, value_name = "OUT.png")]
     pub(crate) color: Option<String>,
     /// Also writes where the parts of this specimen are, as [alignment] of a camera file, where there are [tolerances]
     #[arg(long, value_name = "OUT.toml")]

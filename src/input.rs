@@ -209,6 +209,33 @@ pub(crate) fn plan_changed(
     plan_inputs(scene_inputs(paths, camera, &reading.trust)?, paths, reading, render_options, change)
 }
 
+/// The same for a scene of which parts are rendered each by themselves, all with the same plugins: `split` leaves one of them in
+/// the scene and returns the others.
+pub(crate) fn plan_split<T>(
+    paths: &[String],
+    camera: Option<&CameraFile>,
+    reading: &Reading,
+    render_options: &RenderOptions,
+    split: impl FnOnce(&mut Scene) -> Result<Vec<(Scene, T)>, Failure>,
+) -> Result<(Planned, Vec<(RenderPlan, T)>), Failure> {
+    let mut parts = Vec::new();
+    let change = |scene: &mut Scene| {
+        parts = split(scene)?;
+        Ok(())
+    };
+    let (scene, sources) = valid_scene(scene_inputs(paths, camera, &reading.trust)?, reading, change)?;
+    let planner = Planner::new(&scene, paths, reading, &sources);
+    let plan = planner.plan(scene, render_options.clone())?;
+    let mut others = Vec::new();
+    for (part, of_part) in parts {
+        // What there is to warn of was said of the whole.
+        let valid = part.validate().map_err(|errors| Failure::diagnostics(&errors, &sources))?;
+        others.push((planner.plan(valid.scene, render_options.clone())?, of_part));
+    }
+    let registry = planner.models.map(Models::into_registry);
+    Ok((Planned { plan, registry, sources }, others))
+}
+
 /// Plans the rendering of a scene's text, of this name in messages.
 pub(crate) fn plan_text(
     name: &str,

@@ -31,6 +31,7 @@ fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
     let matrix =
         "camera_matrix: [20, 0, 11, 0, 21, 10, 0, 0, 1]\ndistortion_model: fisheye\nD: [0.05, 0.01, 0, 0]\n".to_owned();
     let cameras = [
+        format!("{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\n"),
         format!(
             "{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\nband_wavelengths_nm = [620, 540, 460]\n"
         ),
@@ -58,7 +59,8 @@ fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
 fn a_specimen_that_was_drawn_can_be_captured_again() {
     let tolerances = "[tolerances]\nspecimen = 3\ncamera_turn_deg = 1.0\nsensor_shift_um = 80\nled_tilt_deg = 2\nled_intensity_percent = 10\n";
     let rig = "[rig]\nleds = 6\nring_diameter_mm = 30\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.05\nled_cone_deg = 40\n";
-    let folder = folder(&[("drawn.toml", format!("{CAMERA}{HOLE}{rig}{tolerances}{LINEAR}"))]);
+    let drawn = format!("{CAMERA}{HOLE}{rig}{tolerances}{LINEAR}");
+    let folder = folder(&[("drawn.toml", drawn), ("plain.toml", format!("{CAMERA}{HOLE}"))]);
     let words =
         ["capture", "drawn.toml", "scene.rad", "--samples", "4", "-o", "drawn.png", "--specimen", "specimen.toml"];
     run(&folder, &[&words[..], &["--exposure", "drawn.mtx"]].concat(), b"").done();
@@ -70,6 +72,8 @@ fn a_specimen_that_was_drawn_can_be_captured_again() {
     assert!(String::from_utf8_lossy(&drawn).contains("ALIGNMENT= [alignment]; camera_shift_mm = ["));
     let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "--exposure", "x", "--specimen", "s"], b"");
     assert_eq!(refused.code, 1);
+    assert!(refused.messages.contains("neither [alignment] nor [tolerances]"), "{}", refused.messages);
+    assert!(!folder.path("x").exists() && !folder.path("s").exists());
 }
 
 #[test]
@@ -92,6 +96,9 @@ fn colours_behind_a_mosaic_come_back() {
     let (left, right) = ([0, 1, 2].map(|color| mean(2..9, color)), [0, 1, 2].map(|color| mean(17..22, color)));
     assert!((left[0] / left[1] / 3.0 - 1.0).abs() < 0.1, "{left:?}");
     assert!((right[2] / right[1] / 3.5 - 1.0).abs() < 0.1, "{right:?}");
+    run(&folder, &["capture", "camera.toml", "scene.rad", "--samples", "64", "--color", "alone.png"], b"").done();
+    let alone = radsight_picture::read_png(&std::fs::read(folder.path("alone.png")).unwrap()).unwrap();
+    assert_eq!(alone.values, image, "the grey picture need not be asked for");
     let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "-o", "a.png", "--color", "b.png"], b"");
     assert_eq!(refused.code, 1);
     assert!(refused.messages.contains("has no mosaic of colour filters"), "{}", refused.messages);

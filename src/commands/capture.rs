@@ -1,19 +1,21 @@
 //! `radsight capture`: camera and scene in, grey picture out.
 
 mod accounts;
+mod lamps;
 mod resume;
 
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
 use crate::failure::{Failure, Outcome, say};
-use crate::input::{Planned, conclude, history, plan, read_camera, use_threads};
+use crate::input::{Planned, conclude_all, history, plan, plan_split, read_camera, use_threads};
 use crate::output::{check_writable, write_file, write_image_file};
 use crate::progress::Bar;
 use crate::run_record::Stopwatch;
 use crate::sensor_picture::SensorPicture;
 use crate::trust::Existing;
+use lamps::FlickeringScenes;
 use radsight_camera::CameraFile;
-use radsight_capture::{Exposer, Exposure};
+use radsight_capture::{Exposer, Exposure, LightByRow};
 use radsight_output::interrupt;
 use radsight_picture::{Header, Image};
 use radsight_pinhole::{PinholeCamera, PinholeModel, Rays, fresnel_number};
@@ -36,26 +38,35 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     if arguments.color.is_some() && camera.mosaic.is_none() {
         return Err(no_mosaic(&arguments.camera));
     }
+    if arguments.specimen.is_some() && camera.alignment.is_none() {
+        return Err(no_alignment(&arguments.camera));
+    }
     let outputs = [&arguments.output, &arguments.color, &arguments.exposure, &arguments.specimen];
     for path in outputs.into_iter().chain(arguments.accounts.paths()).flatten().filter(|path| *path != "-") {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     stopwatch.lap("camera file read");
     let options = RenderOptions { seed: arguments.seed, ..render };
-    let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?;
-    check_scene(&planned.plan, &camera)?;
+    let split = |scene: &mut _| FlickeringScenes::split(scene, &camera).map(|scenes| scenes.by_row);
+    let (planned, by_row) = match camera.flickering.is_empty() {
+        true => (plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?, Vec::new()),
+        false => plan_split(&arguments.scenes, Some(&camera), &arguments.reading, &options, split)?,
+    };
+    check_scene(&planned.plan, &camera, !by_row.is_empty())?;
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
-    let start = checkpoint.read(arguments, &camera)?;
+    let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
+    let start = checkpoint.read(arguments, &rays)?;
     let Planned { plan, registry, sources } = planned;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);
+    let by_row: Vec<LightByRow> =
+        by_row.into_iter().map(|(plan, brightness)| LightByRow { renderer: Renderer::new(plan), brightness }).collect();
     let bar = Bar::new("capturing");
     stopwatch.lap("scene read, checked and compiled");
-    let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     // A signal stops the work; what is done is written then.
     let postponed = interrupt::postpone();
-    let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights };
+    let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &by_row };
     let progress = Saving { bar: &bar, file: &checkpoint };
     let exposure = match arguments.samples {
         Some(_) => exposer.with_samples(start, &progress),
@@ -63,12 +74,13 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     };
     bar.finish();
     stopwatch.lap("rays traced, exposure");
-    conclude(renderer.plan(), registry.as_ref(), &sources, &arguments.reading)?;
+    let plans = by_row.iter().map(|light| light.renderer.plan());
+    conclude_all(std::iter::once(renderer.plan()).chain(plans), registry.as_ref(), &sources, &arguments.reading)?;
     let can_resume = exposure.is_partial && checkpoint.save(&exposure.checkpoint)?;
     say_result(&exposure, arguments, can_resume);
     if exposure.pixels_done > 0 {
         let image = exposure_image(&camera.camera, &exposure.values)?;
-        let is_wanted = arguments.output.is_some() || arguments.accounts.report.is_some();
+        let is_wanted = arguments.output.is_some() || arguments.color.is_some() || arguments.accounts.report.is_some();
         let sensor = camera.sensor.as_ref().filter(|_| is_wanted);
         let picture = sensor.map(|sensor| SensorPicture::new(sensor, &image, arguments.seed));
         write(arguments, &camera, &exposure, (&image, picture.as_ref()))?;
@@ -96,6 +108,14 @@ fn check_effort(arguments: &Capture) -> Outcome {
     }
 }
 
+/// Why there is no specimen.
+fn no_alignment(camera: &str) -> Failure {
+    Failure::input(format!(
+        "\"{camera}\" has neither [alignment] nor [tolerances]: there is no specimen to be written\n\
+         hint: for example [tolerances] with specimen = 1 and camera_turn_deg = 0.3"
+    ))
+}
+
 /// Whether there is a sensor, if a grey picture is wanted.
 fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
     match (&arguments.output, &camera.sensor) {
@@ -107,12 +127,12 @@ fn check_sensor(arguments: &Capture, camera: &CameraFile) -> Outcome {
     }
 }
 
-fn check_scene(plan: &RenderPlan, camera: &CameraFile) -> Outcome {
+fn check_scene(plan: &RenderPlan, camera: &CameraFile, more_emits: bool) -> Outcome {
     let leds = camera.rig.as_ref().map_or(0, |rig| rig.leds as usize);
     if plan.surface_count() <= leds {
         return Err(Failure::input("the scene is empty: nothing that a ray could hit"));
     }
-    if !plan.has_emitters() {
+    if !plan.has_emitters() && !more_emits {
         return Err(Failure::input("the scene has no light: nothing in it emits, and the camera file has no [rig]"));
     }
     Ok(())
@@ -186,11 +206,14 @@ fn write(
     if let Some(path) = &arguments.exposure {
         write_image_file(path, &header, image)?;
     }
-    let (Some(output), Some(picture)) = (&arguments.output, picture) else { return Ok(()) };
+    let Some(picture) = picture else { return Ok(()) };
     if let (Some(path), Some(mosaic)) = (&arguments.color, camera.mosaic) {
         write_file(path, &picture.color_png(mosaic, &header)?)?;
     }
-    write_file(output, &picture.grey_png(&header)?)
+    match &arguments.output {
+        Some(output) => write_file(output, &picture.grey_png(&header)?),
+        None => Ok(()),
+    }
 }
 
 /// The exposure as it is stored: in single precision.

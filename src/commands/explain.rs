@@ -56,6 +56,6 @@ fn time(camera: &CameraFile, renderer: &Renderer) -> Result<Duration, Failure> {
         camera.band_weights_for(renderer.plan().bands()).map_err(|error| Failure::input(error.to_string()))?;
     let rays = Rays::new(&camera.camera, MEASURED_SAMPLES, renderer.plan().seed());
     let start = Instant::now();
-    let _ = Exposer { renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent);
+    let _ = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] }.with_samples(None, &Silent);
     Ok(start.elapsed())
 }

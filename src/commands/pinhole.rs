@@ -47,7 +47,7 @@ fn average(arguments: &Average) -> Outcome {
     let weights = weights(&file, arguments.bands)?;
     let wrong = |error: &dyn std::fmt::Display| Failure::input(format!("standard input: {error}"));
     let mut stream = ExposureStream::new(&rays, &weights, format, arguments.bands).map_err(|error| wrong(&error))?;
-    let mut exposures = Vec::with_capacity(rays.camera().pixel_count() as usize);
+    let mut exposures = Vec::with_capacity(rays.cells() as usize);
     let mut input = io::stdin().lock();
     let mut piece = vec![0; BYTES_AT_A_TIME];
     loop {
@@ -60,11 +60,12 @@ fn average(arguments: &Average) -> Outcome {
         stream.feed(&piece[..read], &mut exposures).map_err(|error| wrong(&error))?;
     }
     stream.finish(&mut exposures).map_err(|error| wrong(&error))?;
-    write_exposure(&file, &exposures)
+    write_exposure(&file, &rays.picture(exposures))
 }
 
 fn shift(arguments: &Shift) -> Outcome {
     let file = read_camera(&arguments.camera)?;
+    check_steady(&file, &arguments.camera)?;
     if !file.camera.is_plain_pinhole() {
         return Err(Failure::input(format!(
             "\"{}\": whole-pixel shifts are for a hole before an upright sensor, without diffraction, lens or distortion",
@@ -110,8 +111,17 @@ fn set_up(arguments: &CameraRays) -> Result<(CameraFile, Rays, NumberFormat), Fa
         return Err(Failure::usage("option \"--samples\" is 0, expected at least 1"));
     }
     let file = read_camera(&arguments.camera)?;
+    check_steady(&file, &arguments.camera)?;
     let rays = Rays::new(&file.camera, arguments.samples, arguments.seed);
     Ok((file, rays, format))
+}
+
+/// Radiances that come from elsewhere are not told by lamps.
+fn check_steady(file: &CameraFile, path: &str) -> Outcome {
+    match file.flickering.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::input(format!("\"{path}\" has [flicker], which only capture can apply"))),
+    }
 }
 
 fn weights(file: &CameraFile, bands: usize) -> Result<BandWeights, Failure> {

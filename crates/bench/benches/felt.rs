@@ -160,7 +160,9 @@ fn capture_of_a_small_sheet(bencher: Bencher<'_, '_>) {
     let weights = camera.band_weights_for(plan.bands()).expect("the bands are the scene's");
     let renderer = Renderer::new(plan);
     let rays = Rays::new(&camera.camera, 4, 0);
-    bencher.bench_local(|| Exposer { renderer: &renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent));
+    bencher.bench_local(|| {
+        Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] }.with_samples(None, &Silent)
+    });
 }
 
 #[divan::bench(sample_count = 10)]

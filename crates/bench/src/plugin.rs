@@ -90,7 +90,8 @@ impl Subject {
         let renderer = Renderer::new(plan);
         let rays = Rays::new(&self.camera.camera, samples, 0);
         let start = Clock::now();
-        let exposure = Exposer { renderer: &renderer, rays: &rays, weights: &weights }.with_samples(None, &Silent);
+        let exposure =
+            Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] }.with_samples(None, &Silent);
         Ok((start.seconds(), exposure.values))
     }
 }

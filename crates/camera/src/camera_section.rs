@@ -1,6 +1,8 @@
 //! `[camera]`.
 
 use crate::Found;
+use crate::Shutter;
+use crate::flicker_section;
 use crate::matrix_file::{self, MatrixFile};
 use crate::section::{Range, Section, load_beside};
 use radsight_diag::{Diagnostic, SourceMap, hint_nearest};
@@ -16,10 +18,11 @@ pub(crate) fn read(
     sources: &mut SourceMap,
     loader: &dyn Loader,
     found: &mut Found,
-) -> Option<PinholeCamera> {
+) -> Option<(PinholeCamera, Shutter)> {
     let camera = read_keys(&section, file, sources, loader, found);
+    let shutter = flicker_section::shutter(&section, sources, found);
     section.close(sources, found);
-    camera
+    camera.map(|camera| (camera, shutter))
 }
 
 fn read_keys(

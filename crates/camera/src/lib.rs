@@ -33,6 +33,7 @@ mod alignment;
 mod alignment_section;
 mod angular_table;
 mod camera_section;
+mod flicker_section;
 mod lobe_pattern;
 mod matrix_file;
 mod number_table;
@@ -40,12 +41,14 @@ mod rig;
 mod rig_section;
 mod section;
 mod sensor_section;
+mod shutter;
 mod summary;
 
 pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;
 pub use number_table::{NumberTable, NumberTableRow, read_measurements};
 pub use rig::{LedEmission, Rig};
+pub use shutter::{Flicker, FlickeringLamp, Shutter, Waveform};
 
 use radsight_diag::{Diagnostic, SourceId, SourceMap, hint_nearest};
 use radsight_loader::Loader;
@@ -62,7 +65,7 @@ const LARGEST_FILE: usize = 1 << 20;
 const MOST_MESSAGES: usize = 50;
 
 /// The tables of a camera file.
-const SECTIONS: [&str; 5] = ["camera", "rig", "sensor", "alignment", "tolerances"];
+const SECTIONS: [&str; 6] = ["camera", "rig", "sensor", "alignment", "tolerances", "flicker"];
 
 /// All that a camera file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,6 +82,10 @@ pub struct CameraFile {
     pub mosaic: Option<Bayer>,
     /// Where the parts of this specimen are, where the file says that they are not at their nominal places; camera and rig have it.
     pub alignment: Option<Alignment>,
+    /// When each row is exposed.
+    pub shutter: Shutter,
+    /// Lamps that flicker, each named once.
+    pub flickering: Vec<FlickeringLamp>,
     /// What is allowed but looks like a slip.
     pub warnings: Vec<Diagnostic>,
 }
@@ -106,6 +113,15 @@ impl CameraFile {
             Some(file) if found.errors.is_empty() => Ok(CameraFile { warnings: found.warnings, ..file }),
             _ => Err(in_file_order(found.errors, source)),
         }
+    }
+
+    /// How bright lamps that flicker so are while each row is exposed, as shares of their mean; one share for all rows where the
+    /// shutter is global.
+    #[must_use]
+    pub fn brightness_by_row(&self, flicker: &Flicker) -> Vec<f64> {
+        let rows = if self.shutter == Shutter::Global { 1 } else { self.camera.rows() };
+        let exposure_s = self.camera.exposure_s();
+        (0..rows).map(|row| flicker.mean(self.shutter.start_s(row), exposure_s)).collect()
     }
 
     /// The weights for radiances of `bands` bands: those of the file, or equal ones.
@@ -195,6 +211,12 @@ fn read_document(
         found.errors.push(Diagnostic::error("the camera file has no [camera]").at(sources.span(source, 0, 0)));
     }
     let camera = camera_section.and_then(|section| camera_section::read(section, name, sources, loader, found));
+    let (camera, shutter) = camera.map_or((None, Shutter::Global), |(camera, shutter)| (Some(camera), shutter));
+    let lamps = Section::open_inner(document, "flicker", source, sources, found);
+    let flickering: Vec<FlickeringLamp> = lamps
+        .into_iter()
+        .filter_map(|(modifier, section)| flicker_section::read(modifier, section, sources, found))
+        .collect();
     let rig = Section::open(document, "rig", source, sources, found)
         .and_then(|section| rig_section::read(section, camera.as_ref(), name, sources, loader, found));
     let sensor = Section::open(document, "sensor", source, sources, found)
@@ -209,5 +231,9 @@ fn read_document(
         Some(alignment) => alignment_section::apply(alignment, camera?, rig, found)?,
         None => (camera?, rig),
     };
-    Some(CameraFile { camera, rig, sensor, band_weights, mosaic, alignment, warnings: Vec::new() })
+    // What the wings of a pattern bring to a row was there when that row was exposed.
+    let rolls = shutter != Shutter::Global && !flickering.is_empty();
+    let camera = if mosaic.is_some() || rolls { camera.with_whole_pattern() } else { camera };
+    let warnings = Vec::new();
+    Some(CameraFile { camera, rig, sensor, band_weights, mosaic, alignment, shutter, flickering, warnings })
 }

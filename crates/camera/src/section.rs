@@ -66,6 +66,36 @@ impl<'a> Section<'a> {
         None
     }
 
+    /// The tables inside the table `name`, each with its key.
+    pub(crate) fn open_inner(
+        document: &'a DeTable<'a>,
+        name: &'static str,
+        source: SourceId,
+        sources: &SourceMap,
+        found: &mut Found,
+    ) -> Vec<(&'a str, Section<'a>)> {
+        let Some(outer) = Section::open(document, name, source, sources, found) else { return Vec::new() };
+        let mut inner = Vec::new();
+        for (key, value) in outer.table {
+            let key: &'a Spanned<_> = key;
+            match value.get_ref() {
+                DeValue::Table(table) => {
+                    let (asked, missing) = (RefCell::default(), RefCell::default());
+                    inner.push((
+                        key.get_ref().as_ref(),
+                        Section { name, table, source, header: key.span(), asked, missing },
+                    ));
+                }
+                other => {
+                    let message = format!("[{name}] has \"{}\", {}", shorten(key.get_ref()), kind_of(other));
+                    let hint = format!("a table for each modifier, such as [{name}.tube]");
+                    found.errors.push(Diagnostic::error(message).at(outer.span(value, sources)).hint(hint));
+                }
+            }
+        }
+        inner
+    }
+
     /// Where the table begins.
     pub(crate) fn header_span(&self, sources: &SourceMap) -> Span {
         sources.span(self.source, self.header.start, self.header.end)

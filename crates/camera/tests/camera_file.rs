@@ -270,6 +270,19 @@ fn a_preset_fills_in_what_its_source_states_and_nothing_else() {
 }
 
 #[test]
+fn the_tc211_has_what_its_source_states_and_asks_for_the_rest() {
+    let sensor = "\n[sensor]\nresponse = \"emva1288\"\npreset = \"tc211\"\nbits = 12\n";
+    let whole = format!("{CAMERA}{sensor}quantum_efficiency = 0.5\ngain_dn_per_e = 0.02\n");
+    let found = linear(&whole, &MemoryLoader::default());
+    let description = found.description();
+    assert_eq!((description.full_well_e, description.read_noise_e), (150_000.0, 12.0));
+    let errors = read(&format!("{CAMERA}{sensor}")).unwrap_err();
+    for key in ["quantum_efficiency", "gain_dn_per_e"] {
+        assert!(errors.contains(&format!("[sensor] has no \"{key}\"")), "{errors}");
+    }
+}
+
+#[test]
 fn a_mosaic_has_its_filters_in_the_band_weights() {
     let (file, _) = read(&format!("{CAMERA}{LINEAR}mosaic = \"GRBG\"\nfilter_green = [0.1, 0.9, 0.2]\n")).unwrap();
     assert_eq!(file.mosaic.unwrap().name(), "GRBG");

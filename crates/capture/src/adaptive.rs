@@ -10,8 +10,7 @@
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
 use crate::fixed::radiance;
 use crate::mirrored_lights::PixelImages;
-use crate::{Exposer, Exposure, PixelStatistics, Progress};
-use radsight_render::RayWorker;
+use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -81,9 +80,14 @@ impl Exposer<'_> {
         let columns = camera.columns() as usize;
         let estimate = (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error));
         let scale = camera.exposure_per_radiance();
+        let mut values: Vec<f64> = state.pixels.iter().map(|pixel| scale * pixel.mean()).collect();
+        if estimate.is_some() {
+            values.extend(work.around(&state.pixels).into_iter().map(|mean| scale * mean));
+            values = self.rays.picture(values);
+        }
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
-            values: state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            values,
             rays: work.traced.into_inner(),
             estimated_error,
             pixels_done: pixels_done as u64,
@@ -108,7 +112,7 @@ impl<'a> Work<'a> {
         let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
         Work {
             exposer,
-            images: PixelImages::find(exposer.renderer, exposer.rays),
+            images: images(exposer),
             progress,
             traced: AtomicU64::new(traced),
             planned: AtomicU64::new(traced + first),
@@ -129,7 +133,7 @@ impl<'a> Work<'a> {
     fn begin(&self, state: &mut AdaptiveState) {
         loop {
             state.pixels.par_iter_mut().enumerate().with_min_len(32).for_each_init(
-                || self.exposer.renderer.worker(),
+                || self.exposer.workers(),
                 |worker, (index, pixel)| {
                     if pixel.samples == 0 && !self.pauses() {
                         *pixel = self.first(worker, index);
@@ -145,7 +149,7 @@ impl<'a> Work<'a> {
     }
 
     /// The first samples, with two doublings to see how the error falls.
-    fn first(&self, worker: &mut RayWorker<'_>, index: usize) -> Pixel {
+    fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
         let samples = FIRST_SAMPLES / 4;
         let mut pixel = Pixel { samples, sum: self.sum(worker, index, 0..samples), ..Pixel::default() };
         for _ in 0..2 {
@@ -181,7 +185,7 @@ impl<'a> Work<'a> {
                 .par_iter()
                 .with_min_len(4)
                 .map_init(
-                    || self.exposer.renderer.worker(),
+                    || self.exposer.workers(),
                     |worker, &index| {
                         if self.pauses() {
                             return None;
@@ -211,12 +215,29 @@ impl<'a> Work<'a> {
         }
     }
 
+    /// The means of the cells around the picture, each over as many rays as a pixel has on average.
+    fn around(&self, pixels: &[Pixel]) -> Vec<f64> {
+        let taken: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
+        let samples = (taken / pixels.len() as u64).next_power_of_two().clamp(1, u64::from(MAX_SAMPLES)) as u32;
+        (pixels.len()..self.exposer.rays.cells() as usize)
+            .into_par_iter()
+            .with_min_len(4)
+            .map_init(
+                || self.exposer.workers(),
+                |worker, cell| {
+                    self.report(samples);
+                    self.sum(worker, cell, 0..samples) / f64::from(samples)
+                },
+            )
+            .collect()
+    }
+
     fn save(&self, state: &AdaptiveState) {
         self.progress.save(Checkpoint(State::Adaptive(state.clone())));
     }
 
     /// Sum of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
-    fn sum(&self, worker: &mut RayWorker<'_>, pixel: usize, samples: std::ops::Range<u32>) -> f64 {
+    fn sum(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> f64 {
         let first = (pixel as u64) << SEQUENCE_LOG2;
         let Exposer { rays, weights, .. } = *self.exposer;
         samples
@@ -228,6 +249,13 @@ impl<'a> Work<'a> {
             })
             .sum()
     }
+}
+
+/// The images of the first lights that any pixel shows, by which its rays are aimed.
+fn images(exposer: &Exposer<'_>) -> PixelImages {
+    let found = PixelImages::find(exposer.renderer, exposer.rays);
+    let other = || exposer.by_row.iter().map(|light| PixelImages::find(&light.renderer, exposer.rays));
+    if found.is_empty() { other().find(|images| !images.is_empty()).unwrap_or(found) } else { found }
 }
 
 /// What is known of the error.

@@ -1,6 +1,7 @@
 //! What is done of an exposure, to be saved and gone on with to the same bits.
 
 use crate::adaptive::{MAX_SAMPLES, Pixel};
+use radsight_pinhole::Rays;
 use std::fmt;
 
 /// First bytes of every checkpoint, with the version of its layout.
@@ -23,7 +24,7 @@ pub(crate) enum State {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FixedState {
     pub(crate) samples: u32,
-    /// E_pixel in J/m²; `None` where it is not known yet.
+    /// Exposure of each cell of the camera in J/m²; `None` where it is not known yet.
     pub(crate) values: Vec<Option<f64>>,
 }
 
@@ -88,11 +89,15 @@ impl Checkpoint {
         bytes
     }
 
-    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of so many pixels.
+    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of these rays.
     ///
     /// # Errors
     /// [`CheckpointError`].
-    pub fn from_bytes(bytes: &[u8], key: &[u8; 32], pixels: usize) -> Result<Checkpoint, CheckpointError> {
+    pub fn from_bytes(bytes: &[u8], key: &[u8; 32], rays: &Rays) -> Result<Checkpoint, CheckpointError> {
+        Self::of_counts(bytes, key, [rays.camera().pixel_count() as usize, rays.cells() as usize])
+    }
+
+    fn of_counts(bytes: &[u8], key: &[u8; 32], [pixels, cells]: [usize; 2]) -> Result<Checkpoint, CheckpointError> {
         let mut reader = Reader(bytes);
         if reader.take::<20>()? != *MAGIC {
             return Err(CheckpointError::Broken);
@@ -101,7 +106,7 @@ impl Checkpoint {
             return Err(CheckpointError::OfAnother);
         }
         let state = match reader.take()? {
-            [0] => State::Fixed(reader.fixed(pixels)?),
+            [0] => State::Fixed(reader.fixed(cells)?),
             [1] => State::Adaptive(reader.adaptive(pixels)?),
             _ => return Err(CheckpointError::Broken),
         };
@@ -195,9 +200,9 @@ mod tests {
         let fixed = FixedState { samples: 16, values: vec![Some(1.5e-7), None, Some(0.0)] };
         for checkpoint in [adaptive(), Checkpoint(State::Fixed(fixed))] {
             let bytes = checkpoint.to_bytes(&[7; 32]);
-            assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 3), Ok(checkpoint));
-            assert_eq!(Checkpoint::from_bytes(&bytes, &[8; 32], 3), Err(CheckpointError::OfAnother));
-            assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 4), Err(CheckpointError::Broken));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2]), Ok(checkpoint));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[8; 32], [3; 2]), Err(CheckpointError::OfAnother));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [4; 2]), Err(CheckpointError::Broken));
         }
     }
 
@@ -205,10 +210,14 @@ mod tests {
     fn no_part_of_a_checkpoint_is_taken_for_one() {
         let bytes = adaptive().to_bytes(&[7; 32]);
         for length in 0..bytes.len() {
-            assert_eq!(Checkpoint::from_bytes(&bytes[..length], &[7; 32], 3), Err(CheckpointError::Broken), "{length}");
+            assert_eq!(
+                Checkpoint::of_counts(&bytes[..length], &[7; 32], [3; 2]),
+                Err(CheckpointError::Broken),
+                "{length}"
+            );
         }
         let longer = [&bytes[..], &[0]].concat();
-        assert_eq!(Checkpoint::from_bytes(&longer, &[7; 32], 3), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2]), Err(CheckpointError::Broken));
     }
 
     #[test]
@@ -216,6 +225,6 @@ mod tests {
         let Checkpoint(State::Adaptive(mut state)) = adaptive() else { unreachable!() };
         state.pending = vec![1];
         let bytes = Checkpoint(State::Adaptive(state)).to_bytes(&[7; 32]);
-        assert_eq!(Checkpoint::from_bytes(&bytes, &[7; 32], 3), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2]), Err(CheckpointError::Broken));
     }
 }

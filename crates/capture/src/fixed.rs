@@ -1,9 +1,9 @@
 //! The same number of rays for every pixel.
 
 use crate::checkpoint::{Checkpoint, FixedState, State};
-use crate::{Exposer, Exposure, Progress};
+use crate::{Exposer, Exposure, Progress, Workers};
 use radsight_pinhole::{BandWeights, CameraRay, PixelAverage, Rays};
-use radsight_render::{Ray, RayWorker};
+use radsight_render::Ray;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,29 +16,37 @@ impl Exposer<'_> {
     pub fn with_samples(&self, start: Option<Checkpoint>, progress: &dyn Progress) -> Exposure {
         let samples = self.rays.samples();
         let pixels = self.rays.camera().pixel_count();
+        let cells = self.rays.cells();
         let mut values = match start {
             Some(Checkpoint(State::Fixed(state))) if state.samples == samples => state.values,
             _ => Vec::new(),
         };
-        values.resize(pixels as usize, None);
+        values.resize(cells as usize, None);
         let known = |values: &[Option<f64>]| values.iter().flatten().count() as u64;
         let checkpoint =
             |values: &[Option<f64>]| Checkpoint(State::Fixed(FixedState { samples, values: values.to_vec() }));
         loop {
             self.expose_unknown(&mut values, progress);
-            if known(&values) == pixels || progress.stops() {
+            if known(&values) == cells || progress.stops() {
                 break;
             }
             progress.save(checkpoint(&values));
         }
-        let pixels_done = known(&values);
+        let cells_done = known(&values);
+        let checkpoint = checkpoint(&values);
+        let exposures: Vec<f64> = values.iter().map(|value| value.unwrap_or(0.0)).collect();
         Exposure {
-            checkpoint: checkpoint(&values),
-            values: values.into_iter().map(|value| value.unwrap_or(0.0)).collect(),
-            rays: pixels_done * u64::from(samples),
+            checkpoint,
+            // What diffraction spreads is known when all is.
+            values: if cells_done == cells {
+                self.rays.picture(exposures)
+            } else {
+                exposures[..pixels as usize].to_vec()
+            },
+            rays: cells_done * u64::from(samples),
             estimated_error: None,
-            pixels_done,
-            is_partial: pixels_done < pixels,
+            pixels_done: known(&values[..pixels as usize]),
+            is_partial: cells_done < cells,
             pixels: None,
         }
     }
@@ -48,7 +56,7 @@ impl Exposer<'_> {
         let pixels = values.len() as u64;
         let done = AtomicU64::new(values.iter().flatten().count() as u64);
         values.par_chunks_mut(CHUNK).enumerate().for_each_init(
-            || self.renderer.worker(),
+            || self.workers(),
             |worker, (chunk, values)| {
                 if progress.stops() || progress.wants_checkpoint() {
                     return;
@@ -65,7 +73,7 @@ impl Exposer<'_> {
     }
 
     /// E_pixel of one pixel in J/m².
-    fn exposure(&self, worker: &mut RayWorker<'_>, pixel: u64) -> f64 {
+    fn exposure(&self, worker: &mut Workers<'_>, pixel: u64) -> f64 {
         let rays = self.rays;
         let mut average = PixelAverage::default();
         for sample in 0..rays.samples() {
@@ -80,7 +88,7 @@ impl Exposer<'_> {
 /// The radiance of ray number `index`, which goes to a pixel, bands added up.
 #[inline]
 pub(crate) fn radiance(
-    worker: &mut RayWorker<'_>,
+    worker: &mut Workers<'_>,
     index: u64,
     (rays, pixel): (&Rays, u64),
     ray: &CameraRay,
@@ -90,13 +98,17 @@ pub(crate) fn radiance(
     if ray.cos4 == 0.0 {
         return 0.0;
     }
-    match Ray::new(ray.origin, ray.direction) {
-        Some(traced) => {
-            let mut value = worker.trace(index, &traced).value;
-            let bands = &mut value[..weights.as_slice().len().min(3)];
-            rays.weigh_bands(ray, bands);
-            weights.combine_at(pixel, bands)
-        }
-        None => 0.0,
+    let Some(traced) = Ray::new(ray.origin, ray.direction) else { return 0.0 };
+    let combine = |mut value: [f64; 3]| {
+        let bands = &mut value[..weights.as_slice().len().min(3)];
+        rays.weigh_bands(ray, bands);
+        weights.combine_at(pixel, bands)
+    };
+    let mut sum = combine(worker.main.trace(index, &traced).value);
+    for (lamps, brightness) in &mut worker.by_row {
+        let row = (pixel / u64::from(rays.camera().columns())) as usize;
+        // Equal numbers would draw equal samples, which is no harm: each sum of them is right on the average.
+        sum += brightness.get(row).map_or(0.0, |share| share * combine(lamps.trace(index, &traced).value));
     }
+    sum
 }

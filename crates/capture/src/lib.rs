@@ -13,7 +13,7 @@ pub use adaptive::MAX_SAMPLES;
 pub use checkpoint::{Checkpoint, CheckpointError};
 
 use radsight_pinhole::{BandWeights, Rays};
-use radsight_render::Renderer;
+use radsight_render::{RayWorker, Renderer};
 
 /// A camera in front of a scene. [`Exposer::with_samples`] and [`Exposer::to_error`] expose it.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,30 @@ pub struct Exposer<'a> {
     pub rays: &'a Rays,
     /// How the bands of radiance add up.
     pub weights: &'a BandWeights,
+    /// The light of lamps whose brightness differs from row to row; it is added to the renderer's. Empty for most.
+    pub by_row: &'a [LightByRow],
+}
+
+/// The light of some lamps of a scene, which is not equally bright for all rows.
+#[derive(Debug)]
+pub struct LightByRow {
+    /// Answers rays by the light of these lamps alone.
+    pub renderer: Renderer,
+    /// By what its radiance is multiplied in each row, from the top.
+    pub brightness: Vec<f64>,
+}
+
+/// What answers the rays of one thread.
+pub(crate) struct Workers<'a> {
+    main: RayWorker<'a>,
+    by_row: Vec<(RayWorker<'a>, &'a [f64])>,
+}
+
+impl Exposer<'_> {
+    pub(crate) fn workers(&self) -> Workers<'_> {
+        let by_row = self.by_row.iter().map(|light| (light.renderer.worker(), light.brightness.as_slice())).collect();
+        Workers { main: self.renderer.worker(), by_row }
+    }
 }
 
 /// The exposed picture.

@@ -83,6 +83,11 @@ impl PixelImage {
 }
 
 impl PixelImages {
+    /// Whether no pixel shows any.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.images.is_empty()
+    }
+
     /// Looks for the images that the pixels of a camera show.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
         let hole = rays.hole();

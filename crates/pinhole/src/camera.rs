@@ -10,6 +10,9 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// The smallest sine of the angle between `direction` and `up` at which the picture's right is still well defined.
 const SMALLEST_UP_SINE: f64 = 1e-6;
 
+/// The most pixels of a picture that is convolved: its transform takes 150 bytes a pixel.
+const MOST_CONVOLVED: u64 = 1 << 22;
+
 /// The longest wavelength of a scene's bands over the shortest.
 const LARGEST_BAND_RATIO: f64 = 4.0;
 
@@ -136,6 +139,8 @@ pub(crate) struct Optics {
     pub(crate) lens: Option<ThinLens>,
     pub(crate) matrix: Option<CameraMatrix>,
     pub(crate) film: Option<FilmPlane>,
+    /// Whether rays draw all of a diffraction pattern whatever else holds.
+    pub(crate) whole_pattern: bool,
 }
 
 impl PinholeCamera {
@@ -259,6 +264,24 @@ impl PinholeCamera {
         self.right = (turned * self.right).reject_from_normalized(self.direction).normalize();
         self.up = self.right.cross(self.direction);
         Ok(self)
+    }
+
+    /// The same camera with every ray drawn from the whole of a diffraction pattern, for pictures whose pixels are not exposed alike: those
+    /// behind colour filters.
+    #[must_use]
+    pub fn with_whole_pattern(mut self) -> Self {
+        self.optics.whole_pattern = true;
+        self
+    }
+
+    /// Whether the wings of a diffraction pattern are added to the whole picture: the pattern must be the same for all bands and all over
+    /// the field.
+    pub(crate) fn convolves(&self) -> bool {
+        let optics = &self.optics;
+        let is_even = optics.matrix.is_none() && optics.film.is_none() && optics.lens.is_none();
+        let is_one = optics.band_wavelengths_m.len() <= 1 && !optics.whole_pattern;
+        let is_diffracted = self.pinhole_model == PinholeModel::Diffraction;
+        is_diffracted && is_even && is_one && self.pixel_count() <= MOST_CONVOLVED
     }
 
     /// Wavelengths of the bands, metres, where diffraction has them.
@@ -415,9 +438,15 @@ impl PinholeCamera {
     pub(crate) fn on_image(&self, pixel: u64, u: f64, v: f64) -> [f64; 2] {
         let columns = u64::from(self.pixels[0]);
         let (column, row) = ((pixel % columns) as f64, (pixel / columns) as f64);
+        self.on_plane(column + u, row + v)
+    }
+
+    /// The same for a place of the sensor's plane, in pixels from the picture's left and top.
+    #[inline]
+    pub(crate) fn on_plane(&self, column: f64, row: f64) -> [f64; 2] {
         [
-            (column + u - 0.5 * f64::from(self.pixels[0])) * self.pixel_pitch_m[0],
-            (0.5 * f64::from(self.pixels[1]) - row - v) * self.pixel_pitch_m[1],
+            (column - 0.5 * f64::from(self.pixels[0])) * self.pixel_pitch_m[0],
+            (0.5 * f64::from(self.pixels[1]) - row) * self.pixel_pitch_m[1],
         ]
     }
 }

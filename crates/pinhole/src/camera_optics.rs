@@ -1,7 +1,9 @@
 //! Rays of cameras that are more than a hole before an upright sensor: diffraction, lens, distortion, a sensor out of place.
 
-use crate::fresnel_pattern::{Draw, FresnelPattern};
+use crate::fresnel_pattern::{Draw, FresnelPattern, Wing};
 use crate::rays::CameraRay;
+use crate::surround::{Cell, Surround};
+use crate::wings::Wings;
 use crate::{PinholeCamera, PinholeModel, ThinLens};
 use glam::DVec3;
 use radsight_sampling::unit_disk;
@@ -13,6 +15,15 @@ pub(crate) struct GeneralRays {
     pattern: Option<FresnelPattern>,
     /// 1/D of the objects whose diffraction is exact.
     object_curvature: f64,
+    /// Where rays draw only the core of the pattern.
+    parted: Option<Parted>,
+}
+
+/// What the wings of a pattern come from.
+#[derive(Clone, Debug)]
+struct Parted {
+    wing: Wing,
+    surround: Surround,
 }
 
 impl GeneralRays {
@@ -26,9 +37,41 @@ impl GeneralRays {
             let own = [wavelength];
             let wavelengths = if optics.band_wavelengths_m.is_empty() { &own[..] } else { &optics.band_wavelengths_m };
             let numbers: Vec<f64> = wavelengths.iter().map(|length| radius * radius * curvature / length).collect();
-            FresnelPattern::new(&numbers)
+            if camera.convolves() {
+                let unit_m = radius * (1.0 + camera.focal_distance_m() * object_curvature);
+                let (core, wing) = Wing::part(numbers[0], unit_m);
+                return (core, Some(Parted { wing, surround: Surround::new(camera) }));
+            }
+            (FresnelPattern::new(&numbers), None)
         });
-        GeneralRays { pattern, object_curvature }
+        let (pattern, parted) = pattern.map_or((None, None), |(pattern, parted)| (Some(pattern), parted));
+        GeneralRays { pattern, object_curvature, parted }
+    }
+
+    /// How many cells around the picture are exposed besides its pixels.
+    pub(crate) fn cells_around(&self) -> usize {
+        self.parted.as_ref().map_or(0, |parted| parted.surround.count())
+    }
+
+    /// The picture from the exposures of pixels and cells around it.
+    pub(crate) fn picture(&self, camera: &PinholeCamera, mut values: Vec<f64>) -> Vec<f64> {
+        match &self.parted {
+            Some(Parted { wing, surround }) => Wings::new(camera, wing, surround).added_to(&values),
+            None => {
+                values.truncate(camera.pixel_count() as usize);
+                values
+            }
+        }
+    }
+
+    /// A ray over cell × hole for a cell around the picture.
+    fn ray_around(&self, camera: &PinholeCamera, per_scene_unit: f64, cell: &Cell, u: [f64; 4]) -> CameraRay {
+        let [column, row] = [0, 1].map(|axis| cell.low[axis] + u[axis] * cell.size[axis]);
+        let [x, y] = camera.on_plane(column, row);
+        let (a, b) = unit_disk(u[2], u[3]);
+        let point = DVec3::new(a, b, 0.0) * (0.5 * camera.pinhole_diameter_m());
+        let chief = DVec3::new(x, y, camera.focal_distance_m());
+        self.through_hole(camera, per_scene_unit, (chief, DVec3::Z, 1.0), &OnHole { point, start: point, cell: 0 })
     }
 
     /// Weighs bands by their patterns, where they differ.
@@ -41,6 +84,9 @@ impl GeneralRays {
 
     /// The ray of a pixel for a point of the unit cube, as [`crate::Rays::ray`] has it.
     pub(crate) fn ray(&self, camera: &PinholeCamera, per_scene_unit: f64, pixel: u64, u: [f64; 4]) -> CameraRay {
+        if let (Some(parted), Some(cell)) = (&self.parted, pixel.checked_sub(camera.pixel_count())) {
+            return self.ray_around(camera, per_scene_unit, parted.surround.cell(cell as usize), u);
+        }
         let Some((chief, normal, growth)) = chief(camera, pixel, u) else { return no_ray(camera, per_scene_unit) };
         self.through_hole(camera, per_scene_unit, (chief, normal, growth), &self.on_hole(camera, u))
     }
@@ -287,6 +333,7 @@ mod tests {
     #[test]
     fn rays_draw_the_pattern_of_a_point_at_the_objects_distance() {
         let camera = paper_camera().with_pinhole_model(PinholeModel::Diffraction).with_object_distance(0.48).unwrap();
+        let camera = camera.with_whole_pattern();
         let middle = 82 * 192 + 96;
         let places = met(&camera, middle, 0.48, 1 << 15);
         let [center_x, center_y] = met(&paper_camera().with_pinhole_model(PinholeModel::Point), middle, 0.48, 1)[0];

@@ -16,6 +16,13 @@ pub(crate) const LARGEST_FRESNEL_NUMBER: f64 = 1000.0;
 
 /// Cells of the table to one interference fringe.
 const CELLS_A_FRINGE: f64 = 12.0;
+/// Radius of the first dark ring of a small hole, times the Fresnel number: 1.22/2.
+const AIRY_RADIUS: f64 = 0.61;
+/// Where the core of a pattern begins to end, in units of its main lobe; of a large hole in units of its shadow.
+const INNER: f64 = 0.7;
+const AROUND_SHADOW: f64 = 1.3;
+/// How far it goes on from there, in units of the main lobe.
+const FALL: f64 = 0.6;
 /// The fewest cells.
 const FEWEST_CELLS: f64 = 2048.0;
 
@@ -142,6 +149,91 @@ impl FresnelPattern {
 
     pub(crate) fn bands(&self) -> usize {
         self.ratios.len()
+    }
+}
+
+/// How a pattern is parted: its core is drawn, its wings are added to the whole picture. In units of the shadow's radius.
+///
+/// Within `inner` all is core, beyond `outer` all is wing; between them the share of the core falls as a cosine does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Parting {
+    inner: f64,
+    outer: f64,
+}
+
+impl Parting {
+    /// The main lobe is core: what diffraction makes of a small hole, all of the shadow of a large one. The core's transform then has no
+    /// zero at frequencies that the pattern passes.
+    fn of(fresnel_number: f64) -> Parting {
+        let lobe = 1f64.hypot(AIRY_RADIUS / fresnel_number);
+        let shadow = fresnel_number / (1.0 + fresnel_number);
+        let inner = (INNER * lobe).max(AROUND_SHADOW * shadow);
+        Parting { inner, outer: inner + FALL * lobe }
+    }
+
+    fn core_share(&self, v: f64) -> f64 {
+        let way = ((v - self.inner) / (self.outer - self.inner)).clamp(0.0, 1.0);
+        0.5 + 0.5 * (PI * way).cos()
+    }
+}
+
+/// The densities of a pattern and of its two parts over the sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct Wing {
+    pattern: FresnelPattern,
+    parting: Parting,
+    core_share: f64,
+    /// Energy beyond the last node over what the asymptote `T/2` gives, T = 2v/(v²−1).
+    tail: f64,
+    /// One radius of the shadow, metres on the sensor.
+    unit_m: f64,
+}
+
+impl Wing {
+    /// Parts the pattern of one Fresnel number: what rays draw, and the rest.
+    pub(crate) fn part(fresnel_number: f64, unit_m: f64) -> (FresnelPattern, Wing) {
+        let number = fresnel_number.min(LARGEST_FRESNEL_NUMBER);
+        let pattern = FresnelPattern::new(&[number]);
+        let parting = Parting::of(number);
+        let mut within = vec![0.0];
+        let mut nodes = vec![0.0];
+        for (cell, energy) in pattern.nodes.windows(2).zip(pattern.within.windows(2)) {
+            if cell[0] >= parting.outer {
+                break;
+            }
+            let share = parting.core_share(0.5 * (cell[0] + cell[1]));
+            within.push(within[within.len() - 1] + share * (energy[1] - energy[0]));
+            nodes.push(cell[1]);
+        }
+        let core_share = within[within.len() - 1];
+        within.iter_mut().for_each(|energy| *energy /= core_share);
+        let ratios = vec![vec![1.0; nodes.len()]];
+        let last = pattern.nodes[pattern.nodes.len() - 1];
+        let tail = (1.0 - pattern.within[pattern.nodes.len() - 1]) * (last * last - 1.0) / (2.0 * last);
+        (FresnelPattern { nodes, within, ratios }, Wing { pattern, parting, core_share, tail, unit_m })
+    }
+
+    /// The share of the energy that is core.
+    pub(crate) fn core_share(&self) -> f64 {
+        self.core_share
+    }
+
+    /// The densities of core and wing so far from the middle, per square metre of the sensor.
+    pub(crate) fn densities(&self, distance_m: f64) -> [f64; 2] {
+        let v = distance_m / self.unit_m;
+        let nodes = &self.pattern.nodes;
+        let last = nodes.len() - 1;
+        let cell = (v / nodes[last] * last as f64) as usize;
+        let density = if cell < last {
+            let (low, high) = (nodes[cell], nodes[cell + 1]);
+            (self.pattern.within[cell + 1] - self.pattern.within[cell]) / (PI * (high * high - low * low))
+        } else {
+            // −dT/dv = 1/(v−1)² + 1/(v+1)².
+            self.tail * ((v - 1.0).powi(-2) + (v + 1.0).powi(-2)) / (2.0 * PI * v)
+        };
+        let density = density / (self.unit_m * self.unit_m);
+        let core = self.parting.core_share(v);
+        [core * density, (1.0 - core) * density]
     }
 }
 

@@ -53,7 +53,9 @@ mod rays;
 pub mod shift;
 mod statistics;
 pub mod stream;
+mod surround;
 mod view;
+mod wings;
 
 pub use average::{BandWeights, BandWeightsError, FilterMosaic, PixelAverage};
 pub use camera::{CameraDescription, CameraError, PinholeCamera, PinholeModel};

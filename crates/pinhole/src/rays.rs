@@ -95,7 +95,28 @@ impl Rays {
     /// Rays in all.
     #[must_use]
     pub fn count(&self) -> u64 {
-        self.camera.pixel_count() * u64::from(self.samples)
+        self.cells() * u64::from(self.samples)
+    }
+
+    /// What is exposed: the pixels, and with diffraction, after them, cells of the sensor's plane around the picture, whose light falls into it.
+    #[must_use]
+    pub fn cells(&self) -> u64 {
+        let around = self.general.as_ref().map_or(0, GeneralRays::cells_around);
+        self.camera.pixel_count() + around as u64
+    }
+
+    /// The exposures of the pixels from those of all [`Rays::cells`], each the mean over its own rays. Only diffraction makes a difference: it
+    /// spreads light over the picture.
+    ///
+    /// # Panics
+    /// When `exposures` has another length.
+    #[must_use]
+    pub fn picture(&self, exposures: Vec<f64>) -> Vec<f64> {
+        assert_eq!(exposures.len() as u64, self.cells(), "one exposure a cell");
+        match &self.general {
+            Some(general) => general.picture(&self.camera, exposures),
+            None => exposures,
+        }
     }
 
     /// The sample point of a ray, from which the renderer takes its own dimensions.

@@ -7,7 +7,7 @@ use crate::report_page;
 use crate::scene::Scene;
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposer, Exposure, PixelStatistics, Progress, Silent};
-use radsight_diag::SourceMap;
+use radsight_diag::{Diagnostic, SourceMap};
 use radsight_loader::{FileKind, Loader};
 use radsight_pinhole::Rays;
 use radsight_render::{RenderOptions, RenderPlan};
@@ -75,6 +75,10 @@ impl Capture {
     pub fn from_text(name: &str, text: &[u8], loader: &dyn Loader) -> Result<Capture, Error> {
         let mut sources = SourceMap::default();
         match CameraFile::read(name, text, &mut sources, loader) {
+            Ok(file) if !file.flickering.is_empty() => {
+                let message = "[flicker] is for the program's capture; the library does not change a scene's lamps";
+                Err(Error::Camera(Report::new(vec![Diagnostic::error(message)], sources)))
+            }
             Ok(file) => Ok(Capture { file, options: RenderOptions::default(), error: USUAL_ERROR, samples: None }),
             Err(errors) => Err(Error::Camera(Report::new(errors, sources))),
         }
@@ -140,7 +144,7 @@ impl Capture {
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
         let renderer = radsight_render::Renderer::new(plan);
         let rays = Rays::new(&self.file.camera, self.samples.unwrap_or(1), self.options.seed);
-        let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights };
+        let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
         let exposure = match self.samples {
             Some(_) => exposer.with_samples(None, progress),
             None => exposer.to_error(self.error, None, progress),

@@ -9,8 +9,8 @@ pub struct Preset {
     pub name: &'static str,
     /// Where the numbers come from.
     pub source: &'static str,
-    /// Side of a square pixel, metres.
-    pub pixel_pitch_m: f64,
+    /// From pixel to pixel along a row and along a column, metres.
+    pub pixel_pitch_m: [f64; 2],
     /// Electrons a photon, and the wavelength (metres) for which that is stated.
     pub quantum_efficiency: Option<(f64, f64)>,
     /// Depth of the well, electrons.
@@ -23,12 +23,12 @@ pub struct Preset {
 
 impl Preset {
     /// All of them.
-    pub const ALL: [Preset; 2] = [
+    pub const ALL: [Preset; 3] = [
         Preset {
             name: "imx174",
             source: "EMVA 1288 figures of a Sony IMX174, quoted at \
                      fhotolab.fherb.de/2016/09/07/sony-exmor-sensoren-dateblattrekonstruktion-imx157",
-            pixel_pitch_m: 5.86e-6,
+            pixel_pitch_m: [5.86e-6; 2],
             quantum_efficiency: Some((0.77, 525e-9)),
             full_well_e: 32_691.0,
             read_noise_e: 6.83,
@@ -38,10 +38,20 @@ impl Preset {
             name: "imx250",
             source: "EMVA 1288 figures of the mvBlueFOX3-2051 (Sony IMX250), www.matrix-vision.com/manuals: SNR 40.3 dB, so \
                      a well of 10^4.03 e; dynamic range 71.2 dB = well/(noise + 0.5 e)",
-            pixel_pitch_m: 3.45e-6,
+            pixel_pitch_m: [3.45e-6; 2],
             quantum_efficiency: None,
             full_well_e: 10_715.0,
             read_noise_e: 2.45,
+            electrons_per_16_bit_grey: None,
+        },
+        Preset {
+            name: "tc211",
+            source: "Texas Instruments TC211 in the tracking camera of the SBIG ST-7XE: its operating manual, section 4, \
+                     table 4.3, www.easymanua.ls/sbig/st-7xe/manual?p=50 (192 x 164 pixels, 12 e rms, 150 ke)",
+            pixel_pitch_m: [13.75e-6, 16e-6],
+            quantum_efficiency: None,
+            full_well_e: 150_000.0,
+            read_noise_e: 12.0,
             electrons_per_16_bit_grey: None,
         },
     ];

@@ -9,6 +9,7 @@ use crate::read_once;
 use radsight_camera::CameraFile;
 use radsight_capture::{Checkpoint, CheckpointError, Progress};
 use radsight_output::{inputs, interrupt};
+use radsight_pinhole::Rays;
 use radsight_render::RenderOptions;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -52,7 +53,7 @@ impl CheckpointFile {
     }
 
     /// What an interrupted capture has left, if it is to be gone on with.
-    pub(super) fn read(&self, arguments: &Capture, camera: &CameraFile) -> Result<Option<Checkpoint>, Failure> {
+    pub(super) fn read(&self, arguments: &Capture, rays: &Rays) -> Result<Option<Checkpoint>, Failure> {
         let Some(path) = &self.path else { return Ok(None) };
         match (read_once::owned(Path::new(path)), arguments.resume) {
             (Err(error), true) if error.kind() == io::ErrorKind::NotFound => {
@@ -66,7 +67,7 @@ impl CheckpointFile {
             }
             (Err(_), false) => Ok(None),
             (Ok(bytes), true) => {
-                let read = Checkpoint::from_bytes(&bytes, &self.key, camera.camera.pixel_count() as usize);
+                let read = Checkpoint::from_bytes(&bytes, &self.key, rays);
                 read.map(Some).map_err(|error: CheckpointError| {
                     Failure::input(format!(
                         "bad checkpoint \"{path}\": {error}\nhint: without --resume the capture starts anew"
@@ -125,6 +126,9 @@ fn key(
     key.update(env!("CARGO_PKG_VERSION"));
     key.update(format!("{:?} {options:?} {:?}", arguments.samples, camera.camera));
     key.update(format!("{:?} {:?}", camera.rig, camera.band_weights_for(planned.plan.bands())));
+    if !camera.flickering.is_empty() {
+        key.update(format!("{:?} {:?}", camera.shutter, camera.flickering));
+    }
     key.update(format!("{:?}", arguments.reading.trust.replacements()));
     for text in planned.sources.texts() {
         key.update(Sha256::digest(text));

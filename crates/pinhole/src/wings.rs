@@ -1,0 +1,335 @@
+//! The wings of a diffraction pattern, added to a whole picture at once.
+//!
+//! The pattern P of a hole is the same all over the field: the picture is `V = P ∗ R` with R the radiance in the directions of the sensor's
+//! points. Rays need only draw its core, the part A near the middle (`P = A + B`, `α = ∫A`): they give `C = A ∗ R / α`. The wings B follow
+//! from the same picture. With Fourier transforms
+//!
+//! `V = α C (1 + B/A)`
+//!
+//! Light from beyond the picture's edges comes from the [`Surround`], whose cells are exposed like pixels. A bright spot then
+//! does not have to be found by the rare rays of all the other pixels.
+
+use crate::PinholeCamera;
+use crate::fresnel_pattern::Wing;
+use crate::surround::Surround;
+use rustfft::num_complex::Complex;
+use rustfft::{FftDirection, FftPlanner};
+
+/// Where the core's transform is below this share of its greatest value, the quotient goes to 0: nothing of the picture is left there.
+const LEAST_CORE: f64 = 0.01;
+
+/// Points of a pixel in each direction at which the pattern is looked up, in the first pixels from its middle and farther out.
+const POINTS: [i32; 2] = [8, 4];
+
+/// How far, in pixels, the first pixels go.
+const NEAR_PIXELS: usize = 8;
+
+/// Nodes in each direction at which the light from far beyond the picture is computed; it is smooth between them.
+const FAR_NODES: usize = 17;
+
+/// Parts of a far cell in each direction at whose middles the pattern is looked up.
+const FAR_PARTS: u32 = 6;
+
+/// Adds the wings to pictures of one camera.
+#[derive(Clone, Debug)]
+pub(crate) struct Wings<'a> {
+    camera: &'a PinholeCamera,
+    wing: &'a Wing,
+    surround: &'a Surround,
+}
+
+impl<'a> Wings<'a> {
+    pub(crate) fn new(camera: &'a PinholeCamera, wing: &'a Wing, surround: &'a Surround) -> Self {
+        Wings { camera, wing, surround }
+    }
+
+    /// The picture with its wings from the exposures of its pixels by the core, and after them of the cells around it.
+    ///
+    /// What is as bright as the mean around the picture stays so, and is left out: then little is cut off at the margin.
+    pub(crate) fn added_to(&self, values: &[f64]) -> Vec<f64> {
+        let pixels = self.camera.pixel_count() as usize;
+        let level = self.surround.near_mean(&values[pixels..]);
+        let off: Vec<f64> = values.iter().map(|value| value - level).collect();
+        // Below nothing is an error of the quotient, not light.
+        self.convolved(&off).into_iter().map(|value| (value + level).max(0.0)).collect()
+    }
+
+    fn convolved(&self, values: &[f64]) -> Vec<f64> {
+        let (columns, rows) = (self.camera.columns() as usize, self.camera.rows() as usize);
+        let pixels = columns * rows;
+        let around = &values[pixels..];
+        let margin = [columns / 2, rows / 2];
+        let size = [2 * (columns + margin[0]), 2 * (rows + margin[1])];
+        let mut planner = FftPlanner::new();
+        let spectra = self.spectra(&mut planner, size);
+        let mut blurred = self.field(size, |column, row| match self.pixel_at(margin, column, row) {
+            Some(pixel) => values[pixel],
+            None => self.cell_at(margin, column, row).map_or(0.0, |cell| around[cell]),
+        });
+        filter(&mut planner, &mut blurred, size, spectra.iter().map(|[core, _]| *core));
+        // Beyond the edges nothing has been seen through the core yet.
+        let mut picture = self.field(size, |column, row| match self.pixel_at(margin, column, row) {
+            Some(pixel) => values[pixel],
+            None => self.cell_at(margin, column, row).map_or(0.0, |_| blurred[row * size[0] + column].re),
+        });
+        filter(&mut planner, &mut picture, size, spectra.iter().map(|[_, quotient]| *quotient));
+        let far = self.far_light(around);
+        let scale = self.wing.core_share();
+        let at = |pixel: usize| (pixel / columns + margin[1]) * size[0] + pixel % columns + margin[0];
+        (0..pixels)
+            .map(|pixel| {
+                let place = [(pixel % columns) as f64 + 0.5, (pixel / columns) as f64 + 0.5];
+                scale * values[pixel] + scale * picture[at(pixel)].re + far.at(place)
+            })
+            .collect()
+    }
+
+    /// A field over the plane of the transform, whose first places are the margin's.
+    fn field(&self, size: [usize; 2], value: impl Fn(usize, usize) -> f64) -> Vec<Complex<f64>> {
+        (0..size[0] * size[1]).map(|index| Complex::from(value(index % size[0], index / size[0]))).collect()
+    }
+
+    /// The pixel at a place of the transform's plane.
+    fn pixel_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
+        let (columns, rows) = (self.camera.columns() as usize, self.camera.rows() as usize);
+        let (column, row) = (column.checked_sub(margin[0])?, row.checked_sub(margin[1])?);
+        (column < columns && row < rows).then_some(row * columns + column)
+    }
+
+    /// The cell of the near surround at such a place; none beyond the margin.
+    fn cell_at(&self, margin: [usize; 2], column: usize, row: usize) -> Option<usize> {
+        let place = [column as f64 - margin[0] as f64 + 0.5, row as f64 - margin[1] as f64 + 0.5];
+        self.surround.cell_at(place)
+    }
+
+    /// Over the frequencies of a periodic picture of this size the transform of the core, 1 at frequency 0, and B/A. The pattern is taken in
+    /// means over pixels, by the midpoint rule.
+    fn spectra(&self, planner: &mut FftPlanner<f64>, size: [usize; 2]) -> Vec<[f64; 2]> {
+        let pitch = self.camera.pixel_pitch_m();
+        // Both parts are even, so their transforms are real: one goes into the real part, one into the imaginary.
+        let mut parts = vec![Complex::ZERO; size[0] * size[1]];
+        for row in 0..=size[1] / 2 {
+            for column in 0..=size[0] / 2 {
+                let points = POINTS[usize::from(column.max(row) > NEAR_PIXELS)];
+                let mut sum = Complex::ZERO;
+                for step in 0..points * points {
+                    let within = |step: i32| (f64::from(step) + 0.5) / f64::from(points) - 0.5;
+                    let x = (column as f64 + within(step % points)) * pitch[0];
+                    let y = (row as f64 + within(step / points)) * pitch[1];
+                    let [core, wing] = self.wing.densities(x.hypot(y));
+                    sum += Complex::new(core, wing);
+                }
+                let value = sum * (pitch[0] * pitch[1] / f64::from(points * points));
+                let mirrored = |at: usize, size: usize| [at, (size - at) % size];
+                for x in mirrored(column, size[0]) {
+                    for y in mirrored(row, size[1]) {
+                        parts[y * size[0] + x] = value;
+                    }
+                }
+            }
+        }
+        transform(planner, &mut parts, size, FftDirection::Forward);
+        let whole = parts[0].re;
+        let least = (LEAST_CORE * whole).powi(2);
+        let quotient = |part: &Complex<f64>| part.im * part.re / (part.re * part.re + least);
+        parts.iter().map(|part| [part.re / whole, quotient(part)]).collect()
+    }
+
+    /// What comes from beyond the part of the plane that the transform holds.
+    fn far_light(&self, around: &[f64]) -> FarLight {
+        let pitch = self.camera.pixel_pitch_m();
+        let size = [f64::from(self.camera.columns()), f64::from(self.camera.rows())];
+        let mut nodes = vec![0.0; FAR_NODES * FAR_NODES];
+        for (index, node) in nodes.iter_mut().enumerate() {
+            let place = [index % FAR_NODES, index / FAR_NODES].map(|step| step as f64 / (FAR_NODES - 1) as f64);
+            for (cell, bounds) in self.surround.far_cells() {
+                let density = |[column, row]: [f64; 2]| {
+                    let x = (column - place[0] * size[0]) * pitch[0];
+                    let y = (row - place[1] * size[1]) * pitch[1];
+                    self.wing.densities(x.hypot(y))[1]
+                };
+                let mean = bounds.parts(FAR_PARTS).map(density).sum::<f64>() / f64::from(FAR_PARTS * FAR_PARTS);
+                let energy = mean * bounds.area() * pitch[0] * pitch[1];
+                *node += energy * around[cell];
+            }
+        }
+        FarLight { nodes, size }
+    }
+}
+
+/// Light from far away at nodes over the picture, linear between them.
+struct FarLight {
+    nodes: Vec<f64>,
+    size: [f64; 2],
+}
+
+impl FarLight {
+    fn at(&self, place: [f64; 2]) -> f64 {
+        let position = [0, 1].map(|axis| place[axis] / self.size[axis] * (FAR_NODES - 1) as f64);
+        let cell = position.map(|at| (at as usize).min(FAR_NODES - 2));
+        let [x, y] = [0, 1].map(|axis| position[axis] - cell[axis] as f64);
+        let row = |row: usize| {
+            let first = (cell[1] + row) * FAR_NODES + cell[0];
+            self.nodes[first] * (1.0 - x) + self.nodes[first + 1] * x
+        };
+        row(0) * (1.0 - y) + row(1) * y
+    }
+}
+
+/// Multiplies the transform of a field by real factors.
+fn filter(
+    planner: &mut FftPlanner<f64>,
+    field: &mut [Complex<f64>],
+    size: [usize; 2],
+    factors: impl Iterator<Item = f64>,
+) {
+    transform(planner, field, size, FftDirection::Forward);
+    let unit = (field.len() as f64).recip();
+    field.iter_mut().zip(factors).for_each(|(value, factor)| *value *= unit * factor);
+    transform(planner, field, size, FftDirection::Inverse);
+}
+
+/// The Fourier transform of a picture, not normalised.
+fn transform(
+    planner: &mut FftPlanner<f64>,
+    picture: &mut [Complex<f64>],
+    [columns, rows]: [usize; 2],
+    way: FftDirection,
+) {
+    planner.plan_fft(columns, way).process(picture);
+    let down = planner.plan_fft(rows, way);
+    let mut turned = transposed(picture, [columns, rows]);
+    down.process(&mut turned);
+    picture.copy_from_slice(&transposed(&turned, [rows, columns]));
+}
+
+fn transposed(picture: &[Complex<f64>], [columns, rows]: [usize; 2]) -> Vec<Complex<f64>> {
+    (0..columns * rows).map(|index| picture[index % rows * columns + index / rows]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::camera::tests::paper_description;
+    use crate::fresnel_pattern::Wing;
+    use crate::{CameraDescription, PinholeCamera, PinholeModel, Rays, fresnel_irradiance, fresnel_number};
+    use std::f64::consts::PI;
+
+    const DISTANCE: f64 = 0.48;
+
+    fn camera(pinhole_diameter_m: f64) -> PinholeCamera {
+        let asked = CameraDescription {
+            pinhole_diameter_m,
+            pinhole_model: PinholeModel::Diffraction,
+            pixels: [96, 80],
+            ..paper_description()
+        };
+        PinholeCamera::new(&asked).unwrap().with_object_distance(DISTANCE).unwrap()
+    }
+
+    /// The mean of a density over a pixel, by a midpoint rule.
+    fn over_pixel(camera: &PinholeCamera, pixel: usize, point: [f64; 2], density: &dyn Fn(f64) -> f64) -> f64 {
+        let points = 12;
+        let sum: f64 = (0..points * points)
+            .map(|step| {
+                let u = (f64::from(step % points) + 0.5) / f64::from(points);
+                let v = (f64::from(step / points) + 0.5) / f64::from(points);
+                let [x, y] = camera.on_image(pixel as u64, u, v);
+                density((x - point[0]).hypot(y - point[1]))
+            })
+            .sum();
+        sum / f64::from(points * points)
+    }
+
+    /// A point between the middles of pixels, seen by rays of the core alone, becomes the pattern of Fresnel's integral.
+    #[track_caller]
+    fn check_point(pinhole_diameter_m: f64) {
+        let camera = camera(pinhole_diameter_m);
+        let number = fresnel_number(&camera, DISTANCE).unwrap();
+        let unit = 0.5 * pinhole_diameter_m * (1.0 + camera.focal_distance_m() / DISTANCE);
+        let (_, wing) = Wing::part(number, unit);
+        let rays = Rays::new(&camera, 1, 0);
+        let point = [0.3 * 13.75e-6, -0.2 * 16e-6];
+        let pixels = camera.pixel_count() as usize;
+        let core = |distance: f64| wing.densities(distance)[0] / wing.core_share();
+        let mut values: Vec<f64> = (0..pixels).map(|pixel| over_pixel(&camera, pixel, point, &core)).collect();
+        values.resize(rays.cells() as usize, 0.0);
+        let found = rays.picture(values);
+        let pattern =
+            |distance: f64| PI * number * number * fresnel_irradiance(number, distance / unit) / (unit * unit);
+        let expected: Vec<f64> = (0..pixels).map(|pixel| over_pixel(&camera, pixel, point, &pattern)).collect();
+        let peak = expected.iter().copied().fold(0.0, f64::max);
+        let off = found.iter().zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
+        println!("N {number}: off by {} of the peak", off / peak);
+        assert!(off < 0.01 * peak, "N {number}: off by {} of the peak", off / peak);
+    }
+
+    #[test]
+    fn a_point_becomes_fresnels_pattern_to_a_hundredth_of_its_peak() {
+        check_point(0.1e-3);
+        check_point(0.06e-3);
+        check_point(0.25e-3);
+        check_point(0.5e-3);
+    }
+
+    #[test]
+    fn an_even_scene_stays_even() {
+        for diameter in [0.05e-3, 0.1e-3, 0.3e-3] {
+            let rays = Rays::new(&camera(diameter), 1, 0);
+            let picture = rays.picture(vec![3.0; rays.cells() as usize]);
+            assert!(picture.iter().all(|value| (value - 3.0).abs() < 1e-9), "hole of {diameter} m");
+        }
+    }
+
+    /// A black picture with light all around it, against the energy that the pattern sends over its edges. The step is as sharp as can be:
+    /// the core that lies over it is known on its inner side alone, which costs under a hundredth of the step.
+    #[test]
+    fn light_from_around_the_picture_comes_in_as_the_pattern_says() {
+        let camera = camera(0.1e-3);
+        let number = fresnel_number(&camera, DISTANCE).unwrap();
+        let unit = 0.05e-3 * (1.0 + camera.focal_distance_m() / DISTANCE);
+        let (_, wing) = Wing::part(number, unit);
+        let pixels = camera.pixel_count() as usize;
+        let place = |pixel: usize| camera.on_image(pixel as u64, 0.5, 0.5);
+        let from_inside = |pixel: usize, density: &dyn Fn(f64) -> f64| {
+            let [x, y] = place(pixel);
+            let at = |other: [f64; 2]| density((other[0] - x).hypot(other[1] - y));
+            (0..pixels).map(|other| at(place(other))).sum::<f64>() * camera.pixel_area_m2()
+        };
+        let core = |distance: f64| wing.densities(distance)[0] / wing.core_share();
+        let whole = |distance: f64| wing.densities(distance).iter().sum::<f64>();
+        let mut values: Vec<f64> = (0..pixels).map(|pixel| 1.0 - from_inside(pixel, &core)).collect();
+        let rays = Rays::new(&camera, 1, 0);
+        values.resize(rays.cells() as usize, 1.0);
+        let picture = rays.picture(values);
+        for pixel in [40 * 96 + 48, 40 * 96 + 20, 40 * 96 + 8, 20 * 96 + 20, 10 * 96 + 48, 79 * 96 + 95, 40 * 96] {
+            let expected = 1.0 - from_inside(pixel, &whole);
+            assert!((picture[pixel] - expected).abs() < 8e-3, "{pixel}: {} against {expected}", picture[pixel]);
+        }
+    }
+
+    #[test]
+    fn core_and_wing_hold_the_whole_energy() {
+        for number in [0.05, 0.578, 3.0, 40.0] {
+            let (_, wing) = Wing::part(number, 1.0);
+            let radius = |step: i32| 0.05 * (1.0 + 4e-4f64).powi(step);
+            let beyond: f64 = (0..40_000)
+                .map(|step| {
+                    let (low, high) = (radius(step), radius(step + 1));
+                    wing.densities(0.5 * (low + high))[1] * PI * (high * high - low * low)
+                })
+                .sum();
+            let whole = wing.core_share() + beyond;
+            assert!((whole - 1.0).abs() < 1e-4, "N {number}: {whole}");
+        }
+    }
+
+    #[test]
+    fn what_needs_a_pattern_for_each_ray_gets_it() {
+        let rays = |camera: &PinholeCamera| Rays::new(camera, 1, 0).cells();
+        let plain = camera(0.1e-3);
+        assert!(rays(&plain) > plain.pixel_count());
+        assert_eq!(rays(&plain.clone().with_whole_pattern()), plain.pixel_count());
+        let bands = plain.clone().with_band_wavelengths(vec![620e-9, 540e-9, 460e-9]).unwrap();
+        assert_eq!(rays(&bands), plain.pixel_count());
+    }
+}

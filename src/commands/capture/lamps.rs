@@ -1,0 +1,95 @@
+//! Lamps that flicker: what they give while each row is exposed.
+//!
+//! Light adds up. Under a global shutter a lamp is scaled by its mean over the exposure, which costs nothing. Under a rolling one
+//! the lamps that flicker alike become a scene of their own, whose light is weighted row by row and added.
+
+use crate::failure::{Failure, Outcome};
+use radsight_camera::{CameraFile, Flicker};
+use radsight_ir::{Material, Modifier, ModifierKind, Rgb, Scene};
+
+/// What flickering makes of a scene.
+#[derive(Debug, Default)]
+pub(crate) struct FlickeringScenes {
+    /// Scenes of the lamps whose light differs from row to row, and their brightness by row.
+    pub(crate) by_row: Vec<(Scene, Vec<f64>)>,
+}
+
+impl FlickeringScenes {
+    /// Takes the lamps of the camera file out of a scene, or scales them where all rows see them alike.
+    pub(crate) fn split(scene: &mut Scene, camera: &CameraFile) -> Result<FlickeringScenes, Failure> {
+        check_names(scene, camera)?;
+        let mut groups: Vec<(Flicker, Vec<&str>)> = Vec::new();
+        for lamp in &camera.flickering {
+            match groups.iter_mut().find(|(flicker, _)| *flicker == lamp.flicker) {
+                Some((_, names)) => names.push(&lamp.modifier),
+                None => groups.push((lamp.flicker, vec![&lamp.modifier])),
+            }
+        }
+        let whole = scene.clone();
+        let mut by_row = Vec::new();
+        for (flicker, names) in groups {
+            let brightness = camera.brightness_by_row(&flicker);
+            let is_even = brightness.iter().all(|share| *share == brightness[0]);
+            scale(scene, |name| {
+                if !names.contains(&name) {
+                    1.0
+                } else if is_even {
+                    brightness[0]
+                } else {
+                    0.0
+                }
+            });
+            if !is_even {
+                let mut alone = whole.clone();
+                scale(&mut alone, |name| f64::from(u8::from(names.contains(&name))));
+                by_row.push((alone, brightness));
+            }
+        }
+        Ok(FlickeringScenes { by_row })
+    }
+}
+
+/// The radiance of what emits.
+fn radiance(modifier: &mut Modifier) -> Option<&mut Rgb> {
+    match &mut modifier.kind {
+        ModifierKind::Material(
+            Material::Light { radiance }
+            | Material::Illum { radiance, .. }
+            | Material::Glow { radiance, .. }
+            | Material::Spotlight { radiance, .. },
+        ) => Some(radiance),
+        _ => None,
+    }
+}
+
+fn scale(scene: &mut Scene, share: impl Fn(&str) -> f64) {
+    let Scene { names, modifiers, .. } = scene;
+    for modifier in modifiers.items_mut() {
+        let share = share(names.get(modifier.name));
+        if share != 1.0
+            && let Some(Rgb(bands)) = radiance(modifier)
+        {
+            bands.iter_mut().for_each(|band| *band *= share);
+        }
+    }
+}
+
+/// Whether each lamp is there.
+fn check_names(scene: &mut Scene, camera: &CameraFile) -> Outcome {
+    let Scene { names, modifiers, .. } = scene;
+    let mut lamps: Vec<&str> = Vec::new();
+    for modifier in modifiers.items_mut() {
+        let name = modifier.name;
+        if radiance(modifier).is_some() && !lamps.contains(&names.get(name)) {
+            lamps.push(names.get(name));
+        }
+    }
+    match camera.flickering.iter().find(|lamp| !lamps.contains(&lamp.modifier.as_str())) {
+        None => Ok(()),
+        Some(missing) => Err(Failure::input(format!(
+            "[flicker.{}]: the scene has no light, illum, glow or spotlight of this name\nhint: it has {}",
+            missing.modifier,
+            if lamps.is_empty() { "none at all".to_owned() } else { lamps.join(", ") }
+        ))),
+    }
+}
