@@ -2,7 +2,7 @@
 
 use crate::failure::Outcome;
 use crate::plugin_guard::PluginGuard;
-use crate::trust::Trust;
+use crate::trust::{OutputName, Trust};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,6 +71,9 @@ pub(crate) struct Reading {
     /// Definitions for all functions of the scene: names for messages, and texts
     #[arg(skip)]
     pub(crate) definitions: Vec<(String, Arc<[u8]>)>,
+    /// The file that holds the irradiance cache (`-af`)
+    #[arg(skip)]
+    pub(crate) ambient_file: Option<OutputName>,
 }
 
 /// What files may cause.
