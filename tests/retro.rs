@@ -199,6 +199,8 @@ fn the_command_refuses_what_it_does_not_know() {
     let types = radsight(&["retro", "minimum", "XI"]);
     assert!(types.code == 2 && types.messages.contains("I, II, III"), "{types:?}");
     assert!(radsight(&["retro", "minimum", "i"]).text().contains("0.2,-4,70,50,25,9,14,4,1"));
+    let trailer = radsight(&["retro", "minimum", "dot-c2"]).text();
+    assert!(trailer.contains("49 CFR 571.108") && trailer.contains("0.5,45,15,,,,4,,"), "{trailer}");
 }
 
 /// Real Radiance reads the parts without a complaint, and meets the same materials from above.
