@@ -5,6 +5,7 @@ mod real_radiance;
 
 use program::{Folder, command, radsight, radsight_with, run_with};
 use real_radiance::Radiance;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Half angle of the sun, degrees: much less than an observation angle.
@@ -233,5 +234,66 @@ fn the_parts_are_radiance_scenes() {
         // Real Radiance takes points within products of lengths of 1e-6 for part of a polygon: a fifth of a millimetre of an
         // edge of 5 mm, where the unit is the metre.
         assert!(different <= real.len() / 50, "{part}: {different} rays meet another material");
+    }
+}
+
+/// A millimetre is one unit here, so that real Radiance's tolerances are small beside the parts.
+#[test]
+fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let parts = program::root().join("radiance-scenes/parts");
+    for file in ["materials.rad", "conductor.cal"] {
+        std::fs::copy(parts.join(file), folder.path(file)).expect("the file is copied");
+    }
+    folder.file("sky.rad", "void glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180\n");
+    let rays: String = (0..30 * 20)
+        .map(|ray| (-38.9 + 2.62 * f64::from(ray % 30), -35.9 + 3.62 * f64::from(ray / 30)))
+        .map(|(x, y)| format!("{x} {y} 300 0 0 -1\n"))
+        .collect();
+    let options = "-h -w -ab 1 -ad 256 -as 0 -aa 0 -ss 16 -st 0 -oMsnv".split(' ').collect::<Vec<_>>();
+    for part in ["bolt", "bracket", "gear", "spring", "bearing", "plastic", "washer"] {
+        let scaled = radsight(&["xform", "-s", "1000", &parts.join(format!("{part}.rad")).to_string_lossy()]).text();
+        folder.file("part.rad", scaled);
+        let files = ["materials.rad", "part.rad", "sky.rad"];
+        let octree = run_with(radiance.command("oconv", &files).current_dir(folder.path(".")), b"").output;
+        folder.file("part.oct", octree);
+        let mut real = radiance.command("rtrace", &[&options[..], &["part.oct"]].concat());
+        let mut ours = command(&[&["rtrace"], &options[..], &files].concat());
+        let [real, ours] = [&mut real, &mut ours].map(|command| {
+            let run = run_with(command.current_dir(folder.path(".")), rays.as_bytes());
+            run.text().lines().map(met).collect::<Vec<_>>()
+        });
+        let mut means: BTreeMap<String, [f64; 3]> = BTreeMap::new();
+        for (real, ours) in real.iter().zip(&ours).filter(|(real, ours)| real.is_same_place(ours)) {
+            let sums = means.entry(real.names[0].clone()).or_default();
+            [1.0, real.numbers[3], ours.numbers[3]].into_iter().zip(sums).for_each(|(value, sum)| *sum += value);
+        }
+        means.remove("*");
+        assert!(means.values().map(|sums| sums[0]).sum::<f64>() > 30.0, "{part}: {means:?}");
+        for (material, [rays, real, ours]) in means {
+            // Noise of 256 rays each.
+            let tolerance = 0.015 + 0.06 / rays.sqrt();
+            assert!((ours / real - 1.0).abs() < tolerance, "{part}, {material}, {rays} rays: {ours} for {real}");
+        }
+    }
+}
+
+/// What one ray met: names of material and surface; normal and green radiance.
+struct Met {
+    names: [String; 2],
+    numbers: [f64; 4],
+}
+
+fn met(line: &str) -> Met {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let number = |index: usize| words[index].parse().expect("a number");
+    Met { names: [words[0].to_owned(), words[1].to_owned()], numbers: [2, 3, 4, 5].map(number) }
+}
+
+impl Met {
+    fn is_same_place(&self, other: &Met) -> bool {
+        let normals = self.numbers.iter().zip(&other.numbers).take(3);
+        self.names == other.names && normals.into_iter().all(|(a, b)| (a - b).abs() < 1e-3)
     }
 }
