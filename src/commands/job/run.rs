@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &Run, trust: &Trust) -> Outcome {
     let mut reading = Reading::trusted(&trust.for_file());
     reading.plugin_guard = arguments.plugin_guard.clone();
     let options = job.render_options().map_err(failure)?;
-    let Planned { plan, registry, sources } = plan(&job.scenes, camera.as_ref(), &reading, options)?;
+    let Planned { plan, registry, sources, .. } = plan(&job.scenes, camera.as_ref(), &reading, options)?;
     let renderer = Renderer::new(plan);
     let bar = Bar::new("rendering");
     let postponed = interrupt::postpone();
