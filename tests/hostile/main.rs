@@ -2,8 +2,6 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../../crates/brdf-host/tests/support/mod.rs"]
-mod support;
 #[path = "../trap/mod.rs"]
 mod trap;
 

@@ -2,8 +2,6 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../real_radiance/mod.rs"]
-mod real_radiance;
 
 mod book;
 mod crate_edges;
