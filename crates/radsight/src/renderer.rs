@@ -4,6 +4,7 @@ use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
+use crate::integrator::{Integrator, PathIntegrator, RayQueries};
 use crate::{Scene, View, report_page};
 use radsight_diag::SourceMap;
 use radsight_film::{Film, SamplingBudget, ViewCamera};
@@ -201,6 +202,20 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
+        self.render_with(&PathIntegrator, camera, columns, rows)
+    }
+
+    /// The same with an integrator of one's own.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with(
+        &mut self,
+        integrator: &dyn Integrator,
+        camera: &dyn Camera,
+        columns: usize,
+        rows: usize,
+    ) -> Result<Image, Error> {
         Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
@@ -230,7 +245,7 @@ impl Renderer {
                         let [x, y, across, along] = RaySampler::new(seed, index).take(DimensionSet::CAMERA);
                         let ray = camera.ray(place(pixel, [x, y]), [across, along]).and_then(camera::checked);
                         let Some((ray, weight)) = ray else { continue };
-                        let value = worker.trace(index, &ray).value;
+                        let value = integrator.radiance(&mut RayQueries::new(worker, seed, index), &ray);
                         sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
                     sum.map(|band| (band / f64::from(samples)) as f32)
