@@ -8,6 +8,7 @@ mod trap;
 mod bad_input;
 mod bad_input_programs;
 mod function_faults;
+mod hostile_files;
 #[cfg(target_os = "linux")]
 mod plugin_faults;
 mod trust;

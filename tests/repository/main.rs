@@ -5,5 +5,6 @@ mod program;
 
 mod book;
 mod crate_edges;
+mod dependencies;
 mod gallery;
 mod import_cycles;
