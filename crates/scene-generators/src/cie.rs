@@ -4,7 +4,7 @@
 //! triangle is mixed with the grey of its luminance until no component is negative.
 
 use glam::DVec3;
-use radsight_units::color::{rgb_to_xyz, xyz_to_rgb};
+use radsight_units::color::{XYZ_TO_RGB, rgb_to_xyz};
 
 /// The red, green and blue of a colour with chromaticity (x, y) and luminance (or reflectance) `level`.
 pub(crate) fn rgb_of_chromaticity([x, y]: [f64; 2], level: f64) -> [f64; 3] {
@@ -23,7 +23,7 @@ pub(crate) fn brightness(rgb: [f64; 3]) -> f64 {
 /// From XYZ, inside of the primaries' triangle.
 fn rgb(xyz: [f64; 3]) -> [f64; 3] {
     // Single precision, as Radiance's colours.
-    let mut rgb = (xyz_to_rgb() * DVec3::from(xyz)).as_vec3().as_dvec3().to_array();
+    let mut rgb = (XYZ_TO_RGB * DVec3::from(xyz)).as_vec3().as_dvec3().to_array();
     let grey = xyz[1];
     let kept = rgb.iter().filter(|value| **value < 0.0).map(|value| grey / (grey - value)).fold(1.0, f64::min);
     if kept < 1.0 {

@@ -1,11 +1,8 @@
 //! From spectra by way of CIE 1931 colours to Radiance's red, green and blue.
 
 use crate::observer::cumulative;
-use glam::{DMat3, DVec3};
-use std::sync::LazyLock;
-
-/// From XYZ to red, green and blue.
-static FROM_XYZ: LazyLock<DMat3> = LazyLock::new(radsight_units::color::xyz_to_rgb);
+use glam::DVec3;
+use radsight_units::color::XYZ_TO_RGB;
 
 /// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
 /// with 412 lm/W for white: CIE 1951 V'(λ).
@@ -50,7 +47,7 @@ pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     if grey < 0.0 {
         return [0.0; 3];
     }
-    let rgb = (*FROM_XYZ * DVec3::from(xyz)).to_array();
+    let rgb = (XYZ_TO_RGB * DVec3::from(xyz)).to_array();
     let lowest = rgb.into_iter().fold(0.0, f64::min);
     if lowest == 0.0 {
         return rgb;
