@@ -4,6 +4,7 @@ use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
+use crate::integrator::{Integrator, PathIntegrator, RayQueries};
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
@@ -208,6 +209,20 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
+        self.render_with(&PathIntegrator, camera, columns, rows)
+    }
+
+    /// The same with an integrator of one's own.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with(
+        &mut self,
+        integrator: &dyn Integrator,
+        camera: &dyn Camera,
+        columns: usize,
+        rows: usize,
+    ) -> Result<Image, Error> {
         Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
@@ -251,7 +266,7 @@ impl Renderer {
                     let mut sums = vec![[0.0; 3]; range.len()];
                     for (index, ray) in numbers.iter().zip(camera.rays(&film, &aperture)) {
                         let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
-                        let value = worker.trace(*index, &ray).value;
+                        let value = integrator.radiance(&mut RayQueries::new(worker, seed, *index), &ray);
                         let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
                         *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
