@@ -11,6 +11,7 @@ mod real_radiance;
 #[path = "../../crates/brdf-host/tests/support/mod.rs"]
 mod support;
 
+mod ambient_file;
 mod bsdf;
 mod coincident;
 mod furnace;

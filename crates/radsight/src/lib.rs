@@ -53,7 +53,7 @@ pub use radsight_capture::PixelStatistics;
 pub use radsight_diag::{Diagnostic, Severity};
 pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
-pub use radsight_render::{Contribution, Ray, RenderOptions, Traced};
+pub use radsight_render::{CacheError, Contribution, Ray, RenderOptions, Traced};
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
