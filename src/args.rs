@@ -36,6 +36,9 @@ pub(crate) enum Command {
     Sensor(Sensor),
     /// Makes one page (HTML) of a picture: values, false colour, error, where the time went, settings
     Report(Report),
+    /// Renders parts of a picture or capture in other processes, and puts them together
+    #[command(subcommand)]
+    Job(crate::commands::job::Job),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
     /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0

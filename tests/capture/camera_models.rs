@@ -114,6 +114,11 @@ fn a_sensor_is_measured_with_table_and_page() {
     assert!((numbers[1]..=numbers[2]).contains(&0.6) && numbers[2] - numbers[1] < 0.1, "{row}");
     let page = std::fs::read_to_string(folder.path("page.html")).unwrap();
     assert_eq!((page.matches("<svg").count(), page.matches("</svg>").count()), (5, 5));
+    let cut = format!("{CAMERA}{HOLE}{}", LINEAR.replace("dark_offset_dn = 50", "dark_offset_dn = 0"));
+    folder.file("cut.toml", cut);
+    let run_short = |camera| run(&folder, &["sensor", camera, "--characterise", "--steps", "10", "--stack", "6"], b"");
+    assert!(run_short("cut.toml").messages.contains("hint: a larger dark_offset_dn"));
+    assert_eq!(run_short("linear.toml").messages, "");
     let refused = run(&folder, &["sensor", "power.toml", "--characterise"], b"");
     assert_eq!(refused.code, 1);
     assert!(refused.messages.contains("hint: response = \"emva1288\""), "{}", refused.messages);

@@ -2,6 +2,7 @@
 
 use crate::program::{self, Folder, command, radsight, radsight_with, run_with};
 use crate::real_radiance::Radiance;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Half angle of the sun, degrees: much less than an observation angle.
@@ -116,6 +117,44 @@ fn a_pattern_dims_and_a_texture_turns_native_sheeting() {
     assert!((turned[0] / plain[0] - 1.0).abs() < 0.05, "the lobe still points back");
 }
 
+/// Each model, as a scene writes it after the name of its material.
+const EACH: [(&str, &str); 7] = [
+    ("paper1991", "2 retro paper1991 0 5 .086 .00612 0 1.5 .1"),
+    ("gauss_reciprocal", "2 retro gauss_reciprocal 0 5 .086 .00612 .2 1.5 .1"),
+    ("sharp", "2 retro sharp 0 6 .5 .01 6 .2 1.5 .1"),
+    ("mrm", "2 retro mrm 0 3 .5 .05 .8"),
+    ("glass_bead", "3 retro glass_bead sheet 0 1 7.5"),
+    ("cube_corner", "2 retro cube_corner 0 3 1.586 .0005 .01"),
+    ("table", "2 retro table 0 9 0 1 .1 .2 4 800 .5 4 460"),
+];
+
+/// A normal map's sheet is as bright as one that is turned.
+#[test]
+fn every_model_takes_a_pattern_and_a_normal_map() {
+    let folder = Folder::new();
+    folder.file("map.cal", "first(x,y,z)=x; second(x,y,z)=y; third(x,y,z)=z; along=Px+.5; across=Py+.5;");
+    // Slopes over the unit square about the origin: 30 degrees away from the sun.
+    folder.file("slope.dat", "2 0 1 2 0 1 2 -.57735027 -.57735027 -.57735027 -.57735027");
+    folder.file("flat.dat", "2 0 1 2 0 1 2 0 0 0 0");
+    let turned = "m polygon plane 0 0 12 -7.794 -9 -4.5 7.794 -9 4.5 7.794 9 4.5 -7.794 9 -4.5";
+    let viewing = rays(&[9.9]);
+    for (name, model) in EACH {
+        let sheet = format!("brdfplugin m {model}");
+        let flat = scene(&format!("void {sheet}"), 10.0);
+        let plain = ours(&folder, &flat, &viewing);
+        assert!(plain[0] > 0.0, "{name}");
+        let pattern = format!("void brightfunc seal 2 if(Px,.25,1) . 0 0\nseal {sheet}");
+        let found = ours(&folder, &scene(&pattern, 10.0), &rays_at(9.9, &[-0.5, 0.5]));
+        assert_near(&found, &[plain[0], 0.25 * plain[0]], 1e-3, name);
+        let map = "void texdata map 9 first second third slope.dat flat.dat flat.dat map.cal along across 0 0";
+        let mapped = ours(&folder, &scene(&format!("{map}\nmap {sheet}"), 10.0), &viewing);
+        let as_turned = flat.lines().map(|line| if line.starts_with("m polygon") { turned } else { line });
+        let expected = ours(&folder, &as_turned.collect::<Vec<_>>().join("\n"), &viewing);
+        assert!((expected[0] / plain[0] - 1.0).abs() > 5e-3, "{name}: the turn tells nothing");
+        assert_near(&mapped, &expected, 1e-3, name);
+    }
+}
+
 fn rays_at(viewing_deg: f64, places: &[f64]) -> String {
     let (sin, cos) = viewing_deg.to_radians().sin_cos();
     let ray = |x: &f64| format!("{} 0 {} {} 0 {}\n", x + sin * 3.0, cos * 3.0, -sin, -cos);
@@ -196,6 +235,8 @@ fn the_command_refuses_what_it_does_not_know() {
     let types = radsight(&["retro", "minimum", "XI"]);
     assert!(types.code == 2 && types.messages.contains("I, II, III"), "{types:?}");
     assert!(radsight(&["retro", "minimum", "i"]).text().contains("0.2,-4,70,50,25,9,14,4,1"));
+    let trailer = radsight(&["retro", "minimum", "dot-c2"]).text();
+    assert!(trailer.contains("49 CFR 571.108") && trailer.contains("0.5,45,15,,,,4,,"), "{trailer}");
 }
 
 /// Real Radiance reads the parts without a complaint, and meets the same materials from above.
@@ -228,5 +269,66 @@ fn the_parts_are_radiance_scenes() {
         // Real Radiance takes points within products of lengths of 1e-6 for part of a polygon: a fifth of a millimetre of an
         // edge of 5 mm, where the unit is the metre.
         assert!(different <= real.len() / 50, "{part}: {different} rays meet another material");
+    }
+}
+
+/// A millimetre is one unit here, so that real Radiance's tolerances are small beside the parts.
+#[test]
+fn the_parts_are_as_bright_under_a_sky_as_in_real_radiance() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let parts = program::root().join("radiance-scenes/parts");
+    for file in ["materials.rad", "conductor.cal"] {
+        std::fs::copy(parts.join(file), folder.path(file)).expect("the file is copied");
+    }
+    folder.file("sky.rad", "void glow g 0 0 4 1 1 1 0\ng source s 0 0 4 0 0 1 180\n");
+    let rays: String = (0..30 * 20)
+        .map(|ray| (-38.9 + 2.62 * f64::from(ray % 30), -35.9 + 3.62 * f64::from(ray / 30)))
+        .map(|(x, y)| format!("{x} {y} 300 0 0 -1\n"))
+        .collect();
+    let options = "-h -w -ab 1 -ad 256 -as 0 -aa 0 -ss 64 -st 0 -oMsnv".split(' ').collect::<Vec<_>>();
+    for part in ["bolt", "bracket", "gear", "spring", "bearing", "plastic", "washer"] {
+        let scaled = radsight(&["xform", "-s", "1000", &parts.join(format!("{part}.rad")).to_string_lossy()]).text();
+        folder.file("part.rad", scaled);
+        let files = ["materials.rad", "part.rad", "sky.rad"];
+        let octree = run_with(radiance.command("oconv", &files).current_dir(folder.path(".")), b"").output;
+        folder.file("part.oct", octree);
+        let mut real = radiance.command("rtrace", &[&options[..], &["part.oct"]].concat());
+        let mut ours = command(&[&["rtrace"], &options[..], &files].concat());
+        let [real, ours] = [&mut real, &mut ours].map(|command| {
+            let run = run_with(command.current_dir(folder.path(".")), rays.as_bytes());
+            run.text().lines().map(met).collect::<Vec<_>>()
+        });
+        let mut means: BTreeMap<String, [f64; 3]> = BTreeMap::new();
+        for (real, ours) in real.iter().zip(&ours).filter(|(real, ours)| real.is_same_place(ours)) {
+            let sums = means.entry(real.names[0].clone()).or_default();
+            [1.0, real.numbers[3], ours.numbers[3]].into_iter().zip(sums).for_each(|(value, sum)| *sum += value);
+        }
+        means.remove("*");
+        assert!(means.values().map(|sums| sums[0]).sum::<f64>() > 30.0, "{part}: {means:?}");
+        for (material, [rays, real, ours]) in means {
+            // Noise of 64 rays for each highlight.
+            let tolerance = 0.015 + 0.15 / rays.sqrt();
+            assert!((ours / real - 1.0).abs() < tolerance, "{part}, {material}, {rays} rays: {ours} for {real}");
+        }
+    }
+}
+
+/// What one ray met: names of material and surface; normal and green radiance.
+struct Met {
+    names: [String; 2],
+    numbers: [f64; 4],
+}
+
+fn met(line: &str) -> Met {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let number = |index: usize| words[index].parse().expect("a number");
+    Met { names: [words[0].to_owned(), words[1].to_owned()], numbers: [2, 3, 4, 5].map(number) }
+}
+
+impl Met {
+    fn is_same_place(&self, other: &Met) -> bool {
+        let normals = self.numbers.iter().zip(&other.numbers).take(3);
+        self.names == other.names && normals.into_iter().all(|(a, b)| (a - b).abs() < 1e-3)
     }
 }
