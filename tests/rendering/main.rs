@@ -5,6 +5,7 @@ mod pictures;
 #[path = "../program/mod.rs"]
 mod program;
 
+mod ambient_file;
 mod bsdf;
 mod coincident;
 mod furnace;

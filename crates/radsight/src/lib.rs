@@ -60,7 +60,7 @@ pub use radsight_diag::{Diagnostic, Severity};
 pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
 pub use radsight_render::Quantity as TracedQuantity;
-pub use radsight_render::{Contribution, FirstHit, Ray, RenderOptions, Traced};
+pub use radsight_render::{CacheError, Contribution, FirstHit, Ray, RenderOptions, Traced};
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage, viridis};
 pub use recording_loader::RecordingLoader;
 pub use render_job::{JobResult, JobTarget, MergedJob, RenderJob};

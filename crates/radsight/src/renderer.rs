@@ -48,6 +48,8 @@ pub struct Renderer {
     jitter: Option<f64>,
     /// What answers rays, for the options with which it was made.
     ready: Option<(RenderOptions, radsight_render::Renderer)>,
+    /// An irradiance cache that was loaded, for each `ready` that is made.
+    loaded: Option<Vec<u8>>,
 }
 
 /// What a ray owes to one of the modifiers that were asked for.
@@ -88,7 +90,7 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn with_options(scene: &Scene, options: RenderOptions) -> Result<Renderer, Error> {
         let budget = ErrorBudget::default();
-        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None };
+        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None, loaded: None };
         let options = renderer.options.clone();
         renderer.prepare(options)?;
         Ok(renderer)
@@ -371,13 +373,60 @@ impl Renderer {
         self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
+    /// The irradiance that pictures and rays have cached so far, as bytes for [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    ///
+    /// ```
+    /// use radsight::{Renderer, Scene, View};
+    /// # fn main() -> Result<(), radsight::Error> {
+    /// let text = "void plastic grey 0 0 5 .5 .5 .5 0 0 grey sphere ball 0 0 4 0 9 0 2 void glow sky 0 0 4 1 1 1 0 sky source dome 0 0 4 0 0 1 360";
+    /// let scene = Scene::from_text(text)?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+    /// let mut first = Renderer::new(&scene)?.ambient_bounces(1);
+    /// let image = first.render(&view, 16, 16)?;
+    /// let cache = first.save_irradiance_cache().expect("a bounce fills it");
+    /// // In another process:
+    /// let mut second = Renderer::new(&scene)?.ambient_bounces(1).seed(7);
+    /// assert!(second.load_irradiance_cache(cache)? > 0);
+    /// # let _ = (image, second.render(&view, 16, 16)?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn save_irradiance_cache(&mut self) -> Option<Vec<u8>> {
+        let scene = self.scene.scene.fingerprint();
+        let cached = self.ready.as_mut().and_then(|(_, renderer)| renderer.save_irradiance_cache(scene));
+        cached.or_else(|| self.loaded.clone())
+    }
+
+    /// Takes over irradiance that was saved for the same scene and for options that count the same light, and says from how many points it is. Rays for which it was
+    /// gathered get the same answers, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
+    pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
+        let (before, options) = (self.loaded.take(), self.options.clone());
+        let scene = self.scene.scene.fingerprint();
+        let records = match self.prepare(options)?.load_irradiance_cache(&bytes, scene) {
+            Ok(records) => records,
+            Err(error) => {
+                self.loaded = before;
+                return Err(error.into());
+            }
+        };
+        self.loaded = Some(bytes);
+        Ok(records)
+    }
+
     /// What answers rays with these options; made anew where they are others than before.
     fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
         if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
             self.ready = None;
             let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
                 .map_err(|errors| Error::Scene(Report::new(errors, self.scene.sources.clone())))?;
-            self.ready = Some((options, radsight_render::Renderer::new(plan)));
+            let mut renderer = radsight_render::Renderer::new(plan);
+            if let Some(cache) = &self.loaded {
+                renderer.load_irradiance_cache(cache, self.scene.scene.fingerprint())?;
+            }
+            self.ready = Some((options, renderer));
         }
         Ok(&mut self.ready.as_mut().expect("it was just made").1)
     }
