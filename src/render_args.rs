@@ -12,7 +12,7 @@ use radsight_cal::{Definitions, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::Rgb;
 use radsight_loader::{FileKind, Loader};
-use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions, Sampling};
+use radsight_render::{AmbientSurfaces, BackFaces, Caustics, Lights, PathLimit, Quantity, RenderOptions, Sampling};
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
@@ -77,6 +77,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
         "-st" => {
             options.highlight_threshold = number(words, word, "a share from 0 to 1")?;
             Ok(2)
+        }
+        "--caustics" => {
+            options.caustics = Caustics::Sampled;
+            Ok(1)
         }
         "-dr" => {
             options.mirror_sources = number(words, word, "a number of relays, 0 or more")?;

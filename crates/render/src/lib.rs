@@ -10,6 +10,7 @@
 mod cache_prepass;
 mod cache_query;
 mod caching;
+mod caustic;
 mod contribution;
 mod direct;
 mod gather;
@@ -38,9 +39,9 @@ pub use contribution::Contribution;
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
-    AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,
-    ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping,
-    TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BareSurfaces, Caustics, FirstHit, Gathering, GlobalMedium, LightDivision, Lights,
+    ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan,
+    Skip, Skipping, TrackedValue, Uncached,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;
