@@ -37,7 +37,7 @@ for number, (x0, x1, z0, z1) in enumerate(pieces):
     room += f"wall polygon front{number} 0 0 12 {x0} 4.01 {z0}  {x1} 4.01 {z0}  {x1} 4.01 {z1}  {x0} 4.01 {z1}\n"
 scene = radsight.Scene.from_text(room)
 view = radsight.View("-vta -vp 0 1 1.2 -vd 0 1 0 -vu 0 0 1 -vh 180 -vv 180")
-image = radsight.render(scene, view, 160, 160, ambient_bounces=2, error=0.1)
+image = radsight.render(scene, view, 80, 80, ambient_bounces=2, error=0.15)
 print(image.report)
 
 # %%
