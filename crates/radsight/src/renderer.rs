@@ -21,7 +21,7 @@ const USUAL_SAMPLES: u32 = 16;
 const CAMERA_BATCH: usize = 4096;
 
 /// Rays after which it is asked whether to go on.
-const RAYS_AT_A_TIME: usize = 1 << 15;
+const RAYS_AT_A_TIME: usize = 1 << 17;
 
 /// Bits of a ray's number that tell the samples of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
@@ -193,6 +193,14 @@ impl Renderer {
         let mut row = 0;
         while row < rows {
             let block = film.block_of(row);
+            // Pixels of so many samples each do not depend on each other: the answer to whether to go on need not wait for a block.
+            let block = match pixels {
+                SamplingBudget::Samples(samples) => {
+                    let at_a_time = (RAYS_AT_A_TIME / (columns * samples as usize)).max(1);
+                    row..block.end.min(row + at_a_time)
+                }
+                _ => block,
+            };
             image.extend(film.finish_block(block.clone()));
             row = block.end;
             if !progress(row as f64 / rows as f64) {
