@@ -153,7 +153,9 @@ impl Capture {
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
 
-    pub(crate) fn file(&self) -> &CameraFile {
+    /// What the camera file says.
+    #[must_use]
+    pub fn camera_file(&self) -> &CameraFile {
         &self.file
     }
 

@@ -6,6 +6,7 @@
 //! | [`View`], [`Camera`] | where rays start: a view of Radiance's, or a camera of one's own |
 //! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
+//! | [`RenderJob`] | rows of a picture or capture as plain data, for another process or machine |
 //! | [`Error`] | what was wrong, as data: each message with file, line and column |
 //!
 //! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
@@ -36,6 +37,8 @@ mod error_budget;
 mod file_loader;
 mod image;
 mod material;
+mod recording_loader;
+mod render_job;
 mod renderer;
 mod report_page;
 mod scene;
@@ -49,12 +52,15 @@ pub use file_loader::FileLoader;
 pub use image::{Image, RenderReport, png_rgb8};
 pub use material::Material;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
-pub use radsight_capture::PixelStatistics;
+pub use radsight_capture::{PixelStatistics, Progress, Silent};
 pub use radsight_diag::{Diagnostic, Severity};
 pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
+pub use radsight_render::Quantity as TracedQuantity;
 pub use radsight_render::{Contribution, Ray, RenderOptions, Traced};
-pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage};
+pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage, viridis};
+pub use recording_loader::RecordingLoader;
+pub use render_job::{JobResult, JobTarget, MergedJob, RenderJob};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
 pub use view::View;
