@@ -119,7 +119,7 @@ fn wrong_command_lines_of_rsplit_are_told() {
     };
     for (words, input, code, message) in [
         (&[][..], "", 2, "no output is named"),
-        (&["-q", "a"], "", 2, "option \"-q\" is unknown, expected -ih"),
+        (&["-q", "a"], "", 2, "option \"-q\" is unknown\nhint: expected -ih"),
         (&["-o", "a"], "", 2, "option \"-o\" is unknown"),
         (&["-ox", "a"], "", 2, "option \"-ox\" is unknown"),
         (&["-of0", "a"], "", 2, "option \"-of0\" is unknown"),

@@ -222,7 +222,7 @@ fn wrong_input_of_pcond_is_told() {
         assert!(run.output.is_empty(), "{words:?} wrote something");
     };
     check(&["pcond"], "", 2, "no picture is named");
-    check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown, expected -h -a");
+    check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown\nhint: expected -h -a");
     check(&["pcond", "-u", "0", &picture], "", 2, "option \"-u\" is followed by 0, expected more than");
     check(&["pcond", "-d", "1", &picture], "", 2, "expected more than 1");
     check(&["pcond", "-i", ".5", "-I", &picture], "", 2, "expected one");

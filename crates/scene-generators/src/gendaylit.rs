@@ -23,8 +23,6 @@ use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
 use radsight_units::photometry::WHITE_EFFICACY;
 
-const USAGE: &str = "gendaylit month day hour [-y year] | -ang altitude azimuth  -P epsilon delta | -W|-L|-G direct diffuse | -E global  [options]";
-
 const DEGREE: f64 = PI / 180.0;
 /// Half of the sun's angle across, in radians.
 const HALF_SUN: f64 = 0.2665 * DEGREE;
@@ -87,7 +85,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         write_defaults(&mut text)?;
         return Ok(Output { standard_output: text.into_bytes(), ..Output::default() });
     }
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     text.plain_command_comment(invocation.argv)?;
     let mut warnings = Warnings { silent: options.quiet, messages: std::mem::take(&mut arguments.warnings) };
@@ -191,7 +189,7 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
                 );
             }
         }
-        _ => return Err(arguments.mistake(arguments.position() - 1, "unknown option")),
+        _ => return Err(arguments.unknown()),
     }
     Ok(())
 }

@@ -20,8 +20,6 @@ use radsight_loader::FileKind;
 use radsight_units::color::LUMINANCE_WEIGHTS;
 use radsight_units::photometry::WHITE_EFFICACY;
 
-const USAGE: &str = "gendaymtx [-v][-h][-A][-d|-s|-n][-u][-D file [-M modfile]][-r deg][-m N][-g r g b][-c r g b][-o{f|d|a}][-O{0|1}][-5 deg][-i minutes] [weather]";
-
 /// The sun's angle across, degrees.
 const SUN_DEGREES: f64 = 0.533;
 /// Suns are spread over so many patches.
@@ -76,7 +74,7 @@ struct Options<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = Options::read(&mut arguments)?;
     let bytes = invocation.input(options.weather, FileKind::Other)?;
     let weather = Weather::read(&String::from_utf8_lossy(&bytes)).map_err(|mistake| Error::Input {

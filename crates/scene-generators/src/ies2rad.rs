@@ -23,8 +23,6 @@ use luminaire::{Luminaire, Photometry, Tilt};
 use opening::{Opening, Shape};
 use radsight_units::photometry::WHITE_EFFICACY;
 
-const USAGE: &str = "ies2rad [-t lamp] [-c r g b] [-f lampfile] [-u lamp] [-d units] [-i rad] [-m factor] [-s] [-l libdir] [-p prefdir] [-o outname] [input ..]";
-
 /// Metres in a foot.
 const FOOT: f64 = 0.3048;
 const TINY: f64 = 1e-6;
@@ -56,7 +54,7 @@ struct LampChoice {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     let header = invocation.argv[..arguments.position()].join(" ").replace(['\n', '\r'], " ");
     let inputs = arguments.rest();
@@ -97,8 +95,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         default_lamp: None,
         default_color: [1.0; 3],
     };
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option.as_bytes() {
             [b'-', b'd', ..] => read_units(&mut options, option).ok_or_else(|| arguments.unknown())?,
             [b'-', b'l', ..] => options.library_folder = Some(arguments.required("library folder (-l)")?.to_owned()),

@@ -25,7 +25,7 @@ const DOTS_PER_METRE: u32 = 2835;
 pub(crate) fn run(mut words: Words<'_>) -> Outcome {
     let (mut direction, mut colors, mut gamma, mut exposure) = (Direction::FromRadiance, Colors::Color, GAMMA, 0);
     let (mut primaries, mut tones) = (None, None);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-b" => colors = Colors::Grey,
             "-g" => gamma = words.number(option)?,
@@ -35,7 +35,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             "-e" => tones = Some(tones_of(&mut words, option)?),
             "-r" => direction = Direction::ToRadiance,
             "-p" => primaries = Some(words.primaries(option)?),
-            _ => return Err(words.unknown(option, "-r -b -g -e or -p")),
+            _ => return Err(words.unknown(option)),
         }
     }
     let table = GammaTable::new(gamma);
