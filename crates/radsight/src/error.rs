@@ -49,6 +49,17 @@ pub enum Error {
     /// A camera file is wrong.
     #[error("the camera file is wrong:\n{0}")]
     Camera(Box<Report>),
+    /// The file of a series of captures is wrong.
+    #[error("the series is wrong:\n{0}")]
+    Series(Box<Report>),
+    /// Something is no key of a camera file that could be replaced.
+    #[error("key \"{key}\": {expected}")]
+    Key {
+        /// The key.
+        key: String,
+        /// What was expected.
+        expected: String,
+    },
     /// A ray met a material that cannot be used.
     #[error("a material cannot be used:\n{0}")]
     Material(Box<Report>),

@@ -6,6 +6,7 @@
 //! | [`View`], [`Camera`] | where rays start: a view of Radiance's, or a camera of one's own |
 //! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
+//! | [`CaptureSeries`] | many captures of nearly one scene: poses of parts, rings, exposures, sensors |
 //! | [`Error`] | what was wrong, as data: each message with file, line and column |
 //!
 //! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
@@ -31,23 +32,28 @@
 
 mod camera;
 mod capture;
+mod capture_series;
 mod error;
 mod error_budget;
 mod file_loader;
 mod image;
 mod material;
+mod part_move;
 mod renderer;
 mod report_page;
 mod scene;
+mod series_file;
 mod view;
 
 pub use camera::{Camera, CameraRay};
 pub use capture::{Capture, CapturedImage};
+pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};
 pub use error::{Error, Report};
 pub use error_budget::ErrorBudget;
 pub use file_loader::FileLoader;
 pub use image::{Image, RenderReport, png_rgb8};
 pub use material::Material;
+pub use part_move::PartMove;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
 pub use radsight_capture::PixelStatistics;
 pub use radsight_diag::{Diagnostic, Severity};
@@ -57,4 +63,5 @@ pub use radsight_render::{Contribution, Ray, RenderOptions, Traced};
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
+pub use series_file::{SeriesRow, read_series};
 pub use view::View;
