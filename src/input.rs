@@ -137,6 +137,11 @@ impl Reading {
         Ok(ReadOptions { brdf, tolerance, definitions, ..ReadOptions::default() })
     }
 
+    /// A number by which the scene is known again, where an irradiance cache is kept in a file.
+    fn fingerprint(&self, scene: &Scene) -> Option<u64> {
+        self.ambient_file.as_ref().map(|_| scene.fingerprint())
+    }
+
     fn plugin_options(&self) -> PluginOptions {
         PluginOptions { trust: self.trust.clone(), strict: self.strict, guard: self.plugin_guard.clone() }
     }
@@ -149,6 +154,8 @@ pub(crate) struct Planned {
     pub(crate) registry: Option<Registry>,
     /// For messages about the scene.
     pub(crate) sources: SourceMap,
+    /// By which the scene is known again, where an irradiance cache is kept in a file.
+    pub(crate) fingerprint: Option<u64>,
 }
 
 /// What is to be said when all rays were traced: what plugins and functions did wrongly, and the error of a material that cannot be used.
@@ -229,6 +236,7 @@ pub(crate) fn plan_split<T>(
     };
     let (scene, sources) = valid_scene(scene_inputs(paths, camera, &reading.trust)?, reading, change)?;
     let planner = Planner::new(&scene, paths, reading, &sources);
+    let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options.clone())?;
     let mut others = Vec::new();
     for (part, of_part) in parts {
@@ -237,7 +245,7 @@ pub(crate) fn plan_split<T>(
         others.push((planner.plan(valid.scene, render_options.clone())?, of_part));
     }
     let registry = planner.models.map(Models::into_registry);
-    Ok((Planned { plan, registry, sources }, others))
+    Ok((Planned { plan, registry, sources, fingerprint }, others))
 }
 
 /// Plans the rendering of a scene's text, of this name in messages.
@@ -260,9 +268,10 @@ fn plan_inputs(
 ) -> Result<Planned, Failure> {
     let (scene, sources) = valid_scene(inputs, reading, change)?;
     let planner = Planner::new(&scene, paths, reading, &sources);
+    let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options)?;
     let registry = planner.models.map(Models::into_registry);
-    Ok(Planned { plan, registry, sources })
+    Ok(Planned { plan, registry, sources, fingerprint })
 }
 
 /// Reads and validates a scene, for plans that a [`Planner`] makes. Warnings are printed, errors end the work.

@@ -1,6 +1,7 @@
 //! The `radsight` program: arguments, standard streams, exit codes. All the work is in the crates.
 #![forbid(unsafe_code)]
 
+mod ambient_file;
 mod args;
 mod budget;
 mod clock;

@@ -67,7 +67,7 @@ fn sensor_and_exposure_time_change_no_bit_of_a_picture() {
 #[test]
 fn pictures_of_a_moving_part_are_those_of_captures_alone() {
     let poses = ["", "-t -.02 0 0", "-t .015 -.025 0", "-t -.03 -.012 0 -ry 12 -t .03 .012 .006"];
-    let (head, error) = ("name,move top,move out*,move inside\n", 0.02);
+    let (head, error) = ("name,move top,move out*,move inside\n", 0.02_f64);
     let lines: String = (0..).zip(poses).map(|(name, pose)| format!("{name},{pose},{pose},{pose}\n")).collect();
     let series = Series::new(&format!("{head}{lines}"), &file("tall-washer.rad"));
     let pictures = series.pictures(&["0", "1", "2", "3"], &error.to_string());

@@ -2,18 +2,29 @@
 //!
 //! `cargo fuzz run scene` runs a target on a nightly toolchain. On a stable one
 //! `RUSTFLAGS="$(cat fuzz/instrumentation.flags)" cargo build --release --target TRIPLE` in this folder builds them all; a target
-//! is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`.
+//! is then a libFuzzer program: `scene -timeout=1 -rss_limit_mb=2048 CORPUS_FOLDER`. `fuzz/run` does all that: each target for a
+//! minute over its files in `fuzz/corpus`.
 #![forbid(unsafe_code)]
 
+mod real_radiance;
+mod small_scene;
+
+pub use real_radiance::against_real_radiance;
+pub use small_scene::{Materials, SmallScene};
+
 use glam::DVec3;
-use radsight_measured::{MeasuredBsdf, Side};
+use radsight::{Renderer, Scene, View as SceneView};
+use radsight_camera::{CameraFile, read_measurements};
+use radsight_diag::SourceMap;
 use radsight_formats::{Font, Mesh, Octree};
-use radsight_scene_generators::WavefrontMesh;
 use radsight_loader::MemoryLoader;
 use radsight_matrix::{Matrix, Stored, Transform, Wanted, bsdf_matrix};
+use radsight_measured::{MeasuredBsdf, Side};
 use radsight_parse::{Input, ReadOptions, UnusedModifiers, bounds, cube, read_scene, write_scene, xform};
 use radsight_picture::{FloatMatrix, Header, Image, Picture, View, ViewOptions, read_image};
+use radsight_rad_project::{Cube, Date, How, Rif, Site};
 use radsight_report::{Page, ProgressLog, Quantity, RunRecord};
+use radsight_scene_generators::WavefrontMesh;
 
 /// A name that the bytes have in scenes that ask for them.
 const NAME: &str = "fuzzed";
@@ -183,4 +194,91 @@ pub fn report(bytes: &[u8]) {
     let record = RunRecord::from_json(bytes).unwrap_or_default();
     let html = page.record(record).log(ProgressLog::read(&text)).text(text.clone(), text).to_html();
     assert_eq!(html.matches("<script").count(), 3);
+}
+
+/// A camera file, its tables, and the light ring as a scene.
+pub fn camera(bytes: &[u8]) {
+    let mut sources = SourceMap::default();
+    let loader = MemoryLoader::default().with("led.csv", "0 1\n10 .5\n90 0\n");
+    if let Ok(file) = CameraFile::read("camera.toml", bytes, &mut sources, &loader) {
+        let _ = (file.summary(), file.band_weights_for(3), file.band_weights_for(20));
+        for lamp in file.flickering.iter().take(4) {
+            let shares = file.brightness_by_row(&lamp.flicker);
+            assert!(shares.iter().all(|share| share.is_finite() && *share >= 0.0), "{shares:?}");
+        }
+        if let Some(rig) = &file.rig {
+            read(rig.scene_text().as_bytes(), &loader);
+        }
+    }
+    let table = "[rig]\nleds = 1\nring_diameter_mm = 1\nled_diameter_mm = 1\nled_intensity_w_per_sr = 1\nled_table = \"fuzzed\"\n";
+    let loader = MemoryLoader::default().with(NAME, bytes);
+    let _ = CameraFile::read("camera.toml", table.as_bytes(), &mut SourceMap::default(), &loader);
+    let source = sources.add("measured.txt", bytes, None);
+    let _ = read_measurements(source, &sources);
+}
+
+/// A place where some files are older than others.
+struct SomeFiles;
+
+impl Site for SomeFiles {
+    fn date(&self, name: &str) -> Date {
+        (name.len() % 5) as Date
+    }
+
+    fn cube(&self, scene: &[String]) -> Option<Cube> {
+        (!scene.is_empty()).then_some(Cube { corner: [0.0, -1.0, 2.0], size: 4.0 })
+    }
+}
+
+/// A project (`.rif`): all its steps, and its values as they are printed and read again.
+pub fn project(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let Ok(mut rif) = Rif::read("room.rif", &text) else { return };
+    if rif.check().is_err() {
+        return;
+    }
+    for view in [None, Some("1"), Some("def"), Some("-vp 1 2 3")] {
+        let how = How { view: view.map(str::to_owned), show_views: true, ..How::default() };
+        let Ok(steps) = rif.clone().steps(&how, &SomeFiles) else { continue };
+        for step in steps {
+            let _ = (step.outputs().len(), step.command_line());
+        }
+    }
+    if let Ok(mut again) = Rif::read("room.rif", &rif.explained()) {
+        let _ = again.check();
+    }
+}
+
+/// Weather: what `epw2wea` reads, what it makes of it, and skies of both.
+pub fn weather(bytes: &[u8]) {
+    let loader = MemoryLoader::default().with(NAME, bytes);
+    let run = |words: &[&str], loader: &MemoryLoader| {
+        let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
+        radsight_scene_generators::run(&words, b"", loader)
+    };
+    let _ = run(&["gendaymtx", "-m", "1", "-h", NAME], &loader);
+    let Ok(written) = run(&["epw2wea", NAME], &loader) else { return };
+    let loader = MemoryLoader::default().with(NAME, written.standard_output);
+    if let Ok(sky) = run(&["gendaymtx", "-m", "1", "-h", "-oa", NAME], &loader) {
+        let text = String::from_utf8_lossy(&sky.standard_output).to_lowercase();
+        assert!(!text.contains("nan") && !text.contains("inf"), "{text}");
+    }
+}
+
+/// Renders a whole small scene: every pixel is a finite number, and not below zero.
+///
+/// # Panics
+/// If one is not.
+pub fn render(scene: &SmallScene) {
+    let Ok(read) = Scene::builder().loader(MemoryLoader::default()).text("small.rad", scene.text.as_bytes()).build()
+    else {
+        return;
+    };
+    let Ok(view) = SceneView::from_args(&scene.view) else { return };
+    let Ok(renderer) = Renderer::new(&read) else { return };
+    let mut renderer = renderer.ambient_bounces(scene.bounces).ambient_divisions(8, 0).samples(1);
+    let Ok(image) = renderer.render(&view, 4, 4) else { return };
+    for pixel in image.pixels() {
+        assert!(pixel.iter().all(|band| band.is_finite() && *band >= 0.0), "{pixel:?}\n{scene:?}");
+    }
 }

@@ -7,6 +7,7 @@ mod explain;
 mod features;
 mod genskyvec;
 mod install_links;
+pub(crate) mod job;
 mod matrix;
 mod missing;
 mod mkillum;
@@ -103,6 +104,7 @@ pub(crate) fn run(program: Program, render: RenderOptions, trust: &Trust) -> Out
         Command::Pinhole(arguments) => pinhole::run(&arguments),
         Command::Sensor(arguments) => sensor::run(&arguments, trust),
         Command::Report(arguments) => report::run(&arguments, trust),
+        Command::Job(command) => job::run(&command, trust),
         Command::Rig(arguments) => rig::run(&arguments),
         Command::Target(arguments) => target::run(&arguments),
         Command::Retro(command) => retro::run(&command),

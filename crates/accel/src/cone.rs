@@ -1,14 +1,19 @@
 //! Truncated cones and cylinders, without caps.
 
+use crate::coincident;
 use crate::ray::Ray;
 use glam::DVec3;
 use radsight_ir::{Cone, Facing};
 use std::ops::Range;
 
+/// Rounding of a discriminant, as a share of its terms.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// Distance to the cone.
 ///
 /// With `h` the height of a point over the base along the axis, the surface is `|radial part| = r₀ + k·h` for `0 ≤ h ≤ length`. The
-/// quadratic is set up about the point of the ray nearest to the middle of the axis, so that a distant start costs no digits.
+/// quadratic is set up about the point of the ray nearest to the middle of the axis, so that a distant start costs no digits. The wall
+/// is longer than it says by what rounding may take off it, so that no ray passes between it and a ring at its end.
 #[inline]
 pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let axis = cone.apex - cone.base;
@@ -31,17 +36,21 @@ pub(crate) fn intersect(cone: &Cone, ray: &Ray, range: Range<f64>) -> Option<f64
     let inside = |root: &f64| {
         let distance = *root + shift;
         let at = height + climb * *root;
-        distance > range.start && distance < range.end && at >= 0.0 && at <= length
+        let rounding = coincident::rounding(ray, distance);
+        distance > range.start && distance < range.end && at >= -rounding && at <= length + rounding
     };
     roots.into_iter().find(inside).map(|root| root + shift)
 }
 
-/// The roots of `a·t² + 2·half_b·t + c`, the smaller one first.
+/// The roots of `a·t² + 2·half_b·t + c`, the smaller one first. A ray through the tip of a cone meets it twice in one point; where
+/// rounding takes the discriminant below zero by no more than it can, there is such a root.
 fn solve(a: f64, half_b: f64, c: f64) -> Option<[f64; 2]> {
-    let discriminant = half_b * half_b - a * c;
-    if discriminant < 0.0 {
+    let (squared, product) = (half_b * half_b, a * c);
+    let discriminant = squared - product;
+    if discriminant < -ROUNDING * (squared + product.abs()) {
         return None;
     }
+    let discriminant = discriminant.max(0.0);
     let q = -(half_b + discriminant.sqrt().copysign(half_b));
     let (first, second) = (q / a, c / q);
     match (first.is_finite(), second.is_finite()) {

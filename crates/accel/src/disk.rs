@@ -1,11 +1,13 @@
 //! Flat rings and disks.
 
+use crate::coincident;
 use crate::ray::Ray;
 use glam::DVec3;
 use radsight_ir::Ring;
 use std::ops::Range;
 
-/// Distance to the ring.
+/// Distance to the ring. Its edges are farther out and farther in by what rounding may take off them, so that no ray passes between it
+/// and a cylinder, a cone or another ring that it joins.
 #[inline]
 pub(crate) fn intersect(ring: &Ring, ray: &Ray, range: Range<f64>) -> Option<f64> {
     let distance = ring.normal.dot(ring.center - ray.origin) / ring.normal.dot(ray.direction);
@@ -13,9 +15,9 @@ pub(crate) fn intersect(ring: &Ring, ray: &Ray, range: Range<f64>) -> Option<f64
         return None;
     }
     let radius_squared = ray.at(distance).distance_squared(ring.center);
-    let within = radius_squared <= ring.outer_radius * ring.outer_radius
-        && radius_squared >= ring.inner_radius * ring.inner_radius;
-    within.then_some(distance)
+    let rounding = coincident::rounding(ray, distance);
+    let [outer, inner] = [ring.outer_radius + rounding, (ring.inner_radius - rounding).max(0.0)];
+    (radius_squared <= outer * outer && radius_squared >= inner * inner).then_some(distance)
 }
 
 /// How far a unit disk with this unit normal reaches along each axis.

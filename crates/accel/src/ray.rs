@@ -2,6 +2,10 @@
 
 use glam::DVec3;
 use radsight_ir::Transform;
+use std::ops::RangeInclusive;
+
+/// Lengths whose squares are as exact as they are.
+const SAFE_LENGTHS: RangeInclusive<f64> = 1e-140..=1e150;
 
 /// A half line. The direction is a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +23,18 @@ impl Ray {
     #[must_use]
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let length = direction.length();
-        let usable = origin.is_finite() && length.is_finite() && length > 0.0;
-        usable.then(|| Ray { origin, direction: direction / length })
+        if !SAFE_LENGTHS.contains(&length) {
+            return Ray::of_extreme_direction(origin, direction);
+        }
+        origin.is_finite().then(|| Ray { origin, direction: direction / length })
+    }
+
+    /// The same for a direction whose squares double precision cannot hold, zero and infinity among them.
+    #[cold]
+    fn of_extreme_direction(origin: DVec3, direction: DVec3) -> Option<Ray> {
+        let largest = direction.abs().max_element();
+        let usable = origin.is_finite() && direction.is_finite() && largest > 0.0;
+        usable.then(|| Ray { origin, direction: (direction / largest).normalize() })
     }
 
     /// The point at `distance` along the ray.
@@ -37,6 +51,22 @@ impl Ray {
         Ray {
             origin: to_local * (self.origin - to_scene.translation) / to_scene.scale,
             direction: to_local * self.direction,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_of_any_length_give_unit_rays() {
+        for length in [5e-324, 1e-310, 1e-160, 1e-139, 1.0, 1e149, 1e160, 1e308] {
+            let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, length, -length)).unwrap();
+            assert!((ray.direction - DVec3::new(0.0, 0.5f64.sqrt(), -(0.5f64.sqrt()))).length() < 1e-15, "{length}");
+        }
+        for none in [DVec3::ZERO, DVec3::INFINITY, DVec3::NAN, DVec3::new(1.0, f64::INFINITY, 0.0)] {
+            assert_eq!(Ray::new(DVec3::ZERO, none), None);
         }
     }
 }

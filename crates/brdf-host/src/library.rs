@@ -111,8 +111,27 @@ impl Library {
             load_entry(path)?
         };
         guard::after_load(crumb("load"));
+        let describing = crumb("describe");
+        Self::of_entry(name, path, entry, describing)
+    }
+
+    /// A library that is part of this program already, such as one of a test: no file is looked for or opened.
+    ///
+    /// # Errors
+    /// When its entry or tables break a rule.
+    ///
+    /// # Safety
+    /// `entry` leads to an entry that lives as long as the process, and that does what the header `radsight_brdf.h` asks of one.
+    pub unsafe fn in_program(name: &str, entry: *const abi::Entry) -> Result<Library, Error> {
+        let path = Path::new(name);
+        // SAFETY: the caller's promise.
+        let entry = unsafe { read_entry(path, entry.cast()) }?;
+        Self::of_entry(name.to_owned(), path, entry, Breadcrumb::for_library(name, "describe"))
+    }
+
+    fn of_entry(name: String, path: &Path, entry: abi::Entry, describing: Breadcrumb) -> Result<Library, Error> {
         let models = {
-            let _trail = guard::enter(crumb("describe"));
+            let _trail = guard::enter(describing);
             read_models(&name, &entry)?
         };
         let host = Box::new(LibraryHost {
@@ -260,8 +279,16 @@ fn load_entry(path: &Path) -> Result<abi::Entry, Error> {
     // SAFETY: the symbol is a constant; its type is only relied on as far as its magic and sizes have been checked.
     let symbol = unsafe { library.get::<*const u8>(abi::ENTRY_SYMBOL) }
         .map_err(|_| Error::MissingEntry { path: path.to_owned() })?;
-    let entry: *const u8 = *symbol;
-    // SAFETY: a symbol leads to at least its first eight bytes in a mapped page; reads are unaligned.
+    // SAFETY: what the file exports under this name is an entry, and the library stays.
+    unsafe { read_entry(path, *symbol) }
+}
+
+/// A copy of the part of an entry that both sides know.
+///
+/// # Safety
+/// `entry` leads to an entry of any version.
+unsafe fn read_entry(path: &Path, entry: *const u8) -> Result<abi::Entry, Error> {
+    // SAFETY: it leads to at least its first eight bytes in a mapped page; reads are unaligned.
     let magic = unsafe { entry.cast::<u64>().read_unaligned() };
     if magic != abi::MAGIC {
         return Err(Error::WrongMagic { path: path.to_owned(), found: magic, expected: abi::MAGIC });

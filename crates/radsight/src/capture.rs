@@ -190,7 +190,7 @@ impl Capture {
 
     /// What the camera file says.
     #[must_use]
-    pub fn file(&self) -> &CameraFile {
+    pub fn camera_file(&self) -> &CameraFile {
         &self.file
     }
 

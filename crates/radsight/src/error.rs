@@ -60,6 +60,17 @@ pub enum Error {
         /// What was expected.
         expected: String,
     },
+    /// A render job is wrong.
+    #[error("the job is wrong:\n{0}")]
+    Job(Box<Report>),
+    /// A part of a picture cannot be merged.
+    #[error("\"{name}\" is no part of this picture: {reason}")]
+    Part {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
     /// A ray met a material that cannot be used.
     #[error("a material cannot be used:\n{0}")]
     Material(Box<Report>),

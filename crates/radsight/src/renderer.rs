@@ -5,15 +5,22 @@ use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
 use crate::{Scene, View, report_page};
+use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
 use radsight_film::{Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
-use radsight_render::{Gathering, Ray, RaySpacing, RenderOptions, RenderPlan, Traced, Uncached};
+use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 
 /// Rays through a pixel of a camera of one's own, unless it is said.
 const USUAL_SAMPLES: u32 = 16;
+
+/// Rays that a camera of one's own is asked for at once, about.
+const CAMERA_BATCH: usize = 4096;
+
+/// Rays after which it is asked whether to go on.
+const RAYS_AT_A_TIME: usize = 1 << 15;
 
 /// Bits of a ray's number that tell the samples of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
@@ -214,29 +221,45 @@ impl Renderer {
         let place = |pixel: usize, [x, y]: [f64; 2]| {
             [((pixel % columns) as f64 + x) / columns as f64, ((pixel / columns) as f64 + y) / rows as f64]
         };
-        let middle = |pixel: usize| camera.ray(place(pixel, [0.5; 2]), [0.5; 2]).and_then(camera::checked);
-        let first: Vec<Option<Ray>> = (0..columns * rows).map(|pixel| middle(pixel).map(|(ray, _)| ray)).collect();
+        let pixels = columns * rows;
+        let mut first = Vec::with_capacity(pixels);
+        for begin in (0..pixels).step_by(CAMERA_BATCH) {
+            let film: Vec<[f64; 2]> =
+                (begin..pixels.min(begin + CAMERA_BATCH)).map(|pixel| place(pixel, [0.5; 2])).collect();
+            let rays = camera.rays(&film, &vec![[0.5; 2]; film.len()]);
+            first.extend(rays.into_iter().map(|ray| ray.and_then(camera::checked).map(|(ray, _)| ray)));
+        }
         renderer.gather_irradiance(&first, RaySpacing::UNKNOWN);
         let renderer = &*renderer;
-        let pixels: Vec<[f32; 3]> = (0..columns * rows)
+        let at_once = (CAMERA_BATCH / samples as usize).max(1);
+        let batches: Vec<Vec<[f32; 3]>> = (0..pixels.div_ceil(at_once))
             .into_par_iter()
-            .with_min_len(16)
             .map_init(
                 || renderer.worker(),
-                |worker, pixel| {
-                    let mut sum = [0.0; 3];
-                    for sample in 0..samples {
-                        let index = (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample);
-                        let [x, y, across, along] = RaySampler::new(seed, index).take(DimensionSet::CAMERA);
-                        let ray = camera.ray(place(pixel, [x, y]), [across, along]).and_then(camera::checked);
-                        let Some((ray, weight)) = ray else { continue };
-                        let value = worker.trace(index, &ray).value;
-                        sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
+                |worker, batch| {
+                    let range = batch * at_once..pixels.min((batch + 1) * at_once);
+                    let numbers = range.clone().flat_map(|pixel| {
+                        (0..samples).map(move |sample| (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample))
+                    });
+                    let numbers: Vec<u64> = numbers.collect();
+                    let points = numbers.iter().map(|index| RaySampler::new(seed, *index).take(DimensionSet::CAMERA));
+                    let at = |index: &u64, [x, y, across, along]: [f64; 4]| {
+                        (place((index >> SEQUENCE_LOG2) as usize, [x, y]), [across, along])
+                    };
+                    let (film, aperture): (Vec<_>, Vec<_>) =
+                        numbers.iter().zip(points).map(|(index, point)| at(index, point)).unzip();
+                    let mut sums = vec![[0.0; 3]; range.len()];
+                    for (index, ray) in numbers.iter().zip(camera.rays(&film, &aperture)) {
+                        let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
+                        let value = worker.trace(*index, &ray).value;
+                        let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
+                        *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
-                    sum.map(|band| (band / f64::from(samples)) as f32)
+                    sums.into_iter().map(|sum| sum.map(|band| (band / f64::from(samples)) as f32)).collect()
                 },
             )
             .collect();
+        let pixels = batches.concat();
         check_materials(renderer.plan(), &sources)?;
         let maps = Maps { relative_errors: None, samples: Some(vec![samples; columns * rows]) };
         let image = Image::new(columns, pixels, header(""), report(renderer, None));
@@ -249,15 +272,35 @@ impl Renderer {
     /// # Errors
     /// [`Error::Material`] where a ray met a material that cannot be used.
     pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
-        let sources = self.scene.sources.clone();
+        Ok(self.trace_part(0, rays, &Silent)?.expect("nobody stopped it"))
+    }
+
+    /// The same for a part of a longer list, in which the first of these rays has the place `first`: without cached irradiance
+    /// the answers are those of the whole list. `progress` hears how far it is, and can stop it: it gives `None` then.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn trace_part(
+        &mut self,
+        first: u64,
+        rays: &[Ray],
+        progress: &dyn Progress,
+    ) -> Result<Option<Vec<Traced>>, Error> {
         let mut options = self.options.clone();
         options.gathering.uncached = Uncached::Split;
         let renderer = self.prepare(options)?;
-        let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
-        renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
-        let traced = renderer.trace_all(0, &rays);
-        check_materials(renderer.plan(), &sources)?;
-        Ok(traced.into_iter().flatten().collect())
+        let all: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
+        renderer.gather_irradiance(&all, RaySpacing::UNKNOWN);
+        let mut traced = Vec::with_capacity(all.len());
+        for some in all.chunks(RAYS_AT_A_TIME) {
+            if progress.stops() {
+                return Ok(None);
+            }
+            traced.extend(renderer.trace_all(first + traced.len() as u64, some).into_iter().flatten());
+            progress.report(traced.len() as u64, all.len() as u64);
+        }
+        self.check_met()?;
+        Ok(Some(traced))
     }
 
     /// What each ray owes to modifiers of these names: the radiance of emitters among them times what of it arrives, as `rcontrib`
@@ -266,32 +309,51 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::trace`].
     pub fn contributions(&mut self, rays: &[Ray], modifiers: &[&str]) -> Result<Vec<Vec<ModifierContribution>>, Error> {
-        let sources = self.scene.sources.clone();
+        Ok(self.contributions_part(0, rays, modifiers, &Silent)?.expect("nobody stopped it"))
+    }
+
+    /// The same for a part of a longer list, as [`Renderer::trace_part`] has it.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn contributions_part(
+        &mut self,
+        first: u64,
+        rays: &[Ray],
+        modifiers: &[&str],
+        progress: &dyn Progress,
+    ) -> Result<Option<Vec<Vec<ModifierContribution>>>, Error> {
         let mut options = self.options.clone();
         options.tracked_modifiers = modifiers.iter().map(|name| (*name).to_owned()).collect();
         options.tracked_value = radsight_render::TrackedValue::Radiance;
         options.gathering.accuracy = 0.0;
         options.gathering.uncached = Uncached::Split;
         let renderer = &*self.prepare(options)?;
-        let owed = rays
-            .par_iter()
-            .enumerate()
-            .map_init(
+        let mut owed = Vec::with_capacity(rays.len());
+        for some in rays.chunks(RAYS_AT_A_TIME) {
+            if progress.stops() {
+                return Ok(None);
+            }
+            let before = owed.len() as u64;
+            let of_rays = some.par_iter().enumerate().map_init(
                 || renderer.worker(),
-                |worker, (index, ray)| {
-                    let mut sums = vec![[0.0; 3]; modifiers.len()];
-                    worker.contributions(index as u64, ray, |contribution| {
-                        let bands = contribution.value.as_slice();
-                        let sum = &mut sums[contribution.modifier];
-                        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
-                    });
-                    let told = sums.into_iter().enumerate();
-                    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
-                },
-            )
-            .collect();
-        check_materials(renderer.plan(), &sources)?;
-        Ok(owed)
+                |worker, (index, ray)| contributions_of(worker, first + before + index as u64, ray, modifiers.len()),
+            );
+            owed.extend(of_rays.collect::<Vec<_>>());
+            progress.report(owed.len() as u64, rays.len() as u64);
+        }
+        self.check_met()?;
+        Ok(Some(owed))
+    }
+
+    /// What answers rays with these options.
+    pub(crate) fn ready_for(&mut self, options: RenderOptions) -> Result<&radsight_render::Renderer, Error> {
+        self.prepare(options).map(|renderer| &*renderer)
+    }
+
+    /// Whether a ray met a material that cannot be used.
+    pub(crate) fn check_met(&self) -> Result<(), Error> {
+        self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
     /// What answers rays with these options; made anew where they are others than before.
@@ -304,6 +366,17 @@ impl Renderer {
         }
         Ok(&mut self.ready.as_mut().expect("it was just made").1)
     }
+}
+
+fn contributions_of(worker: &mut RayWorker<'_>, index: u64, ray: &Ray, modifiers: usize) -> Vec<ModifierContribution> {
+    let mut sums = vec![[0.0; 3]; modifiers];
+    worker.contributions(index, ray, |contribution| {
+        let bands = contribution.value.as_slice();
+        let sum = &mut sums[contribution.modifier];
+        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
+    });
+    let told = sums.into_iter().enumerate();
+    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
 }
 
 /// How good a picture is, and what was left out for it.

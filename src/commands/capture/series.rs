@@ -38,7 +38,8 @@ pub(super) fn run(arguments: &Capture, table: &str, render: RenderOptions) -> Ou
     let inputs = scene_inputs(&arguments.scenes, None, &arguments.reading.trust)?;
     // Plugins and messages are those of the scene as the first picture has it.
     let Some(first) = pictures.first() else { return Ok(()) };
-    let (scene, sources) = valid_scene(with_ring(&inputs, first.capture.file()), &arguments.reading, |_| Ok(()))?;
+    let (scene, sources) =
+        valid_scene(with_ring(&inputs, first.capture.camera_file()), &arguments.reading, |_| Ok(()))?;
     let planner = Planner::new(&scene, &arguments.scenes, &arguments.reading, &sources);
     let mut quiet = arguments.reading.clone();
     quiet.no_warnings = true;
@@ -99,7 +100,7 @@ fn pictures(
                     .map_err(|error| Failure::input(format!("{table}:{}: {error}", row.line)))?;
                 let capture = configured(arguments, capture, options);
                 if arguments.output.is_some() {
-                    super::check_sensor(arguments, capture.file())?;
+                    super::check_sensor(arguments, capture.camera_file())?;
                 }
                 read.push((&row.keys, capture.clone()));
                 capture
@@ -188,7 +189,7 @@ impl Progress for Pictures<'_> {
 
 fn write(arguments: &Capture, row: &SeriesRow, picture: &SeriesPicture, exposed: &SeriesExposure<'_>) -> Outcome {
     let header = header(row);
-    let file = picture.capture.file();
+    let file = picture.capture.camera_file();
     let image = exposure_image(&file.camera, &exposed.exposure.values)?;
     if let Some(path) = &arguments.exposure {
         write_image_file(&path.replace(NAME, &row.name), &header, &image)?;

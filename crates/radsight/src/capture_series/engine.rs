@@ -80,7 +80,7 @@ pub fn expose_series<S: SeriesScenes>(
     let all: Vec<usize> = (0..pictures.len()).collect();
     for group in grouped(&all, |a, b| have_one_light(&pictures[a].capture, &pictures[b].capture)) {
         let lead = &pictures[group[0]].capture;
-        let scene = scenes.read(lead.file())?;
+        let scene = scenes.read(lead.camera_file())?;
         let poses = grouped(&group, |a, b| pictures[a].moves == pictures[b].moves);
         let series = Series { scenes, pictures, settings: &first.capture, lead, scene, progress };
         series.expose(&poses, visit)?;
@@ -105,7 +105,7 @@ fn grouped(items: &[usize], equal: impl Fn(usize, usize) -> bool) -> Vec<Vec<usi
 
 /// Whether two captures of one scene differ at most in exposure time, intensity of the LEDs and sensor.
 fn have_one_light(a: &Capture, b: &Capture) -> bool {
-    let [a, b] = [a.file(), b.file()].map(|file| {
+    let [a, b] = [a.camera_file(), b.camera_file()].map(|file| {
         let camera = file.camera.clone().with_exposure(1.0).expect("one second is positive");
         let rig = file.rig.clone().map(|mut rig| {
             (rig.camera, rig.led_intensity_w_per_sr) = (camera.clone(), 1.0);
@@ -193,13 +193,13 @@ impl<S: SeriesScenes> Series<'_, S> {
         capture: &Capture,
         start: Option<Checkpoint>,
     ) -> Result<Exposure, S::Failure> {
-        let (rays, weights) = self.rays(capture.file(), renderer.plan())?;
+        let (rays, weights) = self.rays(capture.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] };
         let mut exposure = match self.settings.fixed_samples() {
             Some(_) => exposer.with_samples(None, self.progress),
             None => exposer.to_error(self.settings.asked_error(), start, self.progress),
         };
-        let brighter = brightness(capture.file(), self.lead.file());
+        let brighter = brightness(capture.camera_file(), self.lead.camera_file());
         if brighter != 1.0 {
             let errors = exposure.pixels.iter_mut().flat_map(|pixels| &mut pixels.standard_errors);
             exposure.values.iter_mut().chain(errors).for_each(|value| *value *= brighter);
@@ -214,7 +214,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         let options = self.settings.options();
         let is_local = options.ambient_bounces == 0
             && self.settings.fixed_samples().is_none()
-            && self.lead.file().camera.pinhole_model() != PinholeModel::Diffraction
+            && self.lead.camera_file().camera.pinhole_model() != PinholeModel::Diffraction
             && change_only_what_meets_them(&self.scene, &moved);
         if !is_local || moved.is_empty() {
             return Ok(None);
@@ -230,7 +230,7 @@ impl<S: SeriesScenes> Series<'_, S> {
         let told = RenderOptions { ray_tree: Some(RayTreeOutput::AllAndLit), ..options.clone() };
         let told = self.renderer(bare.clone(), told)?;
         let renderer = self.renderer(bare, options.clone())?;
-        let (rays, weights) = self.rays(self.lead.file(), renderer.plan())?;
+        let (rays, weights) = self.rays(self.lead.camera_file(), renderer.plan())?;
         let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
         let share = (poses.len() as f64).cbrt().recip().max(LEAST_BACKGROUND_ERROR);
         let error = share * self.settings.asked_error();
