@@ -114,6 +114,19 @@ impl Failure {
     }
 }
 
+/// What the library says of an input.
+impl From<radsight::Error> for Failure {
+    fn from(error: radsight::Error) -> Failure {
+        match error {
+            radsight::Error::Scene(report)
+            | radsight::Error::Camera(report)
+            | radsight::Error::Material(report)
+            | radsight::Error::Series(report) => Failure { kind: FailureKind::Input, message: report.to_string() },
+            error => Failure::input(error.to_string()),
+        }
+    }
+}
+
 fn with_prefix(message: &str) -> String {
     format!("radsight: {}\n", message.trim_end())
 }

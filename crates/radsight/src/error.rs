@@ -49,6 +49,17 @@ pub enum Error {
     /// A camera file is wrong.
     #[error("the camera file is wrong:\n{0}")]
     Camera(Box<Report>),
+    /// The file of a series of captures is wrong.
+    #[error("the series is wrong:\n{0}")]
+    Series(Box<Report>),
+    /// Something is no key of a camera file that could be replaced.
+    #[error("key \"{key}\": {expected}")]
+    Key {
+        /// The key.
+        key: String,
+        /// What was expected.
+        expected: String,
+    },
     /// A render job is wrong.
     #[error("the job is wrong:\n{0}")]
     Job(Box<Report>),
