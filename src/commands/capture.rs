@@ -59,10 +59,10 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     check_scene(&planned.plan, &camera, !by_row.is_empty())?;
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
-    let start = checkpoint.read(arguments, &rays)?;
     let Planned { plan, registry, sources, .. } = planned;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
+    let start = checkpoint.read(arguments, &rays, &weights)?;
     let renderer = Renderer::new(plan);
     let by_row: Vec<LightByRow> =
         by_row.into_iter().map(|(plan, brightness)| LightByRow { renderer: Renderer::new(plan), brightness }).collect();
@@ -90,7 +90,13 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         write(arguments, &camera, &exposure, (&image, picture.as_ref()))?;
         stopwatch.lap("sensor, files written");
         accounts::write(arguments, &camera, &exposure, (&image, picture), || {
-            accounts::record(&stopwatch, &renderer, &options, arguments, &exposure)
+            accounts::record(
+                &stopwatch,
+                &renderer,
+                (&options, whole_pattern_note(&camera.camera)),
+                arguments,
+                &exposure,
+            )
         })?;
     }
     if !exposure.is_partial {
@@ -146,6 +152,9 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
     if plan.leaves_out_interreflection() {
         say("radsight: note: light between diffuse surfaces is left out (-ab 0); -ab 8 follows it\n");
     }
+    if let Some(note) = whole_pattern_note(camera) {
+        say(&format!("radsight: note: {note}\n"));
+    }
     let (center, _) = plan.bounding_sphere();
     let distance = (center * camera.scene_unit_m() - camera.position_m()).dot(camera.direction());
     if camera.pinhole_model() == PinholeModel::Finite
@@ -157,6 +166,13 @@ fn say_what_matters(plan: &RenderPlan, camera: &PinholeCamera) {
             "radsight: note: the pinhole's Fresnel number is {number:.2}: diffraction changes the image; pinhole_model = \"diffraction\" computes it\n"
         ));
     }
+}
+
+/// Why a diffracting camera needs many rays; `None` where it does not.
+fn whole_pattern_note(camera: &PinholeCamera) -> Option<String> {
+    camera.whole_pattern_reason().map(|reason| {
+        format!("each ray draws from the whole diffraction pattern, which takes many more rays: {reason}")
+    })
 }
 
 /// What a header says of an exposure that was stopped.

@@ -60,7 +60,7 @@ fn average(arguments: &Average) -> Outcome {
         stream.feed(&piece[..read], &mut exposures).map_err(|error| wrong(&error))?;
     }
     stream.finish(&mut exposures).map_err(|error| wrong(&error))?;
-    write_exposure(&file, &rays.picture(exposures))
+    write_exposure(&file, &rays.picture(exposures, &weights))
 }
 
 fn shift(arguments: &Shift) -> Outcome {

@@ -34,6 +34,9 @@ fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
             "{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\nband_wavelengths_nm = [620, 540, 460]\n"
         ),
         format!(
+            "{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\n{LINEAR}mosaic = \"RGGB\"\n[alignment]\nsensor_tilt_deg = [0.2, -0.3]\n"
+        ),
+        format!(
             "{CAMERA}lens_focal_length_mm = 6.0\nf_number = 2.0\nfocus_distance_m = 0.4\nfront_stop_mm = [8.0, 4.0]\n"
         ),
         format!("{}{HOLE}camera_matrix = \"matrix.yaml\"\n", CAMERA.replace("pixel_pitch_um = [100, 110]\n", "")),
@@ -141,4 +144,22 @@ fn a_calibration_says_its_intervals_and_draws_its_plot() {
     }
     let plot = std::fs::read_to_string(folder.path("fit.svg")).unwrap();
     assert_eq!(plot.matches("<circle").count(), 40);
+}
+
+#[test]
+fn a_capture_says_why_each_ray_draws_the_whole_diffraction_pattern() {
+    let hole = format!("{CAMERA}{HOLE}pinhole_model = \"diffraction\"\n[alignment]\n");
+    let slight = ("slight.toml", format!("{hole}sensor_tilt_deg = [0.2, -0.3]\n"));
+    let folder = folder(&[slight, ("tilted.toml", format!("{hole}sensor_tilt_deg = [5.0, -3.0]\n"))]);
+    let of = |camera: &str| {
+        let words = ["capture", camera, "scene.rad", "--samples", "2", "--exposure", "e.mtx", "--record", "r.json"];
+        let run = run(&folder, &words, b"");
+        assert_eq!(run.code, 0, "{}", run.messages);
+        (run.messages, std::fs::read_to_string(folder.path("r.json")).unwrap())
+    };
+    let (messages, record) = of("tilted.toml");
+    assert!(messages.contains("many more rays: the sensor is tilted too much"), "{messages}");
+    assert!(record.contains("many more rays: the sensor is tilted too much"), "{record}");
+    let (messages, record) = of("slight.toml");
+    assert!(!messages.contains("whole diffraction pattern") && !record.contains("whole diffraction pattern"));
 }

@@ -240,7 +240,7 @@ fn read_document(
     };
     // What the wings of a pattern bring to a row was there when that row was exposed.
     let rolls = shutter != Shutter::Global && !flickering.is_empty();
-    let camera = if mosaic.is_some() || rolls { camera.with_whole_pattern() } else { camera };
+    let camera = if rolls { camera.with_whole_pattern() } else { camera };
     let warnings = Vec::new();
     Some(CameraFile { camera, rig, sensor, band_weights, mosaic, alignment, shutter, flickering, warnings })
 }

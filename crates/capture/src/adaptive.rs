@@ -8,7 +8,7 @@
 //! than an edge.
 
 use crate::checkpoint::{AdaptiveState, Checkpoint, State};
-use crate::fixed::radiance;
+use crate::fixed::{MOST_BANDS, radiance, radiance_apart};
 use crate::mirrored_lights::PixelImages;
 use crate::{Exposer, Exposure, PixelStatistics, Progress, Workers};
 use radsight_sampling::{DimensionSet, PixelError, RaySampler, doublings};
@@ -43,6 +43,17 @@ pub(crate) struct Pixel {
     /// d² of the last two doublings: half differences of the means of halves.
     pub(crate) last: f64,
     pub(crate) before: f64,
+    /// Sums of the bands that are kept apart, else 0.
+    pub(crate) bands: [f64; MOST_BANDS],
+}
+
+/// Sums of radiance·cos⁴ over some samples of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Of all bands together.
+    whole: f64,
+    /// Of the bands that are kept apart, else 0.
+    bands: [f64; MOST_BANDS],
 }
 
 impl Pixel {
@@ -52,11 +63,12 @@ impl Pixel {
     }
 
     /// Takes in the second half of its samples.
-    fn double(&mut self, second_half: f64) {
-        let half_difference = (second_half - self.sum) / f64::from(2 * self.samples);
+    fn double(&mut self, second_half: &Sums) {
+        let half_difference = (second_half.whole - self.sum) / f64::from(2 * self.samples);
         self.before = self.last;
         self.last = half_difference * half_difference;
-        self.sum += second_half;
+        self.sum += second_half.whole;
+        self.bands.iter_mut().zip(second_half.bands).for_each(|(sum, band)| *sum += band);
         self.samples *= 2;
     }
 }
@@ -74,17 +86,22 @@ impl Exposer<'_> {
         };
         let camera = self.rays.camera();
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
+        state.bands = self.rays.bands_apart(self.weights).map_or(0, |bands| bands.min(MOST_BANDS));
         let work = Work::new(self, progress, &state.pixels);
         work.begin(&mut state);
         let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
         let columns = camera.columns() as usize;
         let estimate = (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error));
         let scale = camera.exposure_per_radiance();
-        let mut values: Vec<f64> = state.pixels.iter().map(|pixel| scale * pixel.mean()).collect();
-        if estimate.is_some() {
-            values.extend(work.around(&state.pixels).into_iter().map(|mean| scale * mean));
-            values = self.rays.picture(values);
-        }
+        let values = match estimate {
+            None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
+            Some(_) => {
+                let mut light = work.means(&state.pixels);
+                light.extend(work.around(&state.pixels));
+                light.iter_mut().for_each(|mean| *mean *= scale);
+                self.rays.picture(light, self.weights)
+            }
+        };
         let estimated_error = estimate.as_ref().map(Estimate::relative_error);
         Exposure {
             values,
@@ -100,6 +117,8 @@ impl Exposer<'_> {
 
 struct Work<'a> {
     exposer: &'a Exposer<'a>,
+    /// How many bands are kept apart; 0 where they add up.
+    bands: usize,
     images: PixelImages,
     progress: &'a dyn Progress,
     traced: AtomicU64,
@@ -112,6 +131,7 @@ impl<'a> Work<'a> {
         let first = pixels.iter().filter(|pixel| pixel.samples == 0).count() as u64 * u64::from(FIRST_SAMPLES);
         Work {
             exposer,
+            bands: exposer.rays.bands_apart(exposer.weights).map_or(0, |bands| bands.min(MOST_BANDS)),
             images: images(exposer),
             progress,
             traced: AtomicU64::new(traced),
@@ -151,9 +171,10 @@ impl<'a> Work<'a> {
     /// The first samples, with two doublings to see how the error falls.
     fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
         let samples = FIRST_SAMPLES / 4;
-        let mut pixel = Pixel { samples, sum: self.sum(worker, index, 0..samples), ..Pixel::default() };
+        let Sums { whole, bands } = self.sums(worker, index, 0..samples);
+        let mut pixel = Pixel { samples, sum: whole, bands, ..Pixel::default() };
         for _ in 0..2 {
-            pixel.double(self.sum(worker, index, pixel.samples..2 * pixel.samples));
+            pixel.double(&self.sums(worker, index, pixel.samples..2 * pixel.samples));
         }
         pixel
     }
@@ -180,7 +201,7 @@ impl<'a> Work<'a> {
         self.planned.fetch_add(rays, Ordering::Relaxed);
         while !state.pending.is_empty() {
             let before: &[Pixel] = &state.pixels;
-            let second_halves: Vec<Option<f64>> = state
+            let second_halves: Vec<Option<Sums>> = state
                 .pending
                 .par_iter()
                 .with_min_len(4)
@@ -191,9 +212,9 @@ impl<'a> Work<'a> {
                             return None;
                         }
                         let samples = before[index].samples;
-                        let sum = self.sum(worker, index, samples..2 * samples);
+                        let sums = self.sums(worker, index, samples..2 * samples);
                         self.report(samples);
-                        Some(sum)
+                        Some(sums)
                     },
                 )
                 .collect();
@@ -201,7 +222,7 @@ impl<'a> Work<'a> {
             let pixels = &mut state.pixels;
             state.pending.retain(|&index| match halves.next().flatten() {
                 Some(half) => {
-                    pixels[index].double(half);
+                    pixels[index].double(&half);
                     false
                 }
                 None => true,
@@ -215,39 +236,59 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The means of the cells around the picture, each over as many rays as a pixel has on average.
+    /// The means of all pixels, in each band that is kept apart.
+    fn means(&self, pixels: &[Pixel]) -> Vec<f64> {
+        if self.bands == 0 {
+            return pixels.iter().map(Pixel::mean).collect();
+        }
+        let of_pixel = |pixel: &Pixel| pixel.bands.map(|sum| sum / f64::from(pixel.samples.max(1)));
+        pixels.iter().flat_map(|pixel| of_pixel(pixel).into_iter().take(self.bands)).collect()
+    }
+
+    /// Those of the cells around the picture, each over as many rays as a pixel has on average.
     fn around(&self, pixels: &[Pixel]) -> Vec<f64> {
         let taken: u64 = pixels.iter().map(|pixel| u64::from(pixel.samples)).sum();
         let samples = (taken / pixels.len() as u64).next_power_of_two().clamp(1, u64::from(MAX_SAMPLES)) as u32;
-        (pixels.len()..self.exposer.rays.cells() as usize)
+        let around: Vec<Pixel> = (pixels.len()..self.exposer.rays.cells() as usize)
             .into_par_iter()
             .with_min_len(4)
             .map_init(
                 || self.exposer.workers(),
                 |worker, cell| {
                     self.report(samples);
-                    self.sum(worker, cell, 0..samples) / f64::from(samples)
+                    let Sums { whole, bands } = self.sums(worker, cell, 0..samples);
+                    Pixel { samples, sum: whole, bands, ..Pixel::default() }
                 },
             )
-            .collect()
+            .collect();
+        self.means(&around)
     }
 
     fn save(&self, state: &AdaptiveState) {
         self.progress.save(Checkpoint(State::Adaptive(state.clone())));
     }
 
-    /// Sum of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
-    fn sum(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> f64 {
+    /// Sums of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
+    fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
         let first = (pixel as u64) << SEQUENCE_LOG2;
         let Exposer { rays, weights, .. } = *self.exposer;
-        samples
-            .map(|sample| {
-                let index = first | u64::from(sample);
-                let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
-                let Some((ray, weight)) = self.images.ray(rays, pixel, u) else { return 0.0 };
-                weight * ray.cos4 * radiance(worker, index, (rays, pixel as u64), &ray, weights)
-            })
-            .sum()
+        let number = pixel as u64;
+        let drawn = samples.filter_map(|sample| {
+            let index = first | u64::from(sample);
+            let u = RaySampler::new(rays.seed(), index).take(DimensionSet::CAMERA);
+            self.images.ray(rays, pixel, u).map(|(ray, weight)| (index, ray, weight))
+        });
+        if self.bands == 0 {
+            let light = drawn
+                .map(|(index, ray, weight)| weight * ray.cos4 * radiance(worker, index, (rays, number), &ray, weights));
+            return Sums { whole: light.sum(), ..Sums::default() };
+        }
+        let mut bands = [0.0; MOST_BANDS];
+        for (index, ray, weight) in drawn {
+            let light = radiance_apart(worker, index, (rays, number), &ray, weights);
+            bands.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * ray.cos4 * light);
+        }
+        Sums { whole: weights.combine_apart(number, &bands[..self.bands]), bands }
     }
 }
 

@@ -1,11 +1,16 @@
 //! What is done of an exposure, to be saved and gone on with to the same bits.
 
 use crate::adaptive::{MAX_SAMPLES, Pixel};
-use radsight_pinhole::Rays;
+use crate::fixed::MOST_BANDS;
+use radsight_pinhole::{BandWeights, Rays};
 use std::fmt;
 
 /// First bytes of every checkpoint, with the version of its layout.
 const MAGIC: &[u8; 20] = b"radsight checkpoint1";
+
+/// The byte that says what follows; of an adaptive state it is larger by the number of bands that are kept apart.
+const FIXED: u8 = 0;
+const ADAPTIVE: u8 = 1;
 
 /// An exposure that is not complete.
 ///
@@ -24,7 +29,7 @@ pub(crate) enum State {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FixedState {
     pub(crate) samples: u32,
-    /// Exposure of each cell of the camera in J/m²; `None` where it is not known yet.
+    /// Exposure of each cell of the camera in J/m², in each band that is kept apart; `None` where it is not known yet.
     pub(crate) values: Vec<Option<f64>>,
 }
 
@@ -36,6 +41,8 @@ pub(crate) struct AdaptiveState {
     pub(crate) pixels: Vec<Pixel>,
     /// Pixels whose samples the last pass has chosen to double, and has not doubled yet.
     pub(crate) pending: Vec<usize>,
+    /// How many bands are kept apart; 0 where they add up.
+    pub(crate) bands: usize,
 }
 
 /// Why bytes are no checkpoint of an exposure.
@@ -66,7 +73,7 @@ impl Checkpoint {
         let mut bytes = [&MAGIC[..], key].concat();
         match &self.0 {
             State::Fixed(state) => {
-                bytes.push(0);
+                bytes.push(FIXED);
                 put_u32(&mut bytes, state.samples);
                 put_u32(&mut bytes, state.values.len() as u32);
                 for value in &state.values {
@@ -75,12 +82,16 @@ impl Checkpoint {
                 }
             }
             State::Adaptive(state) => {
-                bytes.push(1);
+                bytes.push(ADAPTIVE + state.bands as u8);
                 put_u32(&mut bytes, state.passes);
                 put_u32(&mut bytes, state.pixels.len() as u32);
                 for pixel in &state.pixels {
                     put_u32(&mut bytes, pixel.samples);
-                    [pixel.sum, pixel.last, pixel.before].iter().for_each(|value| put_f64(&mut bytes, *value));
+                    let bands = &pixel.bands[..state.bands];
+                    [pixel.sum, pixel.last, pixel.before]
+                        .iter()
+                        .chain(bands)
+                        .for_each(|value| put_f64(&mut bytes, *value));
                 }
                 put_u32(&mut bytes, state.pending.len() as u32);
                 state.pending.iter().for_each(|index| put_u32(&mut bytes, *index as u32));
@@ -89,15 +100,27 @@ impl Checkpoint {
         bytes
     }
 
-    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of these rays.
+    /// Reads what [`Checkpoint::to_bytes`] has made with the same key, for a picture of these rays whose bands add up so.
     ///
     /// # Errors
     /// [`CheckpointError`].
-    pub fn from_bytes(bytes: &[u8], key: &[u8; 32], rays: &Rays) -> Result<Checkpoint, CheckpointError> {
-        Self::of_counts(bytes, key, [rays.camera().pixel_count() as usize, rays.cells() as usize])
+    pub fn from_bytes(
+        bytes: &[u8],
+        key: &[u8; 32],
+        rays: &Rays,
+        weights: &BandWeights,
+    ) -> Result<Checkpoint, CheckpointError> {
+        let bands = rays.bands_apart(weights).map_or(0, |bands| bands.min(MOST_BANDS));
+        let counts = [rays.camera().pixel_count() as usize, rays.cells() as usize];
+        Self::of_counts(bytes, key, counts, bands)
     }
 
-    fn of_counts(bytes: &[u8], key: &[u8; 32], [pixels, cells]: [usize; 2]) -> Result<Checkpoint, CheckpointError> {
+    fn of_counts(
+        bytes: &[u8],
+        key: &[u8; 32],
+        [pixels, cells]: [usize; 2],
+        bands: usize,
+    ) -> Result<Checkpoint, CheckpointError> {
         let mut reader = Reader(bytes);
         if reader.take::<20>()? != *MAGIC {
             return Err(CheckpointError::Broken);
@@ -106,8 +129,10 @@ impl Checkpoint {
             return Err(CheckpointError::OfAnother);
         }
         let state = match reader.take()? {
-            [0] => State::Fixed(reader.fixed(cells)?),
-            [1] => State::Adaptive(reader.adaptive(pixels)?),
+            [FIXED] => State::Fixed(reader.fixed(cells * bands.max(1))?),
+            [kind] if usize::from(kind) == usize::from(ADAPTIVE) + bands => {
+                State::Adaptive(reader.adaptive(pixels, bands)?)
+            }
             _ => return Err(CheckpointError::Broken),
         };
         if reader.0.is_empty() { Ok(Checkpoint(state)) } else { Err(CheckpointError::Broken) }
@@ -159,7 +184,7 @@ impl Reader<'_> {
         Ok(FixedState { samples, values: values? })
     }
 
-    fn adaptive(&mut self, pixels: usize) -> Result<AdaptiveState, CheckpointError> {
+    fn adaptive(&mut self, pixels: usize, bands: usize) -> Result<AdaptiveState, CheckpointError> {
         let passes = self.u32()?;
         self.pixel_count(pixels)?;
         let pixel = |_| {
@@ -167,7 +192,12 @@ impl Reader<'_> {
             if samples != 0 && !(samples.is_power_of_two() && samples <= MAX_SAMPLES) {
                 return Err(CheckpointError::Broken);
             }
-            Ok(Pixel { samples, sum: self.amount()?, last: self.amount()?, before: self.amount()? })
+            let [sum, last, before] = [self.amount()?, self.amount()?, self.amount()?];
+            let mut pixel = Pixel { samples, sum, last, before, ..Pixel::default() };
+            for band in &mut pixel.bands[..bands] {
+                *band = self.amount()?;
+            }
+            Ok(pixel)
         };
         let known: Result<Vec<Pixel>, CheckpointError> = (0..pixels).map(pixel).collect();
         let known = known?;
@@ -179,7 +209,7 @@ impl Reader<'_> {
         let pending: Result<Vec<usize>, _> = (0..count).map(index).collect();
         let pending = pending?;
         match pending.is_sorted_by(|before, after| before < after) {
-            true => Ok(AdaptiveState { passes, pending, pixels: known }),
+            true => Ok(AdaptiveState { passes, pending, pixels: known, bands }),
             false => Err(CheckpointError::Broken),
         }
     }
@@ -190,9 +220,30 @@ mod tests {
     use super::*;
 
     fn adaptive() -> Checkpoint {
-        let pixel = |samples| Pixel { samples, sum: 0.1 * f64::from(samples), last: 1e-9, before: 2e-7 };
+        with_bands(0)
+    }
+
+    fn with_bands(bands: usize) -> Checkpoint {
+        let pixel = |samples| {
+            let mut pixel =
+                Pixel { samples, sum: 0.1 * f64::from(samples), last: 1e-9, before: 2e-7, ..Pixel::default() };
+            pixel.bands[..bands].iter_mut().zip([0.3, 0.5, 0.7]).for_each(|(sum, value)| *sum = value);
+            pixel
+        };
         let pixels = vec![pixel(4), pixel(0), pixel(64)];
-        Checkpoint(State::Adaptive(AdaptiveState { passes: 3, pixels, pending: vec![0, 2] }))
+        Checkpoint(State::Adaptive(AdaptiveState { passes: 3, pixels, pending: vec![0, 2], bands }))
+    }
+
+    #[test]
+    fn bands_that_are_kept_apart_are_kept_in_a_checkpoint() {
+        let bytes = with_bands(3).to_bytes(&[7; 32]);
+        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 3), Ok(with_bands(3)));
+        for other in [0, 1, 2] {
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], other), Err(CheckpointError::Broken));
+        }
+        let fixed = Checkpoint(State::Fixed(FixedState { samples: 16, values: vec![Some(0.5); 6] })).to_bytes(&[7; 32]);
+        assert!(Checkpoint::of_counts(&fixed, &[7; 32], [2; 2], 3).is_ok());
+        assert_eq!(Checkpoint::of_counts(&fixed, &[7; 32], [2; 2], 2), Err(CheckpointError::Broken));
     }
 
     #[test]
@@ -200,9 +251,9 @@ mod tests {
         let fixed = FixedState { samples: 16, values: vec![Some(1.5e-7), None, Some(0.0)] };
         for checkpoint in [adaptive(), Checkpoint(State::Fixed(fixed))] {
             let bytes = checkpoint.to_bytes(&[7; 32]);
-            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2]), Ok(checkpoint));
-            assert_eq!(Checkpoint::of_counts(&bytes, &[8; 32], [3; 2]), Err(CheckpointError::OfAnother));
-            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [4; 2]), Err(CheckpointError::Broken));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Ok(checkpoint));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[8; 32], [3; 2], 0), Err(CheckpointError::OfAnother));
+            assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [4; 2], 0), Err(CheckpointError::Broken));
         }
     }
 
@@ -211,13 +262,13 @@ mod tests {
         let bytes = adaptive().to_bytes(&[7; 32]);
         for length in 0..bytes.len() {
             assert_eq!(
-                Checkpoint::of_counts(&bytes[..length], &[7; 32], [3; 2]),
+                Checkpoint::of_counts(&bytes[..length], &[7; 32], [3; 2], 0),
                 Err(CheckpointError::Broken),
                 "{length}"
             );
         }
         let longer = [&bytes[..], &[0]].concat();
-        assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2]), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&longer, &[7; 32], [3; 2], 0), Err(CheckpointError::Broken));
     }
 
     #[test]
@@ -225,6 +276,6 @@ mod tests {
         let Checkpoint(State::Adaptive(mut state)) = adaptive() else { unreachable!() };
         state.pending = vec![1];
         let bytes = Checkpoint(State::Adaptive(state)).to_bytes(&[7; 32]);
-        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2]), Err(CheckpointError::Broken));
+        assert_eq!(Checkpoint::of_counts(&bytes, &[7; 32], [3; 2], 0), Err(CheckpointError::Broken));
     }
 }

@@ -18,12 +18,13 @@ impl Exposer<'_> {
         let samples = self.rays.samples();
         let pixels = self.rays.camera().pixel_count();
         let cells = self.rays.cells();
+        let bands = self.rays.bands_apart(self.weights).unwrap_or(1) as u64;
         let mut values = match start {
             Some(Checkpoint(State::Fixed(state))) if state.samples == samples => state.values,
             _ => Vec::new(),
         };
-        values.resize(cells as usize, None);
-        let known = |values: &[Option<f64>]| values.iter().flatten().count() as u64;
+        values.resize((cells * bands) as usize, None);
+        let known = |values: &[Option<f64>]| values.iter().flatten().count() as u64 / bands;
         let checkpoint =
             |values: &[Option<f64>]| Checkpoint(State::Fixed(FixedState { samples, values: values.to_vec() }));
         loop {
@@ -40,13 +41,13 @@ impl Exposer<'_> {
             checkpoint,
             // What diffraction spreads is known when all is.
             values: if cells_done == cells {
-                self.rays.picture(exposures)
+                self.rays.picture(exposures, self.weights)
             } else {
-                exposures[..pixels as usize].to_vec()
+                self.unspread(&exposures[..(pixels * bands) as usize])
             },
             rays: cells_done * u64::from(samples),
             estimated_error: None,
-            pixels_done: known(&values[..pixels as usize]),
+            pixels_done: known(&values[..(pixels * bands) as usize]),
             is_partial: cells_done < cells,
             pixels: None,
         }
@@ -91,23 +92,40 @@ impl Exposer<'_> {
         [whole, if rays.samples() < 2 { f64::NAN } else { 0.5 * (second - first) }]
     }
 
+    /// The exposures of pixels as long as diffraction has not spread them.
+    fn unspread(&self, exposures: &[f64]) -> Vec<f64> {
+        match self.rays.bands_apart(self.weights) {
+            None => exposures.to_vec(),
+            Some(bands) => {
+                let pixels = (0..).zip(exposures.chunks_exact(bands));
+                pixels.map(|(pixel, light)| self.weights.combine_apart(pixel, light)).collect()
+            }
+        }
+    }
+
     /// Exposes what is not known yet, until it is all or something else is wanted.
     fn expose_unknown(&self, values: &mut [Option<f64>], progress: &dyn Progress) {
-        let pixels = values.len() as u64;
-        let done = AtomicU64::new(values.iter().flatten().count() as u64);
-        values.par_chunks_mut(CHUNK).enumerate().for_each_init(
+        let bands = self.rays.bands_apart(self.weights);
+        let each = bands.unwrap_or(1);
+        let cells = (values.len() / each) as u64;
+        let done = AtomicU64::new((values.iter().flatten().count() / each) as u64);
+        values.par_chunks_mut(CHUNK * each).enumerate().for_each_init(
             || self.workers(),
             |worker, (chunk, values)| {
                 if progress.stops() || progress.wants_checkpoint() {
                     return;
                 }
                 let mut exposed = 0;
-                for (pixel, value) in ((chunk * CHUNK) as u64..).zip(values).filter(|(_, value)| value.is_none()) {
-                    *value = Some(self.exposure(worker, pixel));
+                let unknown = |(_, values): &(u64, &mut [Option<f64>])| values[0].is_none();
+                for (cell, values) in ((chunk * CHUNK) as u64..).zip(values.chunks_exact_mut(each)).filter(unknown) {
+                    match bands {
+                        None => values[0] = Some(self.exposure(worker, cell)),
+                        Some(_) => self.expose_apart(worker, cell, values),
+                    }
                     exposed += 1;
                 }
                 let before = done.fetch_add(exposed, Ordering::Relaxed);
-                progress.report(before + exposed, pixels);
+                progress.report(before + exposed, cells);
             },
         );
     }
@@ -123,7 +141,23 @@ impl Exposer<'_> {
         }
         average.exposure(rays.camera())
     }
+
+    /// The exposures of one cell in the bands that are kept apart, J/m².
+    fn expose_apart(&self, worker: &mut Workers<'_>, cell: u64, values: &mut [Option<f64>]) {
+        let rays = self.rays;
+        let mut averages = [PixelAverage::default(); MOST_BANDS];
+        for sample in 0..rays.samples() {
+            let index = cell * u64::from(rays.samples()) + u64::from(sample);
+            let ray = rays.of_sample(cell, sample);
+            let bands = radiance_apart(worker, index, (rays, cell), &ray, self.weights);
+            averages.iter_mut().zip(bands).for_each(|(average, band)| average.add(ray.cos4, band));
+        }
+        values.iter_mut().zip(averages).for_each(|(value, average)| *value = Some(average.exposure(rays.camera())));
+    }
 }
+
+/// The most bands of a renderer.
+pub(crate) const MOST_BANDS: usize = 3;
 
 /// The radiance of ray number `index`, which goes to a pixel, bands added up.
 #[inline]
@@ -134,21 +168,54 @@ pub(crate) fn radiance(
     ray: &CameraRay,
     weights: &BandWeights,
 ) -> f64 {
+    let combine = |mut value: [f64; MOST_BANDS]| {
+        let bands = &mut value[..weights.as_slice().len().min(MOST_BANDS)];
+        rays.weigh_bands(ray, bands);
+        [weights.combine_at(pixel, bands)]
+    };
+    let [sum] = traced(worker, index, (rays, pixel), ray, combine);
+    sum
+}
+
+/// The same in the bands that are kept apart; those beyond them are 0.
+pub(crate) fn radiance_apart(
+    worker: &mut Workers<'_>,
+    index: u64,
+    (rays, pixel): (&Rays, u64),
+    ray: &CameraRay,
+    weights: &BandWeights,
+) -> [f64; MOST_BANDS] {
+    let kept = rays.bands_apart(weights).unwrap_or(0).min(MOST_BANDS);
+    let known = weights.as_slice().len().min(MOST_BANDS);
+    let keep = |value: [f64; MOST_BANDS]| {
+        let mut bands = [0.0; MOST_BANDS];
+        rays.keep_apart(ray, &value[..known], &mut bands[..kept]);
+        bands
+    };
+    traced(worker, index, (rays, pixel), ray, keep)
+}
+
+/// What `light` makes of the radiance of a ray, added up over all lights.
+#[inline]
+fn traced<const N: usize>(
+    worker: &mut Workers<'_>,
+    index: u64,
+    (rays, pixel): (&Rays, u64),
+    ray: &CameraRay,
+    light: impl Fn([f64; MOST_BANDS]) -> [f64; N],
+) -> [f64; N] {
     // Nothing comes through a stop.
     if ray.cos4 == 0.0 {
-        return 0.0;
+        return [0.0; N];
     }
-    let Some(traced) = Ray::new(ray.origin, ray.direction) else { return 0.0 };
-    let combine = |mut value: [f64; 3]| {
-        let bands = &mut value[..weights.as_slice().len().min(3)];
-        rays.weigh_bands(ray, bands);
-        weights.combine_at(pixel, bands)
-    };
-    let mut sum = combine(worker.main.trace(index, &traced).value);
+    let Some(traced) = Ray::new(ray.origin, ray.direction) else { return [0.0; N] };
+    let mut sum = light(worker.main.trace(index, &traced).value);
     for (lamps, brightness) in &mut worker.by_row {
         let row = (pixel / u64::from(rays.camera().columns())) as usize;
         // Equal numbers would draw equal samples, which is no harm: each sum of them is right on the average.
-        sum += brightness.get(row).map_or(0.0, |share| share * combine(lamps.trace(index, &traced).value));
+        let of_lamps = light(lamps.trace(index, &traced).value);
+        let share = brightness.get(row).copied();
+        sum.iter_mut().zip(of_lamps).for_each(|(sum, light)| *sum += share.map_or(0.0, |share| share * light));
     }
     sum
 }

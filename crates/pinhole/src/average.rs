@@ -151,6 +151,21 @@ impl BandWeights {
         }
     }
 
+    /// The same from bands that are kept apart (see [`Rays::bands_apart`](crate::Rays::bands_apart)). Of a grey scene there may be more of them than
+    /// weights: it is white light of equal weights.
+    #[must_use]
+    pub fn combine_apart(&self, pixel: u64, bands: &[f64]) -> f64 {
+        if self.weights.len() == 1 && bands.len() > 1 {
+            return self.combine_at(pixel, &[BandWeights::equal(bands.len()).combine(bands)]);
+        }
+        self.combine_at(pixel, &bands[..bands.len().min(self.weights.len())])
+    }
+
+    /// Whether pixels have colour filters.
+    pub(crate) fn has_mosaic(&self) -> bool {
+        self.mosaic.is_some()
+    }
+
     /// One radiance from the bands of one ray, in band order, without colour filters.
     #[inline]
     #[must_use]

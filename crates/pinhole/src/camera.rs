@@ -13,6 +13,12 @@ const SMALLEST_UP_SINE: f64 = 1e-6;
 /// The most pixels of a picture that is convolved: its transform takes 150 bytes a pixel.
 const MOST_CONVOLVED: u64 = 1 << 22;
 
+/// The most bands of it that are kept apart.
+const MOST_BANDS_APART: usize = 3;
+
+/// The largest share by which a pattern may change over the field and still be taken as the same.
+const MOST_PATTERN_CHANGE: f64 = 0.01;
+
 /// The longest wavelength of a scene's bands over the shortest.
 const LARGEST_BAND_RATIO: f64 = 4.0;
 
@@ -266,22 +272,44 @@ impl PinholeCamera {
         Ok(self)
     }
 
-    /// The same camera with every ray drawn from the whole of a diffraction pattern, for pictures whose pixels are not exposed alike: those
-    /// behind colour filters.
+    /// The same camera with every ray drawn from the whole of a diffraction pattern, for pictures whose rows are not exposed at the same time.
     #[must_use]
     pub fn with_whole_pattern(mut self) -> Self {
         self.optics.whole_pattern = true;
         self
     }
 
-    /// Whether the wings of a diffraction pattern are added to the whole picture: the pattern must be the same for all bands and all over
-    /// the field.
-    pub(crate) fn convolves(&self) -> bool {
+    /// Why rays draw the whole of a diffraction pattern, which takes many more of them; `None` where its wings are added to the whole
+    /// picture. For that the pattern must be the same all over the field.
+    #[must_use]
+    pub fn whole_pattern_reason(&self) -> Option<&'static str> {
         let optics = &self.optics;
-        let is_even = optics.matrix.is_none() && optics.film.is_none() && optics.lens.is_none();
-        let is_one = optics.band_wavelengths_m.len() <= 1 && !optics.whole_pattern;
-        let is_diffracted = self.pinhole_model == PinholeModel::Diffraction;
-        is_diffracted && is_even && is_one && self.pixel_count() <= MOST_CONVOLVED
+        if self.pinhole_model != PinholeModel::Diffraction || optics.lens.is_some() {
+            return None;
+        }
+        let reasons = [
+            (optics.whole_pattern, "lamps flicker from row to row"),
+            (optics.matrix.is_some(), "a camera_matrix distorts the picture"),
+            (self.pattern_change() > MOST_PATTERN_CHANGE, "the sensor is tilted too much"),
+            (optics.band_wavelengths_m.len() > MOST_BANDS_APART, "there are more than 3 band_wavelengths_nm"),
+            (self.pixel_count() > MOST_CONVOLVED, "there are more than 4 million pixels"),
+        ];
+        reasons.into_iter().find_map(|(holds, reason)| holds.then_some(reason))
+    }
+
+    /// By which share a tilt of the sensor makes a pattern wider or narrower at the farthest corner: there the sensor is so much farther
+    /// from the hole.
+    fn pattern_change(&self) -> f64 {
+        let film = self.optics.film.unwrap_or_default();
+        let [across, down] = [0, 1].map(|axis| 0.5 * f64::from(self.pixels[axis]) * self.pixel_pitch_m[axis]);
+        let reach = across.hypot(down) + film.shift_m[0].hypot(film.shift_m[1]);
+        film.tilt[0].hypot(film.tilt[1]) * reach / self.focal_distance_m
+    }
+
+    /// Whether the wings of a diffraction pattern are added to the whole picture.
+    pub(crate) fn convolves(&self) -> bool {
+        let is_diffracted = self.pinhole_model == PinholeModel::Diffraction && self.optics.lens.is_none();
+        is_diffracted && self.whole_pattern_reason().is_none()
     }
 
     /// Wavelengths of the bands, metres, where diffraction has them.

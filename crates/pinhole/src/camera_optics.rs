@@ -4,10 +4,13 @@ use crate::fresnel_pattern::{Draw, FresnelPattern, Wing};
 use crate::rays::CameraRay;
 use crate::surround::{Cell, Surround};
 use crate::wings::Wings;
-use crate::{PinholeCamera, PinholeModel, ThinLens};
+use crate::{BandWeights, PinholeCamera, PinholeModel, ThinLens};
 use glam::DVec3;
 use radsight_sampling::unit_disk;
 use std::f64::consts::TAU;
+
+/// Stands for the place in a pattern of rays that are not drawn from one.
+const EVEN: u32 = u32::MAX;
 
 /// What the rays of such a camera need.
 #[derive(Clone, Debug)]
@@ -22,7 +25,8 @@ pub(crate) struct GeneralRays {
 /// What the wings of a pattern come from.
 #[derive(Clone, Debug)]
 struct Parted {
-    wing: Wing,
+    /// One for each wavelength.
+    wings: Vec<Wing>,
     surround: Surround,
 }
 
@@ -39,8 +43,8 @@ impl GeneralRays {
             let numbers: Vec<f64> = wavelengths.iter().map(|length| radius * radius * curvature / length).collect();
             if camera.convolves() {
                 let unit_m = radius * (1.0 + camera.focal_distance_m() * object_curvature);
-                let (core, wing) = Wing::part(numbers[0], unit_m);
-                return (core, Some(Parted { wing, surround: Surround::new(camera) }));
+                let (core, wings) = Wing::part(&numbers, unit_m);
+                return (core, Some(Parted { wings, surround: Surround::new(camera) }));
             }
             (FresnelPattern::new(&numbers), None)
         });
@@ -53,30 +57,53 @@ impl GeneralRays {
         self.parted.as_ref().map_or(0, |parted| parted.surround.count())
     }
 
-    /// The picture from the exposures of pixels and cells around it.
-    pub(crate) fn picture(&self, camera: &PinholeCamera, mut values: Vec<f64>) -> Vec<f64> {
-        match &self.parted {
-            Some(Parted { wing, surround }) => Wings::new(camera, wing, surround).added_to(&values),
-            None => {
-                values.truncate(camera.pixel_count() as usize);
-                values
-            }
-        }
+    /// How many bands are kept apart, as [`crate::Rays::bands_apart`] has them.
+    pub(crate) fn bands_apart(&self, weights: &BandWeights) -> Option<usize> {
+        let wings = self.parted.as_ref().map(|parted| parted.wings.len())?;
+        (wings > 1 || weights.has_mosaic()).then_some(wings.max(weights.as_slice().len()))
+    }
+
+    /// The picture from the exposures of pixels and cells around it, the bands of each together where they are kept apart.
+    pub(crate) fn picture(&self, camera: &PinholeCamera, mut values: Vec<f64>, weights: &BandWeights) -> Vec<f64> {
+        let Some(Parted { wings, surround }) = &self.parted else {
+            values.truncate(camera.pixel_count() as usize);
+            return values;
+        };
+        let Some(bands) = self.bands_apart(weights) else {
+            return Wings::new(camera, &wings[0], surround).added_to(&values);
+        };
+        let of_band = |band: usize| {
+            let own: Vec<f64> = values.iter().skip(band).step_by(bands).copied().collect();
+            Wings::new(camera, &wings[band.min(wings.len() - 1)], surround).added_to(&own)
+        };
+        let whole: Vec<Vec<f64>> = (0..bands).map(of_band).collect();
+        let mut light = vec![0.0; bands];
+        let combined = |pixel: u64| {
+            light.iter_mut().zip(&whole).for_each(|(light, band)| *light = band[pixel as usize]);
+            weights.combine_apart(pixel, &light)
+        };
+        (0..camera.pixel_count()).map(combined).collect()
     }
 
     /// A ray over cell × hole for a cell around the picture.
     fn ray_around(&self, camera: &PinholeCamera, per_scene_unit: f64, cell: &Cell, u: [f64; 4]) -> CameraRay {
         let [column, row] = [0, 1].map(|axis| cell.low[axis] + u[axis] * cell.size[axis]);
-        let [x, y] = camera.on_plane(column, row);
+        let film = camera.optics().film.unwrap_or_default();
+        let (chief, normal) = film.chief(camera.on_plane(column, row), camera.focal_distance_m());
+        if chief.z <= 0.0 {
+            return no_ray(camera, per_scene_unit);
+        }
         let (a, b) = unit_disk(u[2], u[3]);
         let point = DVec3::new(a, b, 0.0) * (0.5 * camera.pinhole_diameter_m());
-        let chief = DVec3::new(x, y, camera.focal_distance_m());
-        self.through_hole(camera, per_scene_unit, (chief, DVec3::Z, 1.0), &OnHole { point, start: point, cell: 0 })
+        self.through_hole(camera, per_scene_unit, (chief, normal, 1.0), &OnHole { point, start: point, cell: EVEN })
     }
 
     /// Weighs bands by their patterns, where they differ.
     #[inline]
     pub(crate) fn weigh_bands(&self, cell: u32, bands: &mut [f64]) {
+        if cell == EVEN {
+            return;
+        }
         if let Some(pattern) = self.pattern.as_ref().filter(|pattern| pattern.bands() == bands.len()) {
             bands.iter_mut().enumerate().for_each(|(band, value)| *value *= pattern.ratio(band, cell));
         }

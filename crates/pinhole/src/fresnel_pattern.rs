@@ -103,24 +103,23 @@ impl FresnelPattern {
     /// The even mixture of the patterns of bands with these Fresnel numbers.
     pub(crate) fn new(fresnel_numbers: &[f64]) -> FresnelPattern {
         let numbers: Vec<f64> = fresnel_numbers.iter().map(|number| number.min(LARGEST_FRESNEL_NUMBER)).collect();
-        let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = numbers.iter().copied().fold(0.0, f64::max);
-        let end = 1.0 + 10.0 / least + 4.0 / least.sqrt();
-        let cells = (end * 2.0 * most * CELLS_A_FRINGE).ceil().max(FEWEST_CELLS) as usize;
-        let nodes: Vec<f64> = (0..=cells).map(|node| end * node as f64 / cells as f64).collect();
+        let nodes = nodes(&numbers);
         let of_bands: Vec<Vec<f64>> = numbers.iter().map(|&number| cell_energies(number, &nodes)).collect();
-        let share = (numbers.len() as f64).recip();
+        FresnelPattern::mixed(nodes, &of_bands)
+    }
+
+    /// The even mixture of patterns with these energies in each cell and beyond the last node.
+    fn mixed(nodes: Vec<f64>, of_bands: &[Vec<f64>]) -> FresnelPattern {
+        let cells = nodes.len() - 1;
+        let share = (of_bands.len() as f64).recip();
         let mixed: Vec<f64> =
             (0..=cells).map(|cell| share * of_bands.iter().map(|band| band[cell]).sum::<f64>()).collect();
-        let ratio = |band: &Vec<f64>| {
-            band.iter().zip(&mixed).map(|(own, mixed)| if *mixed > 0.0 { own / mixed } else { 1.0 }).collect()
-        };
         let mut within = vec![0.0];
         within.extend(mixed[..cells].iter().scan(0.0, |sum, energy| {
             *sum += energy;
             Some(*sum)
         }));
-        FresnelPattern { ratios: of_bands.iter().map(ratio).collect(), nodes, within }
+        FresnelPattern { ratios: of_bands.iter().map(|band| ratios(band, &mixed)).collect(), nodes, within }
     }
 
     /// The distance from the middle for a number from 0 to 1.
@@ -190,27 +189,48 @@ pub(crate) struct Wing {
 }
 
 impl Wing {
-    /// Parts the pattern of one Fresnel number: what rays draw, and the rest.
-    pub(crate) fn part(fresnel_number: f64, unit_m: f64) -> (FresnelPattern, Wing) {
-        let number = fresnel_number.min(LARGEST_FRESNEL_NUMBER);
-        let pattern = FresnelPattern::new(&[number]);
+    /// Parts the patterns of bands with these Fresnel numbers: what rays draw, the even mixture of the cores, and of each band the rest.
+    pub(crate) fn part(fresnel_numbers: &[f64], unit_m: f64) -> (FresnelPattern, Vec<Wing>) {
+        let numbers: Vec<f64> = fresnel_numbers.iter().map(|number| number.min(LARGEST_FRESNEL_NUMBER)).collect();
+        let nodes = nodes(&numbers);
+        let parted: Vec<(Wing, Vec<f64>)> =
+            numbers.iter().map(|number| Wing::of_band(*number, &nodes, unit_m)).collect();
+        let cells = parted.iter().map(|(_, core)| core.len() - 1).max().unwrap_or(0);
+        // Beyond its own core a band has all of it.
+        let within = |core: &[f64], node: usize| core[node.min(core.len() - 1)];
+        let share = (parted.len() as f64).recip();
+        let mixed: Vec<f64> =
+            (0..=cells).map(|node| share * parted.iter().map(|(_, core)| within(core, node)).sum::<f64>()).collect();
+        let growth = |within: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..cells).map(|cell| within(cell + 1) - within(cell)).chain([0.0]).collect()
+        };
+        let of_mixture = growth(&|node| mixed[node]);
+        let of_band = |(_, core): &(Wing, Vec<f64>)| ratios(&growth(&|node| within(core, node)), &of_mixture);
+        let core = FresnelPattern {
+            ratios: parted.iter().map(of_band).collect(),
+            nodes: nodes[..=cells].to_vec(),
+            within: mixed,
+        };
+        (core, parted.into_iter().map(|(wing, _)| wing).collect())
+    }
+
+    /// What is left of one band, and the share of its core within each node.
+    fn of_band(number: f64, nodes: &[f64], unit_m: f64) -> (Wing, Vec<f64>) {
+        let pattern = FresnelPattern::mixed(nodes.to_vec(), &[cell_energies(number, nodes)]);
         let parting = Parting::of(number);
         let mut within = vec![0.0];
-        let mut nodes = vec![0.0];
         for (cell, energy) in pattern.nodes.windows(2).zip(pattern.within.windows(2)) {
             if cell[0] >= parting.outer {
                 break;
             }
             let share = parting.core_share(0.5 * (cell[0] + cell[1]));
             within.push(within[within.len() - 1] + share * (energy[1] - energy[0]));
-            nodes.push(cell[1]);
         }
         let core_share = within[within.len() - 1];
         within.iter_mut().for_each(|energy| *energy /= core_share);
-        let ratios = vec![vec![1.0; nodes.len()]];
         let last = pattern.nodes[pattern.nodes.len() - 1];
         let tail = (1.0 - pattern.within[pattern.nodes.len() - 1]) * (last * last - 1.0) / (2.0 * last);
-        (FresnelPattern { nodes, within, ratios }, Wing { pattern, parting, core_share, tail, unit_m })
+        (Wing { pattern, parting, core_share, tail, unit_m }, within)
     }
 
     /// The share of the energy that is core.
@@ -235,6 +255,20 @@ impl Wing {
         let core = self.parting.core_share(v);
         [core * density, (1.0 - core) * density]
     }
+}
+
+/// The ends of the cells in which patterns of these Fresnel numbers are tabulated together.
+fn nodes(numbers: &[f64]) -> Vec<f64> {
+    let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = numbers.iter().copied().fold(0.0, f64::max);
+    let end = 1.0 + 10.0 / least + 4.0 / least.sqrt();
+    let cells = (end * 2.0 * most * CELLS_A_FRINGE).ceil().max(FEWEST_CELLS) as usize;
+    (0..=cells).map(|node| end * node as f64 / cells as f64).collect()
+}
+
+/// Energies of a band over those of the mixture.
+fn ratios(band: &[f64], mixed: &[f64]) -> Vec<f64> {
+    band.iter().zip(mixed).map(|(own, mixed)| if *mixed > 0.0 { own / mixed } else { 1.0 }).collect()
 }
 
 /// The energy of one Fresnel number in each cell by Simpson's rule, and what is left beyond the last node.
@@ -361,6 +395,25 @@ mod tests {
                 + (1.0 - pattern.within[cells]) * pattern.ratio(band, cells as u32);
             assert!((mean - 1.0).abs() < 1e-9, "{mean}");
             assert!((0..=cells as u32).all(|cell| pattern.ratio(band, cell) <= 2.0 + 1e-9));
+        }
+    }
+
+    #[test]
+    fn cores_that_are_drawn_together_are_weighted_to_each_own() {
+        let numbers = [0.5, 0.6, 0.8];
+        let (drawn, wings) = Wing::part(&numbers, 1.0);
+        let cells = drawn.nodes.len() - 1;
+        for (band, wing) in wings.iter().enumerate() {
+            let energy = |cell: usize| (drawn.within[cell + 1] - drawn.within[cell]) * drawn.ratio(band, cell as u32);
+            assert!(((0..cells).map(energy).sum::<f64>() - 1.0).abs() < 1e-9);
+            for cell in (0..cells).step_by(7) {
+                let (low, high) = (drawn.nodes[cell], drawn.nodes[cell + 1]);
+                let [core, _] = wing.densities(0.5 * (low + high));
+                let density = energy(cell) / (PI * (high * high - low * low));
+                assert!((density - core / wing.core_share()).abs() < 1e-6, "band {band}, cell {cell}");
+            }
+            let (_, alone) = Wing::part(&numbers[band..=band], 1.0);
+            assert!((alone[0].core_share() - wing.core_share()).abs() < 1e-4);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rays over pixel × pinhole.
 
 use crate::camera_optics::GeneralRays;
-use crate::{PinholeCamera, PinholeModel};
+use crate::{BandWeights, PinholeCamera, PinholeModel};
 use glam::DVec3;
 use radsight_sampling::{DimensionSet, RaySampler, unit_disk};
 
@@ -105,16 +105,35 @@ impl Rays {
         self.camera.pixel_count() + around as u64
     }
 
-    /// The exposures of the pixels from those of all [`Rays::cells`], each the mean over its own rays. Only diffraction makes a difference: it
-    /// spreads light over the picture.
+    /// How many bands of each of [`Rays::cells`] are to be exposed apart; `None` where they add up ray by ray. Diffraction keeps them apart
+    /// until it has spread them, where they have patterns of their own or come to pixels through colour filters.
+    #[must_use]
+    pub fn bands_apart(&self, weights: &BandWeights) -> Option<usize> {
+        self.general.as_ref().and_then(|general| general.bands_apart(weights))
+    }
+
+    /// What a ray brings in the bands that are kept apart, from the bands of its radiance. A grey radiance is the same in all.
+    ///
+    /// # Panics
+    /// When `radiance` is empty.
+    #[inline]
+    pub fn keep_apart(&self, ray: &CameraRay, radiance: &[f64], bands: &mut [f64]) {
+        let last = radiance.len() - 1;
+        bands.iter_mut().enumerate().for_each(|(band, value)| *value = radiance[band.min(last)]);
+        self.weigh_bands(ray, bands);
+    }
+
+    /// The exposures of the pixels from those of all [`Rays::cells`], each the mean over its own rays; where bands are kept apart, all of a
+    /// cell's together. Only diffraction makes a difference: it spreads light over the picture.
     ///
     /// # Panics
     /// When `exposures` has another length.
     #[must_use]
-    pub fn picture(&self, exposures: Vec<f64>) -> Vec<f64> {
-        assert_eq!(exposures.len() as u64, self.cells(), "one exposure a cell");
+    pub fn picture(&self, exposures: Vec<f64>, weights: &BandWeights) -> Vec<f64> {
+        let bands = self.bands_apart(weights).unwrap_or(1);
+        assert_eq!(exposures.len(), self.cells() as usize * bands, "one exposure a cell and band");
         match &self.general {
-            Some(general) => general.picture(&self.camera, exposures),
+            Some(general) => general.picture(&self.camera, exposures, weights),
             None => exposures,
         }
     }

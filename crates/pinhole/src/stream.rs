@@ -154,7 +154,10 @@ pub struct ExposureStream<'a> {
     pending: Vec<u8>,
     values: Vec<f64>,
     next: u64,
-    average: PixelAverage,
+    /// One for each band that is kept apart, or one.
+    averages: Vec<PixelAverage>,
+    /// What a ray brings in these bands.
+    apart: Vec<f64>,
 }
 
 impl<'a> ExposureStream<'a> {
@@ -164,20 +167,24 @@ impl<'a> ExposureStream<'a> {
     /// When `weights` are for another number of bands.
     pub fn new(rays: &'a Rays, weights: &BandWeights, format: NumberFormat, bands: usize) -> Result<Self, StreamError> {
         let bands = bands.max(1);
+        let weights = weights.for_bands(bands)?;
+        let apart = rays.bands_apart(&weights);
         Ok(ExposureStream {
+            averages: vec![PixelAverage::default(); apart.unwrap_or(1)],
+            apart: vec![0.0; apart.unwrap_or(0)],
             rays,
-            weights: weights.for_bands(bands)?,
+            weights,
             format,
             bands,
             started: false,
             pending: Vec::new(),
             values: Vec::with_capacity(bands),
             next: 0,
-            average: PixelAverage::default(),
         })
     }
 
-    /// Takes the next piece of the stream and appends the exposure (J/m²) of each pixel that it completes.
+    /// Takes the next piece of the stream and appends the exposure (J/m²) of each pixel that it completes, in each of the bands that
+    /// [`Rays::bands_apart`] keeps.
     ///
     /// # Errors
     /// When the piece holds something that is not a finite number, or more than was asked for.
@@ -262,17 +269,28 @@ impl<'a> ExposureStream<'a> {
         }
         self.values.push(value);
         if self.values.len() == self.bands {
-            let ray = self.rays.of_index(self.next);
-            self.rays.weigh_bands(&ray, &mut self.values);
-            let pixel = self.next / u64::from(self.rays.samples());
-            self.average.add(ray.cos4, self.weights.combine_at(pixel, &self.values));
+            self.take_radiance();
             self.values.clear();
             self.next += 1;
-            if self.average.count() == self.rays.samples() {
-                exposures.push(std::mem::take(&mut self.average).exposure(self.rays.camera()));
+            if self.averages[0].count() == self.rays.samples() {
+                let camera = self.rays.camera();
+                exposures.extend(self.averages.iter_mut().map(|average| std::mem::take(average).exposure(camera)));
             }
         }
         Ok(())
+    }
+
+    /// Adds a whole radiance to the average of its pixel.
+    fn take_radiance(&mut self) {
+        let ray = self.rays.of_index(self.next);
+        if self.apart.is_empty() {
+            self.rays.weigh_bands(&ray, &mut self.values);
+            let pixel = self.next / u64::from(self.rays.samples());
+            self.averages[0].add(ray.cos4, self.weights.combine_at(pixel, &self.values));
+            return;
+        }
+        self.rays.keep_apart(&ray, &self.values, &mut self.apart);
+        self.averages.iter_mut().zip(&self.apart).for_each(|(average, band)| average.add(ray.cos4, *band));
     }
 }
 

@@ -211,16 +211,23 @@ fn transposed(picture: &[Complex<f64>], [columns, rows]: [usize; 2]) -> Vec<Comp
 mod tests {
     use crate::camera::tests::paper_description;
     use crate::fresnel_pattern::Wing;
-    use crate::{CameraDescription, PinholeCamera, PinholeModel, Rays, fresnel_irradiance, fresnel_number};
+    use crate::{
+        BandWeights, CameraDescription, FilmPlane, PinholeCamera, PinholeModel, Rays, fresnel_irradiance,
+        fresnel_number,
+    };
     use std::f64::consts::PI;
 
     const DISTANCE: f64 = 0.48;
 
     fn camera(pinhole_diameter_m: f64) -> PinholeCamera {
+        camera_of(pinhole_diameter_m, [96, 80])
+    }
+
+    fn camera_of(pinhole_diameter_m: f64, pixels: [u32; 2]) -> PinholeCamera {
         let asked = CameraDescription {
             pinhole_diameter_m,
             pinhole_model: PinholeModel::Diffraction,
-            pixels: [96, 80],
+            pixels,
             ..paper_description()
         };
         PinholeCamera::new(&asked).unwrap().with_object_distance(DISTANCE).unwrap()
@@ -246,14 +253,15 @@ mod tests {
         let camera = camera(pinhole_diameter_m);
         let number = fresnel_number(&camera, DISTANCE).unwrap();
         let unit = 0.5 * pinhole_diameter_m * (1.0 + camera.focal_distance_m() / DISTANCE);
-        let (_, wing) = Wing::part(number, unit);
+        let (_, wings) = Wing::part(&[number], unit);
+        let wing = &wings[0];
         let rays = Rays::new(&camera, 1, 0);
         let point = [0.3 * 13.75e-6, -0.2 * 16e-6];
         let pixels = camera.pixel_count() as usize;
         let core = |distance: f64| wing.densities(distance)[0] / wing.core_share();
         let mut values: Vec<f64> = (0..pixels).map(|pixel| over_pixel(&camera, pixel, point, &core)).collect();
         values.resize(rays.cells() as usize, 0.0);
-        let found = rays.picture(values);
+        let found = rays.picture(values, &BandWeights::equal(1));
         let pattern =
             |distance: f64| PI * number * number * fresnel_irradiance(number, distance / unit) / (unit * unit);
         let expected: Vec<f64> = (0..pixels).map(|pixel| over_pixel(&camera, pixel, point, &pattern)).collect();
@@ -275,7 +283,7 @@ mod tests {
     fn an_even_scene_stays_even() {
         for diameter in [0.05e-3, 0.1e-3, 0.3e-3] {
             let rays = Rays::new(&camera(diameter), 1, 0);
-            let picture = rays.picture(vec![3.0; rays.cells() as usize]);
+            let picture = rays.picture(vec![3.0; rays.cells() as usize], &BandWeights::equal(1));
             assert!(picture.iter().all(|value| (value - 3.0).abs() < 1e-9), "hole of {diameter} m");
         }
     }
@@ -287,7 +295,8 @@ mod tests {
         let camera = camera(0.1e-3);
         let number = fresnel_number(&camera, DISTANCE).unwrap();
         let unit = 0.05e-3 * (1.0 + camera.focal_distance_m() / DISTANCE);
-        let (_, wing) = Wing::part(number, unit);
+        let (_, wings) = Wing::part(&[number], unit);
+        let wing = &wings[0];
         let pixels = camera.pixel_count() as usize;
         let place = |pixel: usize| camera.on_image(pixel as u64, 0.5, 0.5);
         let from_inside = |pixel: usize, density: &dyn Fn(f64) -> f64| {
@@ -300,7 +309,7 @@ mod tests {
         let mut values: Vec<f64> = (0..pixels).map(|pixel| 1.0 - from_inside(pixel, &core)).collect();
         let rays = Rays::new(&camera, 1, 0);
         values.resize(rays.cells() as usize, 1.0);
-        let picture = rays.picture(values);
+        let picture = rays.picture(values, &BandWeights::equal(1));
         for pixel in [40 * 96 + 48, 40 * 96 + 20, 40 * 96 + 8, 20 * 96 + 20, 10 * 96 + 48, 79 * 96 + 95, 40 * 96] {
             let expected = 1.0 - from_inside(pixel, &whole);
             assert!((picture[pixel] - expected).abs() < 8e-3, "{pixel}: {} against {expected}", picture[pixel]);
@@ -310,7 +319,8 @@ mod tests {
     #[test]
     fn core_and_wing_hold_the_whole_energy() {
         for number in [0.05, 0.578, 3.0, 40.0] {
-            let (_, wing) = Wing::part(number, 1.0);
+            let (_, wings) = Wing::part(&[number], 1.0);
+            let wing = &wings[0];
             let radius = |step: i32| 0.05 * (1.0 + 4e-4f64).powi(step);
             let beyond: f64 = (0..40_000)
                 .map(|step| {
@@ -329,7 +339,147 @@ mod tests {
         let plain = camera(0.1e-3);
         assert!(rays(&plain) > plain.pixel_count());
         assert_eq!(rays(&plain.clone().with_whole_pattern()), plain.pixel_count());
-        let bands = plain.clone().with_band_wavelengths(vec![620e-9, 540e-9, 460e-9]).unwrap();
-        assert_eq!(rays(&bands), plain.pixel_count());
+        let bands = |lengths: &[f64]| plain.clone().with_band_wavelengths(lengths.to_vec()).unwrap();
+        assert!(rays(&bands(&WAVELENGTHS_M)) > plain.pixel_count());
+        assert_eq!(rays(&bands(&[650e-9, 600e-9, 550e-9, 500e-9])), plain.pixel_count());
+        let film = |shift: f64, tilt: f64| FilmPlane { shift_m: [shift, 0.0], tilt: [0.0, tilt] };
+        assert!(rays(&plain.clone().with_film_plane(film(1e-3, 0.02))) > plain.pixel_count());
+        let tilted = plain.clone().with_film_plane(film(1e-3, 0.1));
+        assert_eq!((rays(&tilted), tilted.whole_pattern_reason().is_some()), (plain.pixel_count(), true));
+        assert_eq!(plain.whole_pattern_reason(), None);
+    }
+
+    const WAVELENGTHS_M: [f64; 3] = [620e-9, 540e-9, 460e-9];
+
+    /// A point in three bands, each as its core shows it, and what Fresnel's integral makes of each.
+    fn three_bands() -> (Rays, Vec<f64>, Vec<Vec<f64>>) {
+        let camera = camera_of(0.1e-3, [48, 40]).with_band_wavelengths(WAVELENGTHS_M.to_vec()).unwrap();
+        let unit = 0.05e-3 * (1.0 + camera.focal_distance_m() / DISTANCE);
+        let number = fresnel_number(&camera, DISTANCE).unwrap() * camera.wavelength_m().unwrap();
+        let numbers = WAVELENGTHS_M.map(|wavelength| number / wavelength);
+        let (_, wings) = Wing::part(&numbers, unit);
+        let (rays, point) = (Rays::new(&camera, 1, 0), [0.3 * 13.75e-6, -0.2 * 16e-6]);
+        let mut values = vec![0.0; 3 * rays.cells() as usize];
+        let mut patterns = vec![Vec::new(); 3];
+        for pixel in 0..camera.pixel_count() as usize {
+            for band in 0..3 {
+                let (wing, number) = (&wings[band], numbers[band]);
+                let core = |distance: f64| wing.densities(distance)[0] / wing.core_share();
+                values[3 * pixel + band] = over_pixel(&camera, pixel, point, &core);
+                let pattern =
+                    |distance: f64| PI * number * number * fresnel_irradiance(number, distance / unit) / (unit * unit);
+                patterns[band].push(over_pixel(&camera, pixel, point, &pattern));
+            }
+        }
+        (rays, values, patterns)
+    }
+
+    #[test]
+    fn each_band_becomes_its_own_pattern_behind_colour_filters_too() {
+        let (rays, values, patterns) = three_bands();
+        let peak = patterns.iter().flatten().copied().fold(0.0, f64::max);
+        let check = |weights: &BandWeights, what: &str| {
+            let found = rays.picture(values.clone(), weights);
+            let of_pixel =
+                |pixel: usize| weights.combine_apart(pixel as u64, &[0, 1, 2].map(|band| patterns[band][pixel]));
+            let off = (0..found.len()).map(|pixel| (found[pixel] - of_pixel(pixel)).abs()).fold(0.0, f64::max);
+            assert!(off < 5e-3 * peak, "{what}: off by {} of the peak", off / peak);
+        };
+        check(&BandWeights::new(&[1.0, 0.0, 0.0]).unwrap(), "first band");
+        check(&BandWeights::new(&[0.0, 0.0, 1.0]).unwrap(), "last band");
+        let filters = [vec![1.0, 0.1, 0.0], vec![0.1, 0.8, 0.1], vec![0.0, 0.1, 1.0]];
+        check(&BandWeights::equal(3).with_mosaic(48, [0, 1, 1, 2], &filters).unwrap(), "mosaic");
+        // A grey scene is white light of equal weights.
+        let grey = rays.picture(values.clone(), &BandWeights::equal(1));
+        let white = rays.picture(values.clone(), &BandWeights::equal(3));
+        assert!(grey.iter().zip(&white).all(|(grey, white)| (grey - white).abs() < 1e-12 * peak));
+        // The bands differ by far more than the tolerance.
+        let apart = patterns[0].iter().zip(&patterns[2]).map(|(red, blue)| (red - blue).abs()).fold(0.0, f64::max);
+        assert!(apart > 0.1 * peak);
+    }
+
+    #[test]
+    fn filters_before_one_pattern_keep_an_even_scene_even() {
+        let rays = Rays::new(&camera(0.1e-3), 1, 0);
+        let filters = [vec![1.0, 0.1, 0.0], vec![0.1, 0.8, 0.1], vec![0.0, 0.1, 1.0]];
+        let weights = BandWeights::equal(3).with_mosaic(96, [0, 1, 1, 2], &filters).unwrap();
+        assert_eq!((rays.bands_apart(&weights), rays.bands_apart(&BandWeights::equal(3))), (Some(3), None));
+        let picture = rays.picture([3.0, 2.0, 1.0].repeat(rays.cells() as usize), &weights);
+        for (pixel, value) in picture.iter().enumerate() {
+            assert!((value - weights.combine_at(pixel as u64, &[3.0, 2.0, 1.0])).abs() < 1e-9, "{pixel}: {value}");
+        }
+    }
+
+    /// The rays of one pixel, in a grey scene of 1: what they bring in each band is the same, whatever core they were drawn for.
+    #[test]
+    fn rays_bring_every_band_the_whole_light() {
+        let camera = camera(0.1e-3).with_band_wavelengths(WAVELENGTHS_M.to_vec()).unwrap();
+        let rays = Rays::new(&camera, 4096, 0);
+        for cell in [camera.pixel_count() / 2, camera.pixel_count() + 3] {
+            let mut sums = [0.0; 3];
+            for sample in 0..4096 {
+                let mut bands = [0.0; 3];
+                rays.keep_apart(&rays.of_sample(cell, sample), &[1.0], &mut bands);
+                sums.iter_mut().zip(bands).for_each(|(sum, band)| *sum += band / 4096.0);
+            }
+            assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-3), "{cell}: {sums:?}");
+        }
+    }
+
+    /// A point on the plane at the objects' distance, as rays from each place of a tilted sensor see it through core and whole pattern.
+    #[test]
+    fn a_tilt_that_changes_the_pattern_by_a_hundredth_is_as_good_as_none() {
+        let film = FilmPlane { shift_m: [0.4e-3, 0.0], tilt: [0.0, 0.045] };
+        let camera = camera(0.1e-3).with_film_plane(film);
+        let (focal, radius) = (camera.focal_distance_m(), 0.05e-3);
+        let number = fresnel_number(&camera, DISTANCE).unwrap();
+        let unit = radius * (1.0 + focal / DISTANCE);
+        let (_, wings) = Wing::part(&[number], unit);
+        let rays = Rays::new(&camera, 1, 0);
+        assert!(rays.cells() > camera.pixel_count());
+        let chief = |pixel: u64, u: f64, v: f64| film.chief(camera.on_image(pixel, u, v), focal);
+        // Near the edge, where the sensor is farthest from its mean distance.
+        let (aim, _) = chief(40 * 96 + 85, 0.8, 0.3);
+        let seen = |pixel: u64, core_only: bool| {
+            let points = 6;
+            let density = |step: i32| {
+                let within = |step: i32| (f64::from(step) + 0.5) / f64::from(points);
+                let (chief, normal) = chief(pixel, within(step % points), within(step / points));
+                let point = (aim / aim.z - chief / chief.z) * DISTANCE / (DISTANCE / chief.z + 1.0);
+                let way = chief + point;
+                let densities = wings[0].densities(point.length() / radius * unit);
+                let light = if core_only { densities[0] / wings[0].core_share() } else { densities[0] + densities[1] };
+                let cos4 = focal * focal * way.z * way.dot(normal) / way.length_squared().powi(2);
+                light * cos4 * ((DISTANCE / focal + 1.0) / (DISTANCE / chief.z + 1.0)).powi(2)
+            };
+            (0..points * points).map(density).sum::<f64>() / f64::from(points * points)
+        };
+        let pixels = camera.pixel_count();
+        let mut values: Vec<f64> = (0..pixels).map(|pixel| seen(pixel, true)).collect();
+        values.resize(rays.cells() as usize, 0.0);
+        let found = rays.picture(values, &BandWeights::equal(1));
+        let expected: Vec<f64> = (0..pixels).map(|pixel| seen(pixel, false)).collect();
+        let peak = expected.iter().copied().fold(0.0, f64::max);
+        let off = found.iter().zip(&expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max);
+        println!("tilted: off by {} of the peak", off / peak);
+        assert!(off < 5e-3 * peak, "off by {} of the peak", off / peak);
+    }
+
+    #[test]
+    fn cells_around_a_shifted_sensor_are_shifted_with_it() {
+        let film = FilmPlane { shift_m: [0.8e-3, -0.3e-3], tilt: [0.0; 2] };
+        let (upright, shifted) = (camera(0.1e-3), camera(0.1e-3).with_film_plane(film));
+        let slope = |camera: &PinholeCamera, cell: u64| {
+            let ray = Rays::new(camera, 1, 0).ray(cell, [0.5, 0.5, 0.3, 0.7]);
+            let along = ray.direction.dot(camera.direction());
+            [ray.direction.dot(camera.right()) / along, ray.direction.dot(camera.up()) / along]
+        };
+        for cell in [0, upright.pixel_count() + 5, upright.pixel_count() + 200] {
+            let (before, after) = (slope(&upright, cell), slope(&shifted, cell));
+            for axis in 0..2 {
+                let expected = film.shift_m[axis] / upright.focal_distance_m();
+                assert!((after[axis] - before[axis] - expected).abs() < 1e-9, "{cell}: {before:?} {after:?}");
+            }
+        }
     }
 }

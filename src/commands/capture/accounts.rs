@@ -73,7 +73,7 @@ fn ray_image(camera: &CameraFile, statistics: &PixelStatistics) -> Result<Image<
 pub(super) fn record(
     stopwatch: &Stopwatch,
     renderer: &Renderer,
-    options: &RenderOptions,
+    (options, camera_note): (&RenderOptions, Option<String>),
     arguments: &Capture,
     exposure: &Exposure,
 ) -> RunRecord {
@@ -87,6 +87,7 @@ pub(super) fn record(
     if renderer.plan().leaves_out_interreflection() {
         record.notes.push("light between diffuse surfaces is left out (-ab 0)".to_owned());
     }
+    record.notes.extend(camera_note);
     record.push_setting("camera file", &arguments.camera);
     record.push_setting("scene", arguments.scenes.join(" "));
     match (arguments.samples, asked) {

@@ -9,7 +9,7 @@ use crate::read_once;
 use radsight_camera::CameraFile;
 use radsight_capture::{Checkpoint, CheckpointError, Progress};
 use radsight_output::{inputs, interrupt};
-use radsight_pinhole::Rays;
+use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::RenderOptions;
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -53,7 +53,12 @@ impl CheckpointFile {
     }
 
     /// What an interrupted capture has left, if it is to be gone on with.
-    pub(super) fn read(&self, arguments: &Capture, rays: &Rays) -> Result<Option<Checkpoint>, Failure> {
+    pub(super) fn read(
+        &self,
+        arguments: &Capture,
+        rays: &Rays,
+        weights: &BandWeights,
+    ) -> Result<Option<Checkpoint>, Failure> {
         let Some(path) = &self.path else { return Ok(None) };
         match (read_once::owned(Path::new(path)), arguments.resume) {
             (Err(error), true) if error.kind() == io::ErrorKind::NotFound => {
@@ -67,7 +72,7 @@ impl CheckpointFile {
             }
             (Err(_), false) => Ok(None),
             (Ok(bytes), true) => {
-                let read = Checkpoint::from_bytes(&bytes, &self.key, rays);
+                let read = Checkpoint::from_bytes(&bytes, &self.key, rays, weights);
                 read.map(Some).map_err(|error: CheckpointError| {
                     Failure::input(format!(
                         "bad checkpoint \"{path}\": {error}\nhint: without --resume the capture starts anew"
