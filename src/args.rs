@@ -2,7 +2,7 @@
 
 use crate::failure::Outcome;
 use crate::plugin_guard::PluginGuard;
-use crate::trust::Trust;
+use crate::trust::{OutputName, Trust};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(crate) struct Program {
 
 const AFTER_HELP: &str = "\
 Exit codes: 0 done, 1 the input was wrong, 2 the command line was wrong, 3 a limit or fault stopped the work.
-Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror relays of a light, 2), -bv+/-bv-.
+Options of rendering, as Radiance names them: -ab N (diffuse interreflections, 0), -dr N (mirror relays of a light, 2), --caustics (light of lamps by way of curved mirrors and bodies), -bv+/-bv-.
 Every program takes --limit-memory SIZE (500M, 2G; 0 for none): the memory that it may have [default: three quarters of the machine's].
 Called as `radsight rtrace …`, or through a link named rtrace, it is that Radiance program.";
 
@@ -36,6 +36,9 @@ pub(crate) enum Command {
     Sensor(Sensor),
     /// Makes one page (HTML) of a picture: values, false colour, error, where the time went, settings
     Report(Report),
+    /// Renders parts of a picture or capture in other processes, and puts them together
+    #[command(subcommand)]
+    Job(crate::commands::job::Job),
     /// Prints the light ring of a camera file as Radiance scene text
     Rig(Rig),
     /// Prints a calibration target as Radiance scene text: a chessboard or a grid of dots, in the plane z = 0
@@ -48,7 +51,7 @@ pub(crate) enum Command {
     /// Retroreflectors: tables and plots of R_A, fits to data sheets, conversion, minimum tables, materials for scenes
     #[command(subcommand)]
     Retro(crate::commands::retro::Retro),
-    /// Makes links named after Radiance's programs
+    /// Makes links named after Radiance's programs, their manual pages, and completions for Bash, Zsh and Fish
     InstallLinks(InstallLinks),
 }
 
@@ -71,6 +74,9 @@ pub(crate) struct Reading {
     /// Definitions for all functions of the scene: names for messages, and texts
     #[arg(skip)]
     pub(crate) definitions: Vec<(String, Arc<[u8]>)>,
+    /// The file that holds the irradiance cache (`-af`)
+    #[arg(skip)]
+    pub(crate) ambient_file: Option<OutputName>,
 }
 
 /// What files may cause.
@@ -130,6 +136,10 @@ pub(crate) struct Capture {
     pub(crate) exposure: Option<String>,
     #[command(flatten)]
     pub(crate) accounts: Accounts,
+    /// Exposes a picture for each line of a table, which says what of camera file and scene is other than usual (docs/series.md); {} in the
+    /// names of -o and --exposure stands for the picture's name
+    #[arg(long, value_name = "TABLE.csv")]
+    pub(crate) variants: Option<String>,
     /// Stop when the estimated rms error over the pixels is this share of the mean exposure [default: 0.005]
     #[arg(long, value_name = "E", conflicts_with = "samples")]
     pub(crate) error: Option<f64>,
@@ -454,4 +464,10 @@ pub(crate) struct InstallLinks {
     /// Folder for the links
     #[arg(value_name = "DIR")]
     pub(crate) folder: String,
+    /// Folder for manual pages and completions, as /usr/share is [default: DIR/share]
+    #[arg(long, value_name = "DIR", conflicts_with = "only_links")]
+    pub(crate) share: Option<String>,
+    /// Make the links alone
+    #[arg(long)]
+    pub(crate) only_links: bool,
 }

@@ -93,10 +93,14 @@ pub(crate) fn scene_inputs(
         let name = if path == "-" { "<standard input>" } else { path };
         inputs.push(Input::Text { name: name.to_owned(), text: bytes });
     }
-    if let Some(rig) = camera.and_then(|file| file.rig.as_ref()) {
-        inputs.push(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() });
-    }
+    inputs.extend(camera.and_then(ring_input));
     Ok(inputs)
+}
+
+/// The light ring of a camera file.
+pub(crate) fn ring_input(camera: &CameraFile) -> Option<Input> {
+    let rig = camera.rig.as_ref()?;
+    Some(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() })
 }
 
 /// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
@@ -133,6 +137,11 @@ impl Reading {
         Ok(ReadOptions { brdf, tolerance, definitions, ..ReadOptions::default() })
     }
 
+    /// A number by which the scene is known again, where an irradiance cache is kept in a file.
+    fn fingerprint(&self, scene: &Scene) -> Option<u64> {
+        self.ambient_file.as_ref().map(|_| scene.fingerprint())
+    }
+
     fn plugin_options(&self) -> PluginOptions {
         PluginOptions { trust: self.trust.clone(), strict: self.strict, guard: self.plugin_guard.clone() }
     }
@@ -145,6 +154,8 @@ pub(crate) struct Planned {
     pub(crate) registry: Option<Registry>,
     /// For messages about the scene.
     pub(crate) sources: SourceMap,
+    /// By which the scene is known again, where an irradiance cache is kept in a file.
+    pub(crate) fingerprint: Option<u64>,
 }
 
 /// What is to be said when all rays were traced: what plugins and functions did wrongly, and the error of a material that cannot be used.
@@ -225,6 +236,7 @@ pub(crate) fn plan_split<T>(
     };
     let (scene, sources) = valid_scene(scene_inputs(paths, camera, &reading.trust)?, reading, change)?;
     let planner = Planner::new(&scene, paths, reading, &sources);
+    let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options.clone())?;
     let mut others = Vec::new();
     for (part, of_part) in parts {
@@ -233,7 +245,7 @@ pub(crate) fn plan_split<T>(
         others.push((planner.plan(valid.scene, render_options.clone())?, of_part));
     }
     let registry = planner.models.map(Models::into_registry);
-    Ok((Planned { plan, registry, sources }, others))
+    Ok((Planned { plan, registry, sources, fingerprint }, others))
 }
 
 /// Plans the rendering of a scene's text, of this name in messages.
@@ -256,9 +268,10 @@ fn plan_inputs(
 ) -> Result<Planned, Failure> {
     let (scene, sources) = valid_scene(inputs, reading, change)?;
     let planner = Planner::new(&scene, paths, reading, &sources);
+    let fingerprint = reading.fingerprint(&scene);
     let plan = planner.plan(scene, render_options)?;
     let registry = planner.models.map(Models::into_registry);
-    Ok(Planned { plan, registry, sources })
+    Ok(Planned { plan, registry, sources, fingerprint })
 }
 
 /// Reads and validates a scene, for plans that a [`Planner`] makes. Warnings are printed, errors end the work.
@@ -292,7 +305,8 @@ impl<'s> Planner<'s> {
     }
 }
 
-fn valid_scene(
+/// Reads and validates a scene that is changed after it was read. Warnings are printed, errors end the work.
+pub(crate) fn valid_scene(
     inputs: Vec<Input>,
     reading: &Reading,
     change: impl FnOnce(&mut Scene) -> Outcome,

@@ -1,6 +1,7 @@
 //! The `radsight` program: arguments, standard streams, exit codes. All the work is in the crates.
 #![forbid(unsafe_code)]
 
+mod ambient_file;
 mod args;
 mod budget;
 mod clock;
@@ -12,6 +13,8 @@ mod expand;
 mod failure;
 mod file_pattern;
 mod input;
+mod listed_options;
+mod option_table;
 mod output;
 mod output_color;
 mod output_format;
@@ -23,7 +26,6 @@ mod read_once;
 mod render_args;
 mod run_record;
 mod sensor_picture;
-mod shown_options;
 mod switch;
 mod trust;
 mod view_args;

@@ -7,12 +7,12 @@ use crate::args::Reading;
 use crate::disk::{Commands, DiskLoader};
 use crate::failure::Failure;
 use crate::switch::switched;
-use crate::trust::Origin;
+use crate::trust::{Existing, Origin};
 use radsight_cal::{Definitions, Scope};
 use radsight_diag::SourceMap;
 use radsight_ir::Rgb;
 use radsight_loader::{FileKind, Loader};
-use radsight_render::{AmbientSurfaces, BackFaces, Lights, PathLimit, Quantity, RenderOptions, Sampling};
+use radsight_render::{AmbientSurfaces, BackFaces, Caustics, Lights, PathLimit, Quantity, RenderOptions, Sampling};
 use std::cmp::Ordering;
 
 /// Options with one number that steer approximations which radsight does not make.
@@ -78,6 +78,10 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             options.highlight_threshold = number(words, word, "a share from 0 to 1")?;
             Ok(2)
         }
+        "--caustics" => {
+            options.caustics = Caustics::Sampled;
+            Ok(1)
+        }
         "-dr" => {
             options.mirror_sources = number(words, word, "a number of relays, 0 or more")?;
             Ok(2)
@@ -91,7 +95,6 @@ pub(crate) fn take_one(words: &[String], options: &mut RenderOptions) -> Result<
             let last = number(&words[1.min(words.len() - 1)..], word, "two wavelengths in nm")?;
             sampling(options, options.sampling.bands(), [first, last]).map(|used| used + 1)
         }
-        "-af" => number::<String>(words, word, "a file for ambient values").map(|_| 2),
         "-av" => color(words, "three radiances", &mut options.ambient_value),
         "-me" => color(words, "three extinctions", &mut options.medium.extinction),
         "-ma" => color(words, "three albedos", &mut options.medium.albedo),
@@ -212,6 +215,14 @@ pub(crate) fn take_own(words: &[String], reading: &mut Reading, options: &mut Re
     }
     let word = words[0].as_str();
     match word {
+        "-af" => {
+            let name: String = number(words, word, "a file for the irradiance cache")?;
+            // As in Radiance no name is no file.
+            reading.ambient_file = match name.is_empty() {
+                true => None,
+                false => Some(reading.trust.output(&name, Existing::AmbientValues)?),
+            };
+        }
         "--seed" => options.seed = number(words, word, "a whole number")?,
         "--strict" => {
             reading.strict = true;

@@ -3,6 +3,7 @@
 mod accounts;
 mod lamps;
 mod resume;
+mod series;
 
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
@@ -30,6 +31,9 @@ const DIFFRACTION_MATTERS: f64 = 3.0;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
+    if let Some(table) = &arguments.variants {
+        return series::run(arguments, table, render);
+    }
     let mut stopwatch = Stopwatch::start();
     check_effort(arguments)?;
     use_threads(arguments.threads)?;
@@ -56,7 +60,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     let checkpoint = CheckpointFile::new(arguments, &camera, &planned, &options)?;
     let rays = Rays::new(&camera.camera, arguments.samples.unwrap_or(1), arguments.seed);
     let start = checkpoint.read(arguments, &rays)?;
-    let Planned { plan, registry, sources } = planned;
+    let Planned { plan, registry, sources, .. } = planned;
     say_what_matters(&plan, &camera.camera);
     let weights = camera.band_weights_for(plan.bands()).map_err(|error| Failure::input(error.to_string()))?;
     let renderer = Renderer::new(plan);

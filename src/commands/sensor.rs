@@ -1,7 +1,7 @@
 //! `radsight sensor`: exposure on standard input, grey PNG on standard output; or the sensor's characterisation.
 
 use crate::args::Sensor;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, say};
 use crate::input::{history, read_camera, read_standard_input};
 use crate::output::{check_writable, write_file, write_standard_output};
 use crate::sensor_picture::SensorPicture;
@@ -70,6 +70,13 @@ fn characterise(arguments: &Sensor, file: &CameraFile) -> Outcome {
         |error: radsight_sensor::characterise::CharacterisationError| Failure::input(format!("\"{name}\": {error}"));
     let series = measure(&EvenLight::new(sensor, pixels), &asked, arguments.seed).map_err(failed)?;
     let found = evaluate(&series).map_err(failed)?;
+    if found.is_cut_in_the_dark() {
+        say(&format!(
+            "radsight: warning: {:.1} % of the grey values in the dark are 0, EMVA 1288 allows 0.5 %: dark noise, gain and quantum \
+             efficiency come out wrong\nhint: a larger dark_offset_dn\n",
+            100.0 * found.dark_at_zero
+        ));
+    }
     if let Some(path) = &arguments.report {
         write_file(path, html(name, &series, &found).as_bytes())?;
     }

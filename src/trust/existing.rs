@@ -1,6 +1,8 @@
 //! Which files that are there already may be replaced where a file names them: what the same work
 //! made before.
 
+use crate::ambient_file;
+use crate::failure::MESSAGES_MARK;
 use radsight_picture::Header;
 use std::f64::consts::TAU;
 use std::fs::File;
@@ -57,7 +59,7 @@ impl Existing<'_> {
             Existing::MadeBy(project) => is_made_by(start, project),
             Existing::Distances => are_distances(start),
             Existing::Options => are_options(start),
-            Existing::AmbientValues => has_format(start, "Radiance_ambval"),
+            Existing::AmbientValues => has_format(start, ambient_file::FORMAT),
             Existing::Messages => are_messages(start),
             Existing::IllumScene => is_text(start) && lines(start).take(2).any(|line| line == "#@mkillum !"),
             Existing::IllumData => is_illum_data(start),
@@ -116,7 +118,7 @@ fn are_options(start: &[u8]) -> bool {
 }
 
 fn are_messages(start: &[u8]) -> bool {
-    let ours = ["rpict:", "mkillum:", "radsight:"];
+    let ours = [MESSAGES_MARK, "rpict:", "mkillum:", "radsight:"];
     is_text(start) && lines(start).next().is_some_and(|line| ours.iter().any(|name| line.starts_with(name)))
 }
 

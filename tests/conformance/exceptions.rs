@@ -5,8 +5,8 @@
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, radiance_values};
-use crate::real_radiance::Radiance;
 use crate::shared;
+use radsight_test_support::Radiance;
 use std::fs;
 
 /// What shows that ours is right.
@@ -18,7 +18,7 @@ pub(crate) enum Shown {
     ManyRaysEverywhere,
     /// Real Radiance, told what the solid angle of the sun's image is.
     SunsImage,
-    /// Single rays, with lights in the place of the sky (`tests/scattering.rs`).
+    /// Single rays, with lights in the place of the sky (`tests/rendering/scattering.rs`).
     SingleRays,
 }
 
@@ -43,7 +43,7 @@ pub(crate) fn shown(picture: &str) -> Option<Shown> {
 }
 
 /// What each side of the prisms makes of the sun's solid angle: what rays through them find of its irradiance, as a share of that of a sun of unchanged
-/// width (`tests/light.rs`).
+/// width (`tests/rendering/light.rs`).
 const SOLID_ANGLES: [(&str, f64); 2] = [("coef1 = ", 0.6726), ("coef2 = ", 0.8396)];
 
 /// Real Radiance gives the sun's image in a prism the sun's own solid angle. Shadow rays know the light that they look for (`DxA DyA DzA`), so the prism's

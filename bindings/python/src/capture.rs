@@ -1,11 +1,14 @@
 //! Captures.
 
 use crate::errors::exception;
-use crate::{png, run};
+use crate::png;
+use crate::scene::{Files, Materials, Scene, Text, texts_of};
+use crate::sensor::Sensor;
+use crate::supervise::{Watch, supervised};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
-use radsight::Stage;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use radsight::{FileKind, FileLoader, Loader, MemoryLoader, RecordingLoader, Stage};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -27,8 +30,54 @@ use std::time::Instant;
 ///     All cores if not given.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct Capture {
-    capture: radsight::Capture,
+    pub(crate) capture: radsight::Capture,
     threads: Option<usize>,
+    /// The camera file, and the files that it names.
+    text: Text,
+    files: Files,
+    /// As they were given: error, samples, seed, bounces.
+    asked: (f64, Option<u32>, u64, u32),
+}
+
+impl Capture {
+    fn read(
+        text: Text,
+        loader: RecordingLoader<impl Loader>,
+        asked: (f64, Option<u32>, u64, u32),
+        threads: Option<usize>,
+    ) -> PyResult<Capture> {
+        let (error, samples, seed, ambient_bounces) = asked;
+        let capture = radsight::Capture::from_text(&text.0, &text.1, &loader).map_err(exception)?;
+        let mut capture = capture.error(error).seed(seed);
+        if let Some(samples) = samples {
+            capture = capture.samples(samples);
+        }
+        capture.options_mut().ambient_bounces = ambient_bounces;
+        Ok(Capture { capture, threads, text, files: loader.named_files().into_iter().collect(), asked })
+    }
+
+    /// A scene of this camera's: a `Scene`, or files, with the light ring.
+    fn lit(&self, py: Python<'_>, scenes: &Bound<'_, PyTuple>) -> PyResult<Scene> {
+        let scene = match scenes.extract::<(Bound<'_, Scene>,)>() {
+            Ok((scene,)) => scene,
+            Err(_) => {
+                let (texts, loader) = texts_of(&scenes.extract::<Vec<PathBuf>>()?)?;
+                return self.read_lit(py, texts, loader);
+            }
+        };
+        self.with_ring(py, &scene)
+    }
+
+    /// The light ring as scene text.
+    fn ring(&self) -> Option<Text> {
+        let rig = self.capture.camera_file().rig.as_ref()?;
+        Some(("<light ring>".to_owned(), rig.scene_text().into_bytes()))
+    }
+
+    fn read_lit(&self, py: Python<'_>, mut texts: Vec<Text>, loader: FileLoader) -> PyResult<Scene> {
+        texts.extend(self.ring());
+        Scene::read(py, texts, (Files::new(), loader), Materials::new())
+    }
 }
 
 #[pymethods]
@@ -43,30 +92,72 @@ impl Capture {
         ambient_bounces: u32,
         threads: Option<usize>,
     ) -> PyResult<Capture> {
-        let mut capture = radsight::Capture::load(path).map_err(exception)?.error(error).seed(seed);
-        if let Some(samples) = samples {
-            capture = capture.samples(samples);
+        let loader = FileLoader::default();
+        let loaded = loader.load(&path.display().to_string(), FileKind::Other);
+        let loaded = loaded.map_err(|error| exception(error.into()))?;
+        let asked = (error, samples, seed, ambient_bounces);
+        Capture::read((loaded.path, loaded.bytes), RecordingLoader::new(loader), asked, threads)
+    }
+
+    /// Read the text of a camera file.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    /// name : str
+    ///     For messages; files that the text names are looked for beside it.
+    /// files : dict of str to bytes, optional
+    ///     Files that it names, instead of those of the disk.
+    /// error, samples, seed, ambient_bounces, threads
+    ///     As for `Capture`.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name="<text>", files=None, error=0.005, samples=None, seed=0, ambient_bounces=0, threads=None))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn from_text(
+        text: &str,
+        name: &str,
+        files: Option<Files>,
+        error: f64,
+        samples: Option<u32>,
+        seed: u64,
+        ambient_bounces: u32,
+        threads: Option<usize>,
+    ) -> PyResult<Capture> {
+        let text = (name.to_owned(), text.as_bytes().to_vec());
+        let asked = (error, samples, seed, ambient_bounces);
+        match files {
+            None => Capture::read(text, RecordingLoader::new(FileLoader::default()), asked, threads),
+            Some(files) => {
+                let memory =
+                    files.iter().fold(MemoryLoader::default(), |memory, (name, bytes)| memory.with(name, bytes));
+                Capture::read(text, RecordingLoader::new(memory), asked, threads)
+            }
         }
-        capture.options_mut().ambient_bounces = ambient_bounces;
-        Ok(Capture { capture, threads })
     }
 
     /// Expose the camera to scenes, with its light ring.
     ///
     /// Parameters
     /// ----------
-    /// *scenes : path-like
+    /// *scenes : Scene, or path-like
+    ///     One scene, or files.
+    /// progress : callable, optional
+    ///     Called with the share that is done, 0 to 1, about twenty times a second and at the end. An exception in it stops the work.
     ///
     /// Returns
     /// -------
     /// CapturedImage
-    #[pyo3(signature = (*scenes))]
-    fn expose(&self, py: Python<'_>, scenes: &Bound<'_, PyTuple>) -> PyResult<CapturedImage> {
-        let paths: Vec<PathBuf> = scenes.extract()?;
+    #[pyo3(signature = (*scenes, progress=None))]
+    fn expose(
+        &self,
+        py: Python<'_>,
+        scenes: &Bound<'_, PyTuple>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<CapturedImage> {
         let begun = Instant::now();
-        let exposed = run(py, self.threads, || {
-            let scene = radsight::Scene::builder().files(paths)?;
-            let image = self.capture.expose(&self.capture.with_ring(scene).build()?)?;
+        let scene = self.lit(py, scenes)?;
+        let exposed = supervised(py, self.threads, progress, &scene.raised, |watch: &Watch| {
+            let image = self.capture.expose_with_progress(&scene.scene, watch)?;
             let greys = match image.greys(&self.capture) {
                 Err(radsight::Error::NoSensor) => None,
                 greys => Some(greys?),
@@ -75,6 +166,68 @@ impl Capture {
             Ok(CapturedImage { image, greys, capture: self.capture.clone(), seconds })
         })?;
         exposed.map_err(exception)
+    }
+
+    /// A scene with the camera's light ring.
+    ///
+    /// Parameters
+    /// ----------
+    /// scene : Scene
+    ///
+    /// Returns
+    /// -------
+    /// Scene
+    fn with_ring(&self, py: Python<'_>, scene: &Bound<'_, Scene>) -> PyResult<Scene> {
+        let scene = scene.get();
+        let mut texts = scene.texts.clone();
+        texts.extend(self.ring());
+        let materials = scene.materials.iter().map(|(name, object)| (name.clone(), object.clone_ref(py))).collect();
+        Scene::read(py, texts, (scene.files.clone(), FileLoader::default()), materials)
+    }
+
+    /// The same on so many threads.
+    fn with_threads(&self, threads: Option<usize>) -> Capture {
+        let Capture { capture, text, files, asked, .. } = self;
+        Capture { capture: capture.clone(), threads, text: text.clone(), files: files.clone(), asked: *asked }
+    }
+
+    /// The sensor.
+    ///
+    /// Raises
+    /// ------
+    /// RadsightError
+    ///     If the camera file has none.
+    #[getter]
+    fn sensor(&self) -> PyResult<Sensor> {
+        Sensor::of(&self.capture)
+    }
+
+    /// Pixels in a row, and rows.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        let camera = &self.capture.camera_file().camera;
+        (camera.columns(), camera.rows())
+    }
+
+    /// What the camera file says, in a line.
+    #[getter]
+    fn summary(&self) -> String {
+        self.capture.camera_file().summary()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let files = PyDict::new(py);
+        for (name, bytes) in &self.files {
+            files.set_item(name, PyBytes::new(py, bytes))?;
+        }
+        let again = py.import("radsight._pickle")?.getattr("capture")?;
+        let text = PyBytes::new(py, &self.text.1);
+        Ok((again, (&self.text.0, text, files, self.asked, self.threads).into_pyobject(py)?))
+    }
+
+    fn __repr__(&self) -> String {
+        let (columns, rows) = self.size();
+        format!("<radsight.Capture {columns} × {rows}>")
     }
 }
 
@@ -102,6 +255,12 @@ impl CapturedImage {
     fn grey<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u16>>> {
         let greys = self.greys.as_ref().ok_or_else(|| exception(radsight::Error::NoSensor))?;
         PyArray1::from_slice(py, greys).reshape([self.image.rows, self.image.columns])
+    }
+
+    /// Whether the camera has a sensor, so that there are grey values.
+    #[getter]
+    fn has_sensor(&self) -> bool {
+        self.greys.is_some()
     }
 
     /// Estimated rms error over the pixels as a share of the mean exposure.
@@ -144,8 +303,7 @@ impl CapturedImage {
     }
 
     fn _repr_png_(&self) -> Option<Vec<u8>> {
-        let pixels: Vec<[f32; 3]> = self.image.exposure_j_per_m2.iter().map(|value| [*value as f32; 3]).collect();
-        png::of_radiance(self.image.columns, &pixels)
+        png::false_color(self.image.columns, &self.image.exposure_j_per_m2, "J/m2")
     }
 
     fn __repr__(&self) -> String {

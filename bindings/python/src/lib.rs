@@ -1,11 +1,19 @@
 //! Python bindings: the library's types with NumPy arrays in and out, errors as exceptions, and the interpreter lock released while
 //! rays are traced.
 
+mod camera;
 mod capture;
 mod errors;
+mod image;
+mod job;
+mod material;
 mod png;
 mod renderer;
+mod retro;
 mod scene;
+mod sensor;
+mod supervise;
+mod traced;
 
 use pyo3::prelude::*;
 
@@ -17,20 +25,17 @@ fn _radsight(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<scene::View>()?;
     module.add_class::<renderer::Renderer>()?;
-    module.add_class::<renderer::TracedRays>()?;
-    module.add_class::<renderer::Image>()?;
+    module.add_class::<traced::TracedRays>()?;
+    module.add_class::<image::Image>()?;
     module.add_class::<capture::Capture>()?;
-    module.add_class::<capture::CapturedImage>()
-}
-
-/// Runs work without the interpreter lock, on so many threads where that is said.
-fn run<T: Send>(py: Python<'_>, threads: Option<usize>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
-    match threads {
-        None => Ok(py.detach(work)),
-        Some(threads) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|error| errors::RadsightError::new_err(error.to_string()))?;
-            Ok(py.detach(|| pool.install(work)))
-        }
-    }
+    module.add_class::<capture::CapturedImage>()?;
+    module.add_class::<sensor::Sensor>()?;
+    module.add_class::<sensor::Calibration>()?;
+    module.add_function(wrap_pyfunction!(sensor::calibrate, module)?)?;
+    module.add_class::<job::RenderJob>()?;
+    module.add_class::<job::JobResult>()?;
+    module.add_class::<job::MergedJob>()?;
+    module.add_function(wrap_pyfunction!(retro::models, module)?)?;
+    module.add_function(wrap_pyfunction!(retro::coefficient, module)?)?;
+    module.add_function(wrap_pyfunction!(retro::fit, module)?)
 }

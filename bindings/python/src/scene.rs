@@ -1,58 +1,201 @@
 //! Scenes and views.
 
 use crate::errors::exception;
+use crate::material::PythonMaterial;
+use crate::supervise::Raised;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
-use std::path::PathBuf;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use radsight::{FileKind, FileLoader, LoadError, Loaded, Loader, MemoryLoader, RecordingLoader};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// A scene: surfaces, materials, patterns and lights, read and checked.
+/// A name for messages and a text.
+pub(crate) type Text = (String, Vec<u8>);
+
+/// Python objects in the place of materials of these names.
+pub(crate) type Materials = BTreeMap<String, Py<PyAny>>;
+
+/// Contents of files, by their names.
+pub(crate) type Files = BTreeMap<String, Vec<u8>>;
+
+/// A scene: surfaces, materials, patterns and lights, read and checked. It can be pickled, with all files that it names.
+///
+/// Parameters
+/// ----------
+/// texts : sequence of (str, bytes)
+///     Scene texts and octrees, each with a name for messages.
+/// files : dict of str to bytes, optional
+///     Files that they name; others are looked for in the working folder.
+/// materials : dict of str to Material, optional
+///     Objects in the place of materials of these names; see `Material`.
+///
+/// Raises
+/// ------
+/// SceneError
+///     With every mistake in them: file, line, caret and hint.
+///
+/// Examples
+/// --------
+/// >>> import radsight
+/// >>> radsight.Scene([("ball.rad", b"void glow white 0 0 4 1 1 1 0 white sphere ball 0 0 4 0 9 0 2")])
+/// <radsight.Scene of 1 surfaces>
 #[pyclass(frozen, module = "radsight")]
-pub(crate) struct Scene(pub(crate) radsight::Scene);
+pub(crate) struct Scene {
+    pub(crate) scene: radsight::Scene,
+    /// What its materials in Python raise.
+    pub(crate) raised: Raised,
+    pub(crate) texts: Vec<Text>,
+    pub(crate) files: Files,
+    pub(crate) materials: Materials,
+}
+
+/// Looks in memory first.
+#[derive(Clone)]
+struct FilesFirst(MemoryLoader, FileLoader);
+
+impl Loader for FilesFirst {
+    fn load(&self, name: &str, kind: FileKind) -> Result<Loaded, LoadError> {
+        self.0.load(name, kind).or_else(|_| self.1.load(name, kind))
+    }
+
+    fn run_command(&self, command: &str, standard_input: Option<&[u8]>) -> Result<Vec<u8>, LoadError> {
+        self.1.run_command(command, standard_input)
+    }
+}
+
+impl Scene {
+    /// Reads texts.
+    pub(crate) fn read(
+        py: Python<'_>,
+        texts: Vec<Text>,
+        (files, folders): (Files, FileLoader),
+        materials: Materials,
+    ) -> PyResult<Scene> {
+        let raised = Raised::default();
+        let models: Vec<(String, PythonMaterial)> = materials
+            .iter()
+            .map(|(name, object)| Ok((name.clone(), PythonMaterial::new(py, object.clone_ref(py), &raised)?)))
+            .collect::<PyResult<_>>()?;
+        let memory = files.iter().fold(MemoryLoader::default(), |memory, (name, bytes)| memory.with(name, bytes));
+        let recorder = RecordingLoader::new(FilesFirst(memory, folders));
+        let scene = py.detach(|| {
+            let mut builder = radsight::Scene::builder().loader(recorder.clone());
+            for (name, text) in &texts {
+                builder = builder.text(name, text.clone());
+            }
+            for (name, model) in models {
+                builder = builder.material(&name, Arc::new(model));
+            }
+            builder.build()
+        });
+        let files = recorder.named_files().into_iter().collect();
+        Ok(Scene { scene: scene.map_err(exception)?, raised, texts, files, materials })
+    }
+}
+
+/// The texts of files, and the loader that finds what they name: in the working folder, and then beside them.
+pub(crate) fn texts_of(paths: &[PathBuf]) -> PyResult<(Vec<Text>, FileLoader)> {
+    let beside = paths.iter().filter_map(|path| path.parent().filter(|folder| *folder != Path::new("")));
+    let folders: Vec<PathBuf> = std::iter::once(Path::new(".")).chain(beside).map(Path::to_owned).collect();
+    let loader = FileLoader::new(folders);
+    let text = |path: &PathBuf| {
+        let loaded = loader.load(&path.display().to_string(), FileKind::Scene);
+        loaded.map(|loaded| (loaded.path, loaded.bytes)).map_err(|error| exception(error.into()))
+    };
+    Ok((paths.iter().map(text).collect::<PyResult<_>>()?, loader))
+}
 
 #[pymethods]
 impl Scene {
+    #[new]
+    #[pyo3(signature = (texts, *, files=None, materials=None))]
+    fn new(py: Python<'_>, texts: Vec<Text>, files: Option<Files>, materials: Option<Materials>) -> PyResult<Scene> {
+        let files = (files.unwrap_or_default(), FileLoader::default());
+        Scene::read(py, texts, files, materials.unwrap_or_default())
+    }
+
     /// Read scene files and octrees.
     ///
     /// Parameters
     /// ----------
     /// *paths : path-like
     ///     The files. Files that they name are looked for in the working folder, and then beside them.
+    /// materials : dict of str to Material, optional
+    ///     Objects in the place of materials of these names.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
     ///
     /// Raises
     /// ------
     /// SceneError
     ///     With every mistake in them: file, line, caret and hint.
     #[staticmethod]
-    #[pyo3(signature = (*paths))]
-    fn load(py: Python<'_>, paths: &Bound<'_, PyTuple>) -> PyResult<Scene> {
+    #[pyo3(signature = (*paths, materials=None))]
+    fn load(py: Python<'_>, paths: &Bound<'_, PyTuple>, materials: Option<Materials>) -> PyResult<Scene> {
         let paths: Vec<PathBuf> = paths.extract()?;
-        py.detach(|| radsight::Scene::load(paths)).map(Scene).map_err(exception)
+        let (texts, loader) = texts_of(&paths)?;
+        Scene::read(py, texts, (Files::new(), loader), materials.unwrap_or_default())
     }
 
     /// Read scene text.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    /// materials : dict of str to Material, optional
+    ///     Objects in the place of materials of these names.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
     #[staticmethod]
-    fn from_text(py: Python<'_>, text: &str) -> PyResult<Scene> {
-        py.detach(|| radsight::Scene::from_text(text)).map(Scene).map_err(exception)
+    #[pyo3(signature = (text, *, materials=None))]
+    fn from_text(py: Python<'_>, text: &str, materials: Option<Materials>) -> PyResult<Scene> {
+        let texts = vec![("<text>".to_owned(), text.as_bytes().to_vec())];
+        let files = (Files::new(), FileLoader::default());
+        Scene::read(py, texts, files, materials.unwrap_or_default())
     }
 
     /// How many surfaces there are; those of meshes and placed octrees count once.
     #[getter]
     fn surface_count(&self) -> usize {
-        self.0.surface_count()
+        self.scene.surface_count()
     }
 
     /// What is suspect, with lines and carets; empty if nothing is.
     #[getter]
     fn warnings(&self) -> String {
-        self.0.warnings().to_string()
+        self.scene.warnings().to_string()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let texts: Vec<(&str, Bound<'py, PyBytes>)> =
+            self.texts.iter().map(|(name, text)| (name.as_str(), PyBytes::new(py, text))).collect();
+        let (files, materials) = (PyDict::new(py), PyDict::new(py));
+        for (name, bytes) in &self.files {
+            files.set_item(name, PyBytes::new(py, bytes))?;
+        }
+        for (name, object) in &self.materials {
+            materials.set_item(name, object)?;
+        }
+        let again = py.import("radsight._pickle")?.getattr("scene")?;
+        Ok((again, (texts, files, materials).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {
-        format!("<radsight.Scene of {} surfaces>", self.0.surface_count())
+        format!("<radsight.Scene of {} surfaces>", self.scene.surface_count())
     }
 }
 
-/// A view by Radiance's options, such as ``-vp 0 0 1.7 -vd 0 1 0 -vh 60``.
+/// A view by Radiance's options.
+///
+/// Parameters
+/// ----------
+/// arguments : str
+///     Such as ``-vp 0 0 1.7 -vd 0 1 0 -vh 60``.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct View(pub(crate) radsight::View);
 
@@ -61,6 +204,16 @@ impl View {
     #[new]
     fn new(arguments: &str) -> PyResult<View> {
         radsight::View::from_args(arguments).map(View).map_err(exception)
+    }
+
+    /// Radiance's options that describe it.
+    #[getter]
+    fn arguments(&self) -> String {
+        self.0.to_args().trim().to_owned()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (String,)) {
+        (py.get_type::<View>().into_any(), (self.arguments(),))
     }
 
     fn __repr__(&self) -> String {

@@ -9,11 +9,28 @@ use radsight_pinhole::{FilmPlane, PinholeCamera};
 /// A turn of more degrees is no misalignment.
 const LARGEST_TURN_DEG: f64 = 45.0;
 
+/// How many LEDs there are to be put somewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Leds {
+    /// So many.
+    Known(usize),
+    /// There is no [rig].
+    None,
+    /// The [rig] is wrong, which has been told.
+    Wrong,
+}
+
+impl Leds {
+    fn count(self) -> usize {
+        if let Leds::Known(count) = self { count } else { 0 }
+    }
+}
+
 /// What the two tables say together; `None` where neither is there, or something is wrong.
 pub(crate) fn read(
     stated: Option<Section<'_>>,
     tolerated: Option<Section<'_>>,
-    leds: usize,
+    leds: Leds,
     sources: &SourceMap,
     found: &mut Found,
 ) -> Option<Alignment> {
@@ -23,14 +40,17 @@ pub(crate) fn read(
     let drawn = match tolerated {
         Some(section) => {
             let (tolerances, specimen) = read_tolerances(section, sources, found);
-            alignment.drawn(&tolerances, leds, specimen)
+            alignment.drawn(&tolerances, leds.count(), specimen)
         }
         None => alignment,
     };
     (is_asked && found.errors.len() == before).then_some(drawn)
 }
 
-fn read_stated(section: Section<'_>, leds: usize, sources: &SourceMap, found: &mut Found) -> Alignment {
+/// Keys with numbers for each LED.
+const LED_KEYS: [&str; 3] = ["led_shift_mm", "led_tilt_deg", "led_intensity"];
+
+fn read_stated(section: Section<'_>, leds: Leds, sources: &SourceMap, found: &mut Found) -> Alignment {
     let mut list = |key, length| {
         let values = section.optional_numbers(key, Some(length), Range::Finite, sources, found);
         values.unwrap_or_else(|| vec![0.0; length])
@@ -46,17 +66,7 @@ fn read_stated(section: Section<'_>, leds: usize, sources: &SourceMap, found: &m
         ring_turn_deg: three(list("ring_turn_deg", 3)),
         leds: Vec::new(),
     };
-    let (shifts, tilts) = (list("led_shift_mm", 3 * leds), list("led_tilt_deg", 2 * leds));
-    let intensities = section.optional_numbers("led_intensity", Some(leds), Range::NotNegative, sources, found);
-    let has_leds = ["led_shift_mm", "led_tilt_deg", "led_intensity"].into_iter().any(|key| section.has(key));
-    if has_leds {
-        let led = |index: usize| LedAlignment {
-            shift_mm: [shifts[3 * index], shifts[3 * index + 1], shifts[3 * index + 2]],
-            tilt_deg: [tilts[2 * index], tilts[2 * index + 1]],
-            intensity: intensities.as_ref().map_or(1.0, |all| all[index]),
-        };
-        alignment.leds = (0..leds).map(led).collect();
-    }
+    let tilts = read_leds(&section, leds, &mut alignment, sources, found);
     let turns = [("camera_turn_deg", &alignment.camera_turn_deg[..]), ("sensor_tilt_deg", &alignment.sensor_tilt_deg)];
     let turns = turns.into_iter().chain([("ring_turn_deg", &alignment.ring_turn_deg[..]), ("led_tilt_deg", &tilts)]);
     for (key, values) in turns {
@@ -67,6 +77,39 @@ fn read_stated(section: Section<'_>, leds: usize, sources: &SourceMap, found: &m
     }
     section.close(sources, found);
     alignment
+}
+
+/// Puts the LEDs into the alignment; gives their tilts, degrees.
+fn read_leds(
+    section: &Section<'_>,
+    leds: Leds,
+    alignment: &mut Alignment,
+    sources: &SourceMap,
+    found: &mut Found,
+) -> Vec<f64> {
+    let stated = LED_KEYS.into_iter().find(|key| section.has(key));
+    let (Some(_), Leds::Known(count)) = (stated, leds) else {
+        // Numbers of any length, so that what else is wrong with them is told.
+        LED_KEYS.into_iter().for_each(|key| drop(section.optional_numbers(key, None, Range::Finite, sources, found)));
+        if let (Some(key), Leds::None) = (stated, leds) {
+            let message = format!("\"{key}\" needs LEDs, but the camera file has no [rig]");
+            found.errors.push(Diagnostic::error(message).at(section.span_of(key, sources)));
+        }
+        return Vec::new();
+    };
+    let mut list = |key, length| {
+        let values = section.optional_numbers(key, Some(length), Range::Finite, sources, found);
+        values.unwrap_or_else(|| vec![0.0; length])
+    };
+    let (shifts, tilts) = (list(LED_KEYS[0], 3 * count), list(LED_KEYS[1], 2 * count));
+    let intensities = section.optional_numbers(LED_KEYS[2], Some(count), Range::NotNegative, sources, found);
+    let led = |index: usize| LedAlignment {
+        shift_mm: [shifts[3 * index], shifts[3 * index + 1], shifts[3 * index + 2]],
+        tilt_deg: [tilts[2 * index], tilts[2 * index + 1]],
+        intensity: intensities.as_ref().map_or(1.0, |all| all[index]),
+    };
+    alignment.leds = (0..count).map(led).collect();
+    tilts
 }
 
 fn read_tolerances(section: Section<'_>, sources: &SourceMap, found: &mut Found) -> (Tolerances, u64) {

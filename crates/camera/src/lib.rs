@@ -37,6 +37,7 @@ mod flicker_section;
 mod lobe_pattern;
 mod matrix_file;
 mod number_table;
+mod replaced_keys;
 mod rig;
 mod rig_section;
 mod section;
@@ -47,9 +48,11 @@ mod summary;
 pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;
 pub use number_table::{NumberTable, NumberTableRow, read_measurements};
+pub use replaced_keys::{KeyError, with_key};
 pub use rig::{LedEmission, Rig};
 pub use shutter::{Flicker, FlickeringLamp, Shutter, Waveform};
 
+use alignment_section::Leds;
 use radsight_diag::{Diagnostic, SourceId, SourceMap, hint_nearest};
 use radsight_loader::Loader;
 use radsight_pinhole::{BandWeights, BandWeightsError, PinholeCamera};
@@ -223,7 +226,11 @@ fn read_document(
         .and_then(|section| sensor_section::read(section, camera.as_ref(), name, sources, loader, found));
     let (sensor, band_weights, mosaic) =
         sensor.map_or((None, None, None), |read| (Some(read.sensor), read.band_weights, read.mosaic));
-    let leds = rig.as_ref().map_or(0, |rig| rig.leds as usize);
+    let leds = match &rig {
+        Some(rig) => Leds::Known(rig.leds as usize),
+        None if document.contains_key("rig") => Leds::Wrong,
+        None => Leds::None,
+    };
     let stated = Section::open(document, "alignment", source, sources, found);
     let tolerated = Section::open(document, "tolerances", source, sources, found);
     let alignment = alignment_section::read(stated, tolerated, leds, sources, found);

@@ -241,7 +241,28 @@ fn quantum_efficiency(
     let near = |stated: f64| wavelength.is_some_and(|wavelength| (wavelength - stated).abs() <= SAME_WAVELENGTH_M);
     let stated =
         preset.and_then(|preset| preset.quantum_efficiency).filter(|(_, at)| near(*at)).map(|(value, _)| value);
+    if let (Some(preset), None, false) = (preset, stated, section.has("quantum_efficiency")) {
+        section.optional_number("quantum_efficiency", Range::Positive, sources, found);
+        // A camera that is wrong has no wavelength to look for.
+        camera?;
+        let error = Diagnostic::error(missing_efficiency(&preset)).at(section.span_of("preset", sources));
+        found.errors.push(error.hint("for example quantum_efficiency = 0.6"));
+        return None;
+    }
     number_or(section, "quantum_efficiency", Range::Positive, "0.6", stated, sources, found)
+}
+
+fn missing_efficiency(preset: &Preset) -> String {
+    let name = preset.name;
+    match preset.quantum_efficiency {
+        Some((_, at)) => {
+            format!(
+                "[sensor] has no \"quantum_efficiency\", and preset \"{name}\" states it at {:.0} nm alone",
+                at * 1e9
+            )
+        }
+        None => format!("[sensor] has no \"quantum_efficiency\", and preset \"{name}\" does not state it"),
+    }
 }
 
 fn load_efficiency(

@@ -264,7 +264,12 @@ fn a_preset_fills_in_what_its_source_states_and_nothing_else() {
     assert_eq!(own.description().full_well_e, 20_000.0);
     // The source says nothing of red light.
     let errors = read(&format!("{CAMERA}{sensor}")).unwrap_err();
-    assert!(errors.contains("[sensor] has no \"quantum_efficiency\""), "{errors}");
+    let expected = "[sensor] has no \"quantum_efficiency\", and preset \"imx174\" states it at 525 nm alone";
+    assert!(errors.contains(expected), "{errors}");
+    let errors = read(&format!("{CAMERA}{}", sensor.replace("imx174", "imx250"))).unwrap_err();
+    assert!(errors.contains("and preset \"imx250\" does not state it"), "{errors}");
+    let errors = read(&format!("{}{sensor}", green.replace("= 525.0", "= \"green\""))).unwrap_err();
+    assert!(!errors.contains("quantum_efficiency"), "a wrong camera has no wavelength to look for: {errors}");
     let errors = read(&format!("{CAMERA}{}", sensor.replace("imx174", "imx175"))).unwrap_err();
     assert!(errors.contains("hint: did you mean \"imx174\"?"), "{errors}");
 }
@@ -374,6 +379,12 @@ fn misalignment_moves_camera_ring_and_leds_as_it_says() {
     assert!(dim.contains(&format!(" {0} {0} {0}\n", 0.5 * full)), "{dim}");
     let errors = read(&format!("{CAMERA}{RIG}\n[alignment]\nled_intensity = [1, 1]\n")).unwrap_err();
     assert!(errors.contains("must be a list of 12 numbers, not of 2"), "{errors}");
+    let errors = read(&format!("{CAMERA}\n[alignment]\nled_intensity = [1, 1]\n")).unwrap_err();
+    assert!(errors.contains("\"led_intensity\" needs LEDs, but the camera file has no [rig]"), "{errors}");
+    let wrong_rig = RIG.replace("leds = 12", "leds = \"twelve\"");
+    let errors = read(&format!("{CAMERA}{wrong_rig}\n[alignment]\nled_intensity = [1, 1]\n")).unwrap_err();
+    assert!(errors.contains("twelve") || errors.contains("\"leds\""), "{errors}");
+    assert!(!errors.contains("led_intensity"), "the ring is to be mended first: {errors}");
 }
 
 #[test]

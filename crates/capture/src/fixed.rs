@@ -5,6 +5,7 @@ use crate::{Exposer, Exposure, Progress, Workers};
 use radsight_pinhole::{BandWeights, CameraRay, PixelAverage, Rays};
 use radsight_render::Ray;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Pixels that a thread takes at a time.
@@ -49,6 +50,45 @@ impl Exposer<'_> {
             is_partial: cells_done < cells,
             pixels: None,
         }
+    }
+
+    /// Exposes some of [`Rays::cells`], each with its rays, for who exposes the others elsewhere: the exposure in J/m², to the last
+    /// bit that of [`Exposer::with_samples`], and half the difference of the exposures that the two halves of its rays give, which
+    /// estimates its standard error (NaN with one ray). `None` if the work was stopped.
+    #[must_use]
+    pub fn cells(&self, cells: Range<u64>, progress: &dyn Progress) -> Option<Vec<[f64; 2]>> {
+        let (done, total) = (AtomicU64::new(0), cells.end.saturating_sub(cells.start));
+        (cells.start as usize..cells.end as usize)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map_init(
+                || self.workers(),
+                |worker, cell| {
+                    let exposed = (!progress.stops()).then(|| self.halves(worker, cell as u64));
+                    let before = done.fetch_add(1, Ordering::Relaxed);
+                    if (before + 1) % CHUNK as u64 == 0 {
+                        progress.report(before + 1, total);
+                    }
+                    exposed
+                },
+            )
+            .collect()
+    }
+
+    /// E_pixel of one pixel in J/m², and half the difference of what the halves of its rays give.
+    fn halves(&self, worker: &mut Workers<'_>, pixel: u64) -> [f64; 2] {
+        let rays = self.rays;
+        let mut averages = [PixelAverage::default(); 3];
+        for sample in 0..rays.samples() {
+            let index = pixel * u64::from(rays.samples()) + u64::from(sample);
+            let ray = rays.of_sample(pixel, sample);
+            let radiance = radiance(worker, index, (rays, pixel), &ray, self.weights);
+            let half = if sample < rays.samples() / 2 { 1 } else { 2 };
+            averages[0].add(ray.cos4, radiance);
+            averages[half].add(ray.cos4, radiance);
+        }
+        let [whole, first, second] = averages.map(|average| average.exposure(rays.camera()));
+        [whole, if rays.samples() < 2 { f64::NAN } else { 0.5 * (second - first) }]
     }
 
     /// Exposes what is not known yet, until it is all or something else is wanted.

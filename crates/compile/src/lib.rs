@@ -47,8 +47,8 @@ pub use medium::{Medium, MistKind};
 pub use mist_lights::MistLights;
 pub use model_source::{ModelRequest, ModelSource, NoModels};
 pub use options::{
-    AmbientSurfaces, BackFaces, BareSurfaces, Gathering, GlobalMedium, LightDivision, Lights, PathLimit, Quantity,
-    RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BareSurfaces, Caustics, Gathering, GlobalMedium, LightDivision, Lights, PathLimit,
+    Quantity, RayTreeOutput, RenderOptions, Skip, Skipping, TrackedValue, Uncached,
 };
 pub use plan::{PlanDecision, RenderPlan, Sky};
 pub use portals::{Portal, Portals, VisiblePortals};

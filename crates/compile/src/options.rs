@@ -39,6 +39,8 @@ pub struct RenderOptions {
     pub medium: GlobalMedium,
     /// Length of a ray in mist for each sample of its light, scene units (`-ms`); 0 is one sample a ray. Default 0.
     pub mist_sample_length: f64,
+    /// Whether diffuse surfaces get light of lamps by way of curved mirrors and refracting bodies. Default not, as in Radiance.
+    pub caustics: Caustics,
     /// In which bands light is followed (`-cs`, `-cw`). Default red, green and blue.
     pub sampling: Sampling,
     /// Whether surfaces are seen from behind (`-bv`).
@@ -75,6 +77,7 @@ impl Default for RenderOptions {
             lights: Lights::Visible,
             medium: GlobalMedium::default(),
             mist_sample_length: 0.0,
+            caustics: Caustics::Discarded,
             sampling: Sampling::RGB,
             back_faces: BackFaces::Visible,
             quantity: Quantity::Radiance,
@@ -219,6 +222,15 @@ pub enum Lights {
     Visible,
     /// They are black, but for glows that are too far away to be sampled.
     Invisible,
+}
+
+/// Light of lamps that diffuse surfaces get by way of curved mirrors and refracting bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Caustics {
+    /// It is discarded, as in Radiance.
+    Discarded,
+    /// Paths to points of lamps are solved for.
+    Sampled,
 }
 
 /// A participating medium around everything.

@@ -3,7 +3,7 @@
 use crate::first_hit::{FirstHit, material_name};
 use crate::medium::Medium;
 use crate::mist_lights::MistLights;
-use crate::options::{BackFaces, GlobalMedium, RenderOptions, Skip};
+use crate::options::{BackFaces, Caustics, GlobalMedium, RenderOptions, Skip};
 use crate::portals::Portals;
 use crate::reflectors::Reflector;
 use crate::shader::{Kind, Shader, Substitution};
@@ -99,6 +99,13 @@ pub struct PlanDecision {
 }
 
 impl RenderPlan {
+    /// Whether paths by way of specular surfaces to lamps are solved for.
+    #[must_use]
+    pub fn samples_caustics(&self) -> bool {
+        let are_followed = !self.has_antimatter && !self.lights_are_covered;
+        self.options.caustics == Caustics::Sampled && are_followed && !self.reflectors.is_empty()
+    }
+
     /// The error of a ray that met a surface whose material cannot be used; what was traced is then worthless.
     #[must_use]
     pub fn unusable_met(&self) -> Option<Diagnostic> {

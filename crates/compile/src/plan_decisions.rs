@@ -1,6 +1,6 @@
 //! The decisions of a plan, in words.
 
-use crate::options::Skip;
+use crate::options::{Caustics, Skip};
 use crate::plan::{PlanDecision, RenderPlan};
 use crate::shader::Kind;
 
@@ -48,6 +48,16 @@ impl RenderPlan {
         if !self.portals.is_empty() {
             let what = format!("rays are sent towards {} portals", self.portals.len());
             decisions.say(what, "light of glows or of the sky comes in there");
+        }
+        if self.options.caustics == Caustics::Sampled {
+            if self.samples_caustics() {
+                decisions.say(
+                    format!("paths to lamps are solved for by way of {} specular surfaces", self.reflectors.len()),
+                    "caustics are asked for",
+                );
+            } else {
+                decisions.say("caustics are not sampled".into(), "no curved mirror and no body, or mist or antimatter");
+            }
         }
         if self.has_caustics {
             decisions

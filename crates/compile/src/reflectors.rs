@@ -20,6 +20,10 @@ pub struct Reflector {
 }
 
 impl Reflector {
+    fn around(bounds: Bounds) -> Reflector {
+        Reflector { center: 0.5 * (bounds.min + bounds.max), radius: 0.5 * bounds.min.distance(bounds.max) }
+    }
+
     /// Unit direction towards it from a point outside, and the tangent of the angle under which its radius is seen.
     #[must_use]
     pub fn cone(&self, from: DVec3) -> Option<(DVec3, f64)> {
@@ -59,18 +63,21 @@ pub(crate) fn find_reflectors<'a>(
         Shape::Mesh(_) | Shape::Instance(_) => true,
         shape => mirrors(&shader(handle).kind, is_flat(shape)),
     };
-    let bounds = |handle: SurfaceHandle| geometry.bounds(scene, scene.surfaces[handle].shape);
-    let mut found: Vec<Bounds> =
-        geometry.members().filter(|(_, handle)| is_mirror(*handle)).filter_map(|(_, handle)| bounds(handle)).collect();
-    if found.len() > MOST {
+    let mirrors: Vec<SurfaceHandle> =
+        geometry.members().map(|(_, handle)| handle).filter(|handle| is_mirror(*handle)).collect();
+    let bounds = |handle: &SurfaceHandle| geometry.bounds(scene, scene.surfaces[*handle].shape);
+    if mirrors.len() > MOST {
         let around = |a: Bounds, b: Bounds| Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
-        found = found.into_iter().reduce(around).into_iter().collect();
+        return mirrors.iter().filter_map(bounds).reduce(around).map(Reflector::around).into_iter().collect();
     }
-    let sphere = |bounds: Bounds| Reflector {
-        center: 0.5 * (bounds.min + bounds.max),
-        radius: 0.5 * bounds.min.distance(bounds.max),
+    let reflector = |handle: &SurfaceHandle| match scene.surfaces[*handle].shape {
+        Shape::Sphere(sphere) => {
+            let sphere = &scene.spheres[sphere];
+            Some(Reflector { center: sphere.center, radius: sphere.radius })
+        }
+        _ => bounds(handle).map(Reflector::around),
     };
-    found.into_iter().map(sphere).collect()
+    mirrors.iter().filter_map(reflector).collect()
 }
 
 /// Whether a surface may reflect perfectly in a way that light sampling does not follow.

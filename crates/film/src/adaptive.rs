@@ -10,11 +10,12 @@
 //! Where irradiance is cached, the error of that counts too: single paths tell it, and correct it (`residual.rs`).
 
 use crate::interpolated::{self, Interpolation};
+use crate::part::radiance;
 use crate::residual::{Judgement, Residuals};
 use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{CameraRay, ViewCamera, traced};
 use radsight_render::{RayWorker, Renderer};
-use radsight_sampling::{PixelError, RaySampler, doublings};
+use radsight_sampling::{PixelError, doublings};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -520,17 +521,10 @@ fn sum(
     pixel: usize,
     samples: Range<u32>,
 ) -> [f64; 3] {
-    let columns = camera.columns();
-    let (column, row) = (pixel % columns, pixel / columns);
     let mut sum = [0.0; 3];
     for sample in samples {
-        let index = ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample);
-        let sampler = RaySampler::new(renderer.plan().seed(), index);
-        let Some(ray) = camera.ray(column, row, &sampler) else { continue };
-        let Some(traced) = traced(worker, index, &ray) else { continue };
-        for (sum, band) in sum.iter_mut().zip(traced.value) {
-            *sum += band;
-        }
+        let value = radiance(worker, renderer, camera, pixel, sample);
+        sum = std::array::from_fn(|band| sum[band] + value[band]);
     }
     sum
 }

@@ -28,6 +28,7 @@
 
 mod arena;
 mod data;
+mod fingerprint;
 mod function;
 mod material;
 mod names;

@@ -8,18 +8,18 @@ use glam::DVec3;
 /// Records, and the irradiance that is interpolated between them.
 #[derive(Clone, Debug)]
 pub struct Cache<const BANDS: usize> {
-    limits: Limits,
-    records: Vec<Record<BANDS>>,
+    pub(crate) limits: Limits,
+    pub(crate) records: Vec<Record<BANDS>>,
     /// One for each record; from its own rays alone until others are adopted.
-    fits: Vec<Fit<BANDS>>,
+    pub(crate) fits: Vec<Fit<BANDS>>,
     /// Balls of the records' reach.
     reaches: Grid,
     /// Balls of the neighbourhoods of fits.
     neighbourhoods: Grid,
     /// Whether something near has changed since the last fit.
-    is_stale: Vec<bool>,
+    pub(crate) is_stale: Vec<bool>,
     /// How often each record has looked through each stratum.
-    looks: Vec<[u8; STRATA]>,
+    pub(crate) looks: Vec<[u8; STRATA]>,
 }
 
 /// Each cell of a hemisphere is divided into so many strata, of which a look takes one: neighbours that take different ones have together

@@ -12,6 +12,7 @@
 //! remains.
 
 use crate::record::{Record, mean};
+use crate::stored::store_fields;
 use glam::DVec3;
 
 /// What one ray from the place of a record found.
@@ -70,6 +71,9 @@ struct Emitter<const BANDS: usize> {
     irradiance: [f32; BANDS],
 }
 
+store_fields!(Emitters: points, is_known);
+store_fields!(Emitter: place, is_distant, normal, irradiance);
+
 /// So many points stand for the hits of a record.
 const COUNT: usize = 8;
 
@@ -118,6 +122,14 @@ impl<const BANDS: usize> Emitters<BANDS> {
         // Rounding may leave the last step just beyond the sum.
         emitters.is_known = chosen == COUNT;
         emitters
+    }
+
+    /// Whether all numbers are finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let is_finite = |point: &Emitter<BANDS>| {
+            point.place.is_finite() && point.normal.is_finite() && point.irradiance.iter().all(|band| band.is_finite())
+        };
+        self.points.iter().all(is_finite)
     }
 
     /// Takes in those of further rays from the same place, which have this share in all light found by now.

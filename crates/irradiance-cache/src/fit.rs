@@ -8,6 +8,7 @@
 
 use crate::emitter::EmitterModel;
 use crate::record::{Limits, Record, mean};
+use crate::stored::store_fields;
 use glam::{DMat3, DVec3};
 
 /// A plane of irradiance over the tangent plane of a record.
@@ -55,7 +56,27 @@ struct Neighbour<'r, const BANDS: usize> {
     agreement: f64,
 }
 
+store_fields!(
+    Fit: irradiance,
+    rotation,
+    translation,
+    curvature,
+    rays,
+    variance,
+    brightness,
+    scale,
+    interpolation_error
+);
+
 impl<const BANDS: usize> Fit<BANDS> {
+    /// Whether a fit that was saved is one that could have been made: finite.
+    pub(crate) fn is_usable(&self) -> bool {
+        let numbers = [self.rays, self.variance, self.brightness, self.scale, self.interpolation_error];
+        self.irradiance.iter().chain(&numbers).all(|number| number.is_finite() && *number >= 0.0)
+            && self.rotation.iter().chain(&self.translation).all(|change| change.is_finite())
+            && self.curvature.as_flattened().iter().all(|number| number.is_finite())
+    }
+
     /// From the record alone.
     pub(crate) fn of(record: &Record<BANDS>) -> Fit<BANDS> {
         Fit {

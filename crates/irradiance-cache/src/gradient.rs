@@ -4,6 +4,7 @@
 //! irradiance is the difference of their radiances times the speed of the edge between them.
 
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
+use crate::stored::store_fields;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -15,6 +16,8 @@ pub(crate) struct Gradients<const BANDS: usize> {
     /// Change per length.
     pub(crate) translation: [DVec3; BANDS],
 }
+
+store_fields!(Gradients: rotation, translation);
 
 impl<const BANDS: usize> Gradients<BANDS> {
     pub(crate) fn new(hemisphere: &Hemisphere, seen: &[GatheredRadiance<BANDS>]) -> Self {

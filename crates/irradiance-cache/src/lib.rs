@@ -33,9 +33,12 @@ mod gradient;
 mod grid;
 mod hemisphere;
 mod record;
+mod saved;
+mod stored;
 
 pub use cache::{Cache, STRATA};
 pub use emitter::GatherHit;
 pub use fit::Fit;
 pub use hemisphere::{GatheredRadiance, Hemisphere};
 pub use record::{Limits, Record};
+pub use stored::{Stored, StoredBytes};

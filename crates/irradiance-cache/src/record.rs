@@ -4,6 +4,7 @@ use crate::emitter::{Emitters, GatherHit};
 use crate::fit::Fit;
 use crate::gradient::Gradients;
 use crate::hemisphere::{GatheredRadiance, Hemisphere};
+use crate::stored::store_fields;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -42,6 +43,8 @@ pub struct Record<const BANDS: usize> {
     /// Irradiance that comes otherwise, averaged over the bands.
     pub(crate) otherwise: f64,
 }
+
+store_fields!(Record: position, normal, irradiance, gradients, emitters, scale, least, rays, variance, otherwise);
 
 impl<const BANDS: usize> Record<BANDS> {
     /// Makes a record from what is seen in each cell of the hemisphere over a unit `normal`, whose local frame is that of
@@ -168,6 +171,27 @@ impl<const BANDS: usize> Record<BANDS> {
         }
     }
 
+    /// Whether a record that was saved is one that could have been made: finite, and with a reach within the limits.
+    pub(crate) fn is_usable(&self, limits: &Limits) -> bool {
+        let Gradients { rotation, translation } = &self.gradients;
+        let numbers = [self.rays, self.variance, self.otherwise, self.least];
+        let is_finite = self.position.is_finite()
+            && self.normal.is_normalized()
+            && self.irradiance.iter().chain(&numbers).all(|number| number.is_finite() && *number >= 0.0)
+            && rotation.iter().chain(translation).all(|gradient| gradient.is_finite())
+            && self.emitters.is_finite();
+        // NaN is in no range.
+        let reach = self.reach(limits) / limits.most;
+        is_finite && self.rays > 0.0 && self.scale > 0.0 && (0.0..=1.0 + ROUNDING).contains(&reach)
+    }
+
+    /// The same for a cache of other limits.
+    pub(crate) fn within(self, limits: &Limits) -> Self {
+        let least = self.least.max(limits.least).min(limits.most);
+        let scale = self.scale.min(limits.most / limits.accuracy).max(least / limits.accuracy);
+        Record { least, scale, ..self }
+    }
+
     /// How far the record reaches.
     pub(crate) fn reach(&self, limits: &Limits) -> f64 {
         limits.accuracy * self.scale
@@ -204,6 +228,9 @@ impl<const BANDS: usize> Record<BANDS> {
 pub(crate) fn mean<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     bands.iter().sum::<f64>() / BANDS as f64
 }
+
+/// A reach at its limit may be larger by so much, as a share.
+const ROUNDING: f64 = 1e-9;
 
 /// How many times itself the irradiance may change within the scale.
 const STEEPEST: f64 = 2.0;

@@ -30,9 +30,11 @@ pub mod inputs;
 pub mod interrupt;
 mod leftovers;
 mod place;
+mod shared_file;
 mod whole_file;
 
 pub use closed_file::ClosedFile;
 pub use leftovers::leftovers;
 pub use place::Place;
+pub use shared_file::SharedFile;
 pub use whole_file::WholeFile;

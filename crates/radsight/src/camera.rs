@@ -37,6 +37,11 @@ pub trait Camera: Sync {
     /// The ray through a point of the film, (0, 0) its top left corner and (1, 1) the bottom right one, and a point of the
     /// aperture in the unit square; `None` where nothing is seen. Both are evenly spread.
     fn ray(&self, film: [f64; 2], aperture: [f64; 2]) -> Option<CameraRay>;
+
+    /// The same for many pairs of points at once; what is traced is this. For cameras to which one call costs much.
+    fn rays(&self, film: &[[f64; 2]], aperture: &[[f64; 2]]) -> Vec<Option<CameraRay>> {
+        film.iter().zip(aperture).map(|(film, aperture)| self.ray(*film, *aperture)).collect()
+    }
 }
 
 pub(crate) fn checked(ray: CameraRay) -> Option<(Ray, f64)> {

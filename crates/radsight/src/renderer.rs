@@ -4,16 +4,24 @@ use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
+use crate::integrator::{Integrator, PathIntegrator, RayQueries};
 use crate::{Scene, View, report_page};
+use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
 use radsight_film::{Film, SamplingBudget, ViewCamera};
 use radsight_picture::Header;
-use radsight_render::{Gathering, Ray, RaySpacing, RenderOptions, RenderPlan, Traced, Uncached};
+use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
 
 /// Rays through a pixel of a camera of one's own, unless it is said.
 const USUAL_SAMPLES: u32 = 16;
+
+/// Rays that a camera of one's own is asked for at once, about.
+const CAMERA_BATCH: usize = 4096;
+
+/// Rays after which it is asked whether to go on.
+const RAYS_AT_A_TIME: usize = 1 << 17;
 
 /// Bits of a ray's number that tell the samples of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
@@ -40,6 +48,8 @@ pub struct Renderer {
     jitter: Option<f64>,
     /// What answers rays, for the options with which it was made.
     ready: Option<(RenderOptions, radsight_render::Renderer)>,
+    /// An irradiance cache that was loaded, for each `ready` that is made.
+    loaded: Option<Vec<u8>>,
 }
 
 /// What a ray owes to one of the modifiers that were asked for.
@@ -80,7 +90,7 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn with_options(scene: &Scene, options: RenderOptions) -> Result<Renderer, Error> {
         let budget = ErrorBudget::default();
-        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None };
+        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None, loaded: None };
         let options = renderer.options.clone();
         renderer.prepare(options)?;
         Ok(renderer)
@@ -183,6 +193,14 @@ impl Renderer {
         let mut row = 0;
         while row < rows {
             let block = film.block_of(row);
+            // Pixels of so many samples each do not depend on each other: the answer to whether to go on need not wait for a block.
+            let block = match pixels {
+                SamplingBudget::Samples(samples) => {
+                    let at_a_time = (RAYS_AT_A_TIME / (columns * samples as usize)).max(1);
+                    row..block.end.min(row + at_a_time)
+                }
+                _ => block,
+            };
             image.extend(film.finish_block(block.clone()));
             row = block.end;
             if !progress(row as f64 / rows as f64) {
@@ -201,6 +219,20 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
+        self.render_with(&PathIntegrator, camera, columns, rows)
+    }
+
+    /// The same with an integrator of one's own.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with(
+        &mut self,
+        integrator: &dyn Integrator,
+        camera: &dyn Camera,
+        columns: usize,
+        rows: usize,
+    ) -> Result<Image, Error> {
         Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
@@ -214,29 +246,45 @@ impl Renderer {
         let place = |pixel: usize, [x, y]: [f64; 2]| {
             [((pixel % columns) as f64 + x) / columns as f64, ((pixel / columns) as f64 + y) / rows as f64]
         };
-        let middle = |pixel: usize| camera.ray(place(pixel, [0.5; 2]), [0.5; 2]).and_then(camera::checked);
-        let first: Vec<Option<Ray>> = (0..columns * rows).map(|pixel| middle(pixel).map(|(ray, _)| ray)).collect();
+        let pixels = columns * rows;
+        let mut first = Vec::with_capacity(pixels);
+        for begin in (0..pixels).step_by(CAMERA_BATCH) {
+            let film: Vec<[f64; 2]> =
+                (begin..pixels.min(begin + CAMERA_BATCH)).map(|pixel| place(pixel, [0.5; 2])).collect();
+            let rays = camera.rays(&film, &vec![[0.5; 2]; film.len()]);
+            first.extend(rays.into_iter().map(|ray| ray.and_then(camera::checked).map(|(ray, _)| ray)));
+        }
         renderer.gather_irradiance(&first, RaySpacing::UNKNOWN);
         let renderer = &*renderer;
-        let pixels: Vec<[f32; 3]> = (0..columns * rows)
+        let at_once = (CAMERA_BATCH / samples as usize).max(1);
+        let batches: Vec<Vec<[f32; 3]>> = (0..pixels.div_ceil(at_once))
             .into_par_iter()
-            .with_min_len(16)
             .map_init(
                 || renderer.worker(),
-                |worker, pixel| {
-                    let mut sum = [0.0; 3];
-                    for sample in 0..samples {
-                        let index = (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample);
-                        let [x, y, across, along] = RaySampler::new(seed, index).take(DimensionSet::CAMERA);
-                        let ray = camera.ray(place(pixel, [x, y]), [across, along]).and_then(camera::checked);
-                        let Some((ray, weight)) = ray else { continue };
-                        let value = worker.trace(index, &ray).value;
-                        sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
+                |worker, batch| {
+                    let range = batch * at_once..pixels.min((batch + 1) * at_once);
+                    let numbers = range.clone().flat_map(|pixel| {
+                        (0..samples).map(move |sample| (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample))
+                    });
+                    let numbers: Vec<u64> = numbers.collect();
+                    let points = numbers.iter().map(|index| RaySampler::new(seed, *index).take(DimensionSet::CAMERA));
+                    let at = |index: &u64, [x, y, across, along]: [f64; 4]| {
+                        (place((index >> SEQUENCE_LOG2) as usize, [x, y]), [across, along])
+                    };
+                    let (film, aperture): (Vec<_>, Vec<_>) =
+                        numbers.iter().zip(points).map(|(index, point)| at(index, point)).unzip();
+                    let mut sums = vec![[0.0; 3]; range.len()];
+                    for (index, ray) in numbers.iter().zip(camera.rays(&film, &aperture)) {
+                        let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
+                        let value = integrator.radiance(&mut RayQueries::new(worker, seed, *index), &ray);
+                        let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
+                        *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
-                    sum.map(|band| (band / f64::from(samples)) as f32)
+                    sums.into_iter().map(|sum| sum.map(|band| (band / f64::from(samples)) as f32)).collect()
                 },
             )
             .collect();
+        let pixels = batches.concat();
         check_materials(renderer.plan(), &sources)?;
         let maps = Maps { relative_errors: None, samples: Some(vec![samples; columns * rows]) };
         let image = Image::new(columns, pixels, header(""), report(renderer, None));
@@ -249,15 +297,35 @@ impl Renderer {
     /// # Errors
     /// [`Error::Material`] where a ray met a material that cannot be used.
     pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
-        let sources = self.scene.sources.clone();
+        Ok(self.trace_part(0, rays, &Silent)?.expect("nobody stopped it"))
+    }
+
+    /// The same for a part of a longer list, in which the first of these rays has the place `first`: without cached irradiance
+    /// the answers are those of the whole list. `progress` hears how far it is, and can stop it: it gives `None` then.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn trace_part(
+        &mut self,
+        first: u64,
+        rays: &[Ray],
+        progress: &dyn Progress,
+    ) -> Result<Option<Vec<Traced>>, Error> {
         let mut options = self.options.clone();
         options.gathering.uncached = Uncached::Split;
         let renderer = self.prepare(options)?;
-        let rays: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
-        renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
-        let traced = renderer.trace_all(0, &rays);
-        check_materials(renderer.plan(), &sources)?;
-        Ok(traced.into_iter().flatten().collect())
+        let all: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
+        renderer.gather_irradiance(&all, RaySpacing::UNKNOWN);
+        let mut traced = Vec::with_capacity(all.len());
+        for some in all.chunks(RAYS_AT_A_TIME) {
+            if progress.stops() {
+                return Ok(None);
+            }
+            traced.extend(renderer.trace_all(first + traced.len() as u64, some).into_iter().flatten());
+            progress.report(traced.len() as u64, all.len() as u64);
+        }
+        self.check_met()?;
+        Ok(Some(traced))
     }
 
     /// What each ray owes to modifiers of these names: the radiance of emitters among them times what of it arrives, as `rcontrib`
@@ -266,32 +334,94 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::trace`].
     pub fn contributions(&mut self, rays: &[Ray], modifiers: &[&str]) -> Result<Vec<Vec<ModifierContribution>>, Error> {
-        let sources = self.scene.sources.clone();
+        Ok(self.contributions_part(0, rays, modifiers, &Silent)?.expect("nobody stopped it"))
+    }
+
+    /// The same for a part of a longer list, as [`Renderer::trace_part`] has it.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn contributions_part(
+        &mut self,
+        first: u64,
+        rays: &[Ray],
+        modifiers: &[&str],
+        progress: &dyn Progress,
+    ) -> Result<Option<Vec<Vec<ModifierContribution>>>, Error> {
         let mut options = self.options.clone();
         options.tracked_modifiers = modifiers.iter().map(|name| (*name).to_owned()).collect();
         options.tracked_value = radsight_render::TrackedValue::Radiance;
         options.gathering.accuracy = 0.0;
         options.gathering.uncached = Uncached::Split;
         let renderer = &*self.prepare(options)?;
-        let owed = rays
-            .par_iter()
-            .enumerate()
-            .map_init(
+        let mut owed = Vec::with_capacity(rays.len());
+        for some in rays.chunks(RAYS_AT_A_TIME) {
+            if progress.stops() {
+                return Ok(None);
+            }
+            let before = owed.len() as u64;
+            let of_rays = some.par_iter().enumerate().map_init(
                 || renderer.worker(),
-                |worker, (index, ray)| {
-                    let mut sums = vec![[0.0; 3]; modifiers.len()];
-                    worker.contributions(index as u64, ray, |contribution| {
-                        let bands = contribution.value.as_slice();
-                        let sum = &mut sums[contribution.modifier];
-                        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
-                    });
-                    let told = sums.into_iter().enumerate();
-                    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
-                },
-            )
-            .collect();
-        check_materials(renderer.plan(), &sources)?;
-        Ok(owed)
+                |worker, (index, ray)| contributions_of(worker, first + before + index as u64, ray, modifiers.len()),
+            );
+            owed.extend(of_rays.collect::<Vec<_>>());
+            progress.report(owed.len() as u64, rays.len() as u64);
+        }
+        self.check_met()?;
+        Ok(Some(owed))
+    }
+
+    /// What answers rays with these options.
+    pub(crate) fn ready_for(&mut self, options: RenderOptions) -> Result<&radsight_render::Renderer, Error> {
+        self.prepare(options).map(|renderer| &*renderer)
+    }
+
+    /// Whether a ray met a material that cannot be used.
+    pub(crate) fn check_met(&self) -> Result<(), Error> {
+        self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
+    }
+
+    /// The irradiance that pictures and rays have cached so far, as bytes for [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    ///
+    /// ```
+    /// use radsight::{Renderer, Scene, View};
+    /// # fn main() -> Result<(), radsight::Error> {
+    /// let text = "void plastic grey 0 0 5 .5 .5 .5 0 0 grey sphere ball 0 0 4 0 9 0 2 void glow sky 0 0 4 1 1 1 0 sky source dome 0 0 4 0 0 1 360";
+    /// let scene = Scene::from_text(text)?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+    /// let mut first = Renderer::new(&scene)?.ambient_bounces(1);
+    /// let image = first.render(&view, 16, 16)?;
+    /// let cache = first.save_irradiance_cache().expect("a bounce fills it");
+    /// // In another process:
+    /// let mut second = Renderer::new(&scene)?.ambient_bounces(1).seed(7);
+    /// assert!(second.load_irradiance_cache(cache)? > 0);
+    /// # let _ = (image, second.render(&view, 16, 16)?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn save_irradiance_cache(&mut self) -> Option<Vec<u8>> {
+        let scene = self.scene.scene.fingerprint();
+        let cached = self.ready.as_mut().and_then(|(_, renderer)| renderer.save_irradiance_cache(scene));
+        cached.or_else(|| self.loaded.clone())
+    }
+
+    /// Takes over irradiance that was saved for the same scene and for options that count the same light, and says from how many points it is. Rays for which it was
+    /// gathered get the same answers, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
+    pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
+        let (before, options) = (self.loaded.take(), self.options.clone());
+        let scene = self.scene.scene.fingerprint();
+        let records = match self.prepare(options)?.load_irradiance_cache(&bytes, scene) {
+            Ok(records) => records,
+            Err(error) => {
+                self.loaded = before;
+                return Err(error.into());
+            }
+        };
+        self.loaded = Some(bytes);
+        Ok(records)
     }
 
     /// What answers rays with these options; made anew where they are others than before.
@@ -300,10 +430,25 @@ impl Renderer {
             self.ready = None;
             let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
                 .map_err(|errors| Error::Scene(Report::new(errors, self.scene.sources.clone())))?;
-            self.ready = Some((options, radsight_render::Renderer::new(plan)));
+            let mut renderer = radsight_render::Renderer::new(plan);
+            if let Some(cache) = &self.loaded {
+                renderer.load_irradiance_cache(cache, self.scene.scene.fingerprint())?;
+            }
+            self.ready = Some((options, renderer));
         }
         Ok(&mut self.ready.as_mut().expect("it was just made").1)
     }
+}
+
+fn contributions_of(worker: &mut RayWorker<'_>, index: u64, ray: &Ray, modifiers: usize) -> Vec<ModifierContribution> {
+    let mut sums = vec![[0.0; 3]; modifiers];
+    worker.contributions(index, ray, |contribution| {
+        let bands = contribution.value.as_slice();
+        let sum = &mut sums[contribution.modifier];
+        *sum = std::array::from_fn(|band| sum[band] + f64::from(bands[band.min(bands.len() - 1)]));
+    });
+    let told = sums.into_iter().enumerate();
+    told.map(|(modifier, value)| ModifierContribution { modifier, value }).collect()
 }
 
 /// How good a picture is, and what was left out for it.

@@ -59,7 +59,7 @@ impl CapturedImage {
     /// # Errors
     /// [`Error::Size`] for a camera of another size than the one that exposed it.
     pub fn report_page(&self, camera: &Capture, title: &str) -> Result<Page, Error> {
-        let file = camera.file();
+        let file = camera.camera_file();
         let wrong = |_| Error::Size { columns: self.columns, rows: self.rows, most: Image::MOST_PIXELS };
         let single = |values: &[f64]| {
             let data = values.iter().map(|value| *value as f32).collect();

@@ -2,13 +2,14 @@
 
 use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
+use crate::checksum::ray_set;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;
-use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record};
+use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, StoredBytes};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -86,7 +87,13 @@ pub(crate) fn gather<const BANDS: usize>(
     rays: &[Option<Ray>],
     spread: RaySpacing,
 ) -> usize {
-    let GatheredIrradiance { seen, beyond, bright } = gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    let GatheredIrradiance { seen, beyond, bright, served } =
+        gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    let asked = ray_set(rays, spread);
+    if served.contains(&asked) {
+        return 0;
+    }
+    served.push(asked);
     if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
         let looks = SecondaryGathers::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
@@ -111,6 +118,8 @@ pub(crate) struct GatheredIrradiance<const BANDS: usize> {
     beyond: Level<BANDS>,
     /// What was found bright from either.
     bright: GuidingRecords,
+    /// Numbers of the rays for which it was gathered ([`ray_set`]): these want nothing more.
+    served: Vec<u64>,
 }
 
 /// Irradiance at places from which equally many diffuse bounces lie behind, and what it was gathered from.
@@ -119,7 +128,11 @@ struct Level<const BANDS: usize> {
     cache: Cache<BANDS>,
     /// Standard error that may remain, as a share.
     noise: f64,
-    /// Where each record looked around.
+    /// How many of the first records were taken over from elsewhere; they do not look around again.
+    taken_over: usize,
+    /// How many of the first records are known elsewhere by now.
+    saved: usize,
+    /// Where each of the other records looked around.
     places: Vec<CachePoint<BANDS>>,
     /// The hemisphere of a look, and that of the first places.
     hemisphere: Hemisphere,
@@ -144,6 +157,43 @@ impl<const BANDS: usize> GatheredIrradiance<BANDS> {
             seen: Level::new(plan, limits, noise, 0),
             beyond: Level::new(plan, coarse, NOISIER * noise, FIRST_LOOK_BEYOND),
             bright: GuidingRecords::default(),
+            served: Vec::new(),
+        }
+    }
+
+    /// How many records there are.
+    pub(crate) fn len(&self) -> usize {
+        self.seen.cache.len() + self.beyond.cache.len()
+    }
+
+    /// Adds it to the end of some bytes, where others will find it.
+    pub(crate) fn save(&mut self, bytes: &mut Vec<u8>) {
+        self.seen.save(bytes);
+        self.beyond.save(bytes);
+        (self.served.len() as u64).store(bytes);
+        self.served.iter().for_each(|served| served.store(bytes));
+    }
+
+    /// What others have found for this plan; `None` where the bytes are none of [`GatheredIrradiance::save`].
+    pub(crate) fn restored(plan: &RenderPlan, bytes: &mut StoredBytes<'_>) -> Option<Self> {
+        let mut gathered = GatheredIrradiance::new(plan);
+        gathered.seen.restore(bytes)?;
+        gathered.beyond.restore(bytes)?;
+        for _ in 0..u64::restore(bytes)? {
+            gathered.served.push(u64::restore(bytes)?);
+        }
+        Some(gathered)
+    }
+
+    /// Adds what was found here since it was last saved, where nothing is known yet.
+    pub(crate) fn take_over(&mut self, own: GatheredIrradiance<BANDS>) {
+        self.seen.take_over(own.seen);
+        self.beyond.take_over(own.beyond);
+        self.bright = own.bright;
+        for served in own.served {
+            if !self.served.contains(&served) {
+                self.served.push(served);
+            }
         }
     }
 
@@ -174,6 +224,8 @@ impl<const BANDS: usize> Level<BANDS> {
         Level {
             cache,
             noise,
+            taken_over: 0,
+            saved: 0,
             places: Vec::new(),
             hemisphere,
             first_hemisphere,
@@ -183,6 +235,30 @@ impl<const BANDS: usize> Level<BANDS> {
             least_own_rays: 0.0,
             allocations: Vec::new(),
         }
+    }
+
+    fn save(&mut self, bytes: &mut Vec<u8>) {
+        self.looks.store(bytes);
+        self.cache.save(bytes);
+        self.saved = self.cache.len();
+    }
+
+    fn restore(&mut self, bytes: &mut StoredBytes<'_>) -> Option<()> {
+        self.looks = u64::restore(bytes)?;
+        self.cache = Cache::restored(bytes, *self.cache.limits())?;
+        self.settle();
+        self.saved = self.cache.len();
+        self.taken_over = self.saved;
+        Some(())
+    }
+
+    /// Adds the records of another level that nobody knew but that one. What it has spent counts here.
+    fn take_over(&mut self, other: Level<BANDS>) {
+        self.cache.take_over(&other.cache, other.saved);
+        self.settle();
+        self.taken_over = self.cache.len();
+        self.looks = self.looks.max(other.looks);
+        self.rays = other.rays;
     }
 
     /// How many hemisphere samples may be taken for these.
@@ -317,7 +393,7 @@ impl<const BANDS: usize> Level<BANDS> {
             while due >= 1.0 {
                 due -= 1.0;
                 weak.push(index);
-                again.push((self.places[index].clone(), self.cache.take_gather(index)));
+                again.push((self.places[index - self.taken_over].clone(), self.cache.take_gather(index)));
             }
         }
         let records = self.gather_at(plan, known, &again);

@@ -10,6 +10,8 @@
 mod cache_prepass;
 mod cache_query;
 mod caching;
+mod caustic;
+mod checksum;
 mod contribution;
 mod direct;
 mod gather;
@@ -28,6 +30,7 @@ mod ray_spacing;
 mod ray_tree;
 mod renderer;
 mod retrace;
+mod saved_cache;
 mod shadow;
 mod specular_chain;
 mod specular_return;
@@ -38,13 +41,14 @@ pub use contribution::Contribution;
 pub use mirrored_light::MirroredLight;
 pub use radsight_accel::Ray;
 pub use radsight_compile::{
-    AmbientSurfaces, BackFaces, BareSurfaces, FirstHit, Gathering, GlobalMedium, LightDivision, Lights, ModelRequest,
-    ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan, Skip, Skipping,
-    TrackedValue, Uncached,
+    AmbientSurfaces, BackFaces, BareSurfaces, Caustics, FirstHit, Gathering, GlobalMedium, LightDivision, Lights,
+    ModelRequest, ModelSource, NoModels, PathLimit, PlanDecision, Quantity, RayTreeOutput, RenderOptions, RenderPlan,
+    Skip, Skipping, TrackedValue, Uncached,
 };
 pub use radsight_spectrum::Sampling;
 pub use radsight_texture::BandValues;
 pub use ray_spacing::RaySpacing;
 pub use ray_tree::{RayValue, TreeRay};
 pub use renderer::{RayWorker, Renderer};
+pub use saved_cache::CacheError;
 pub use trace::Traced;

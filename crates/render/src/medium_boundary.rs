@@ -55,7 +55,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         }
         let left = medium.transmission(distance);
         let before = self.radiance;
-        if medium.scatters() {
+        if medium.scatters() && !path.seeks_caustics() {
             let ambient: [f64; BANDS] = bands(self.plan.options.ambient_value);
             for band in 0..BANDS {
                 let scattered = medium.albedo[band] * ambient[band] * (1.0 - left[band]);

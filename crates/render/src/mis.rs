@@ -1,5 +1,6 @@
 //! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
 
+use crate::caustic::CausticPath;
 use crate::light_selection::selection_pdf;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray, RayFrame};
@@ -36,10 +37,14 @@ pub(crate) struct MisState {
 }
 
 /// What a direction was drawn from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Lobe {
     Diffuse,
     Highlight,
+    /// The direction was solved for: only this path counts.
+    Caustic(CausticPath),
+    /// From directions with this density, 1/sr, to find large images of lamps behind specular surfaces.
+    LargeImage(f64),
 }
 
 /// Whether sampling a light could have found the same path.
@@ -79,6 +84,19 @@ impl MisState {
         }
     }
 
+    /// Whether only lamps behind specular surfaces are looked for.
+    pub(crate) fn seeks_caustics(&self) -> bool {
+        matches!(self.lobe, Lobe::Caustic(_) | Lobe::LargeImage(_))
+    }
+
+    /// The only path that counts, where the direction was solved for.
+    pub(crate) fn caustic(&self) -> Option<CausticPath> {
+        match self.lobe {
+            Lobe::Caustic(path) => Some(path),
+            _ => None,
+        }
+    }
+
     /// After a mirror.
     pub(crate) fn reflected(&mut self, surface: SurfaceHandle) {
         if self.passed < MAX_CHAIN {
@@ -115,7 +133,7 @@ impl MisState {
             return 1.0;
         }
         // As in Radiance, diffuse interreflection finds no sampled light by way of a curved mirror: direct light is for lights.
-        let stray = if self.lobe == Lobe::Highlight && !self.behind_illum { 1.0 } else { 0.0 };
+        let stray = if self.lobe != Lobe::Diffuse && !self.behind_illum { 1.0 } else { 0.0 };
         match self.reachability {
             Reachability::Lost => return stray,
             Reachability::Covered => return 0.0,

@@ -6,6 +6,7 @@ use crate::contribution::Contribution;
 use crate::mirrored_light::MirroredLight;
 use crate::ray_spacing::RaySpacing;
 use crate::ray_tree::TreeRay;
+use crate::saved_cache::{CacheError, load, save};
 use crate::trace::{PathIntegrator, Traced};
 use glam::{DVec2, DVec3};
 use radsight_accel::Ray;
@@ -87,6 +88,29 @@ impl Renderer {
         }
         let plan = &self.plan;
         in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather(plan, gathered, rays, spread))
+    }
+
+    /// The irradiance that was gathered or loaded so far, as bytes that [`Renderer::load_irradiance_cache`] reads; `None` before any was. `scene` is a number by
+    /// which the scene is known again, such as `radsight_ir::Scene::fingerprint`.
+    pub fn save_irradiance_cache(&mut self, scene: u64) -> Option<Vec<u8>> {
+        let plan = &self.plan;
+        in_bands!(&mut self.shared, CachedIrradiance(gathered) => save(plan, gathered, scene))
+    }
+
+    /// Takes over irradiance that was saved, and says how many records there are then. What was gathered here since the last time it was saved or loaded stays
+    /// where the saved one reaches nothing. Where all was saved before, rays get the same answers from it as before, bit for bit.
+    ///
+    /// # Errors
+    /// Where the bytes are not of a cache for this scene and these options. The renderer is as it was then.
+    pub fn load_irradiance_cache(&mut self, bytes: &[u8], scene: u64) -> Result<usize, CacheError> {
+        let plan = &self.plan;
+        in_bands!(&mut self.shared, CachedIrradiance(gathered) => load(plan, gathered, bytes, scene))
+    }
+
+    /// Whether the options ask for an irradiance cache (`-ab`, `-aa`, `-ad`).
+    #[must_use]
+    pub fn caches_irradiance(&self) -> bool {
+        caches_irradiance(&self.plan)
     }
 
     /// The standard error that rays left in gathered irradiance, as a share of it: rms over the points it was gathered from. `None` where none is shared. What

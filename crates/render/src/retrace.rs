@@ -28,17 +28,27 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     /// The ray that a ray has become after these interactions; `None` where it has no such way.
     pub(crate) fn retrace(
         &mut self,
+        ray: Ray,
+        from: Option<PrimitiveId>,
+        events: impl Iterator<Item = SpecularEvent>,
+    ) -> Option<Ray> {
+        self.retraced(ray, from, events).map(|(ray, _)| ray)
+    }
+
+    /// The same, with where it was last reflected or refracted.
+    pub(crate) fn retraced(
+        &mut self,
         mut ray: Ray,
         mut from: Option<PrimitiveId>,
         events: impl Iterator<Item = SpecularEvent>,
-    ) -> Option<Ray> {
+    ) -> Option<(Ray, Option<PrimitiveId>)> {
         for event in events {
             let hit = self.next_visible(ray, from)?;
             let direction = self.specular_direction(&ray, &hit, self.plan.shader_at(hit.shader), event)?;
             ray = Ray { origin: hit.point, direction };
             from = Some(hit.primitive);
         }
-        Some(ray)
+        Some((ray, from))
     }
 
     /// The rays that a ray becomes behind its first mirror, its second, and so on.
@@ -75,7 +85,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// The first surface that does anything to a ray.
-    fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
+    pub(crate) fn next_visible(&self, mut ray: Ray, mut from: Option<PrimitiveId>) -> Option<Intersection> {
         for _ in 0..MAX_PASSED {
             let hit = self.plan.first_hit(&ray, from)?;
             let shader = self.plan.shader_at(hit.shader);
@@ -91,7 +101,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// Where a ray goes on from a surface; `None` where it does not in this way.
-    fn specular_direction(
+    pub(crate) fn specular_direction(
         &mut self,
         ray: &Ray,
         hit: &Intersection,

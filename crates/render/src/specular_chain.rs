@@ -19,6 +19,16 @@ pub(crate) enum SpecularEvent {
     Transmitted,
 }
 
+impl SpecularEvent {
+    /// What a surface does instead.
+    pub(crate) fn other(self) -> SpecularEvent {
+        match self {
+            SpecularEvent::Reflected => SpecularEvent::Transmitted,
+            SpecularEvent::Transmitted => SpecularEvent::Reflected,
+        }
+    }
+}
+
 impl SpecularChain {
     /// The chain after one more interaction.
     pub(crate) fn after(self, event: SpecularEvent) -> SpecularChain {
@@ -29,17 +39,41 @@ impl SpecularChain {
         }
     }
 
+    /// The chain of these interactions.
+    pub(crate) fn of(events: &[SpecularEvent]) -> SpecularChain {
+        events.iter().fold(SpecularChain::default(), |chain, event| chain.after(*event))
+    }
+
+    /// Whether its first interactions are those of `start`.
+    pub(crate) fn begins_with(self, start: SpecularChain) -> bool {
+        !self.is_lost
+            && !start.is_lost
+            && start.length <= self.length
+            && u32::from(self.reflected) >> (self.length - start.length) == u32::from(start.reflected)
+    }
+
     /// The chain after an interaction that cannot be taken backwards.
     pub(crate) fn lost(self) -> SpecularChain {
         SpecularChain { is_lost: true, ..self }
     }
 
+    /// Its interactions from the first to the last; `None` where there are none, or one cannot be taken.
+    pub(crate) fn forwards(self) -> Option<impl Iterator<Item = SpecularEvent> + Clone> {
+        self.is_known().then(|| (0..self.length).rev().map(move |bit| self.event(bit)))
+    }
+
     /// Its interactions from the last to the first; `None` where there are none, or one cannot be taken.
     pub(crate) fn backwards(self) -> Option<impl Iterator<Item = SpecularEvent> + Clone> {
-        let event = move |bit: u8| {
-            if self.reflected >> bit & 1 == 1 { SpecularEvent::Reflected } else { SpecularEvent::Transmitted }
-        };
-        (self.length > 0 && !self.is_lost).then(|| (0..self.length).map(event))
+        self.is_known().then(|| (0..self.length).map(move |bit| self.event(bit)))
+    }
+
+    fn is_known(self) -> bool {
+        self.length > 0 && !self.is_lost
+    }
+
+    /// Counted from the last.
+    fn event(self, bit: u8) -> SpecularEvent {
+        if self.reflected >> bit & 1 == 1 { SpecularEvent::Reflected } else { SpecularEvent::Transmitted }
     }
 }
 
@@ -52,7 +86,19 @@ mod tests {
     fn a_chain_is_taken_from_its_end() {
         let chain = SpecularChain::default().after(Reflected).after(Transmitted).after(Transmitted);
         assert!(chain.backwards().is_some_and(|events| events.eq([Transmitted, Transmitted, Reflected])));
+        assert!(chain.forwards().is_some_and(|events| events.eq([Reflected, Transmitted, Transmitted])));
         assert!(SpecularChain::default().backwards().is_none());
+    }
+
+    #[test]
+    fn a_chain_begins_with_its_first_interactions() {
+        let chain = SpecularChain::of(&[Reflected, Transmitted, Reflected]);
+        for start in [&[][..], &[Reflected], &[Reflected, Transmitted], &[Reflected, Transmitted, Reflected]] {
+            assert!(chain.begins_with(SpecularChain::of(start)), "{start:?}");
+        }
+        for other in [&[Transmitted][..], &[Reflected, Reflected], &[Reflected, Transmitted, Reflected, Reflected]] {
+            assert!(!chain.begins_with(SpecularChain::of(other)), "{other:?}");
+        }
     }
 
     #[test]

@@ -155,6 +155,16 @@ pub(crate) struct RayBundle {
 }
 
 impl RayBundle {
+    /// The ends of the ray and of the two beside it, each [`Self::step`] away in the tangent plane.
+    pub(crate) fn ends(&self) -> [&Ray; 3] {
+        [&self.middle, &self.beside[0], &self.beside[1]]
+    }
+
+    /// Distance in the tangent plane between the ray and those beside it.
+    pub(crate) const fn step(&self) -> f64 {
+        BESIDE
+    }
+
     /// The image of a light: centre in the tangent plane, and map from the unit disk.
     pub(crate) fn image_of(&self, light: &Light) -> Option<(DVec2, DMat2)> {
         if !light.virtual_sources.is_empty() || light.misses(self.middle.origin) {

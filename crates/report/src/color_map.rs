@@ -19,8 +19,9 @@ pub(crate) const VIRIDIS: [[u8; 3]; 9] = [
 /// What has no value.
 pub(crate) const NO_VALUE: [u8; 3] = [0xff, 0x00, 0xff];
 
-/// The colour at a place from 0 to 1; NaN has none.
-pub(crate) fn viridis(place: f64) -> [u8; 3] {
+/// The sRGB colour at a place from 0 to 1; NaN has one that viridis does not have.
+#[must_use]
+pub fn viridis(place: f64) -> [u8; 3] {
     if place.is_nan() {
         return NO_VALUE;
     }

@@ -37,6 +37,7 @@ mod sections;
 mod still;
 mod stored_values;
 
+pub use color_map::viridis;
 pub use error::ReportError;
 pub use map::{ErrorMap, GreyPicture, MOST_PIXELS, Quantity};
 pub use page::Page;

@@ -1,8 +1,10 @@
 //! Minimum coefficients of retroreflection of common types of sheeting.
 //!
-//! Source: ASTM D4956-01, "Standard Specification for Retroreflective Sheeting for Traffic Control", tables of types I to III, as
-//! reprinted at angelfire.com/trek/cityton/american.htm. The reprint that was at hand ends within type III, of which the rows
-//! of 0.5° and of darker colours are therefore missing. Types IV, VIII, IX and XI are left out: no source was at hand.
+//! Types I to III are those of ASTM D4956-01, "Standard Specification for Retroreflective Sheeting for Traffic Control", as
+//! reprinted at angelfire.com/trek/cityton/american.htm. That reprint ends within type III; what US law (49 CFR 571.131) repeats
+//! of the type is filled in, the rest is missing. Prismatic sheeting stands here as US law states it: `III-prismatic` for school
+//! buses (49 CFR 571.131), `FRA-224` for railway cars (49 CFR 224.103), `DOT-C2`, `DOT-C3` and `DOT-C4` for trailers (49 CFR
+//! 571.108). Types IV and VI to XI of ASTM D4956 are left out: no public source of their numbers was at hand.
 
 /// A row: cd/(lx m²) of white, yellow, orange, green, red, blue, brown; none where the source has no number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +20,7 @@ pub struct MinimumRow {
 /// The minimum coefficients of a type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MinimumTable {
-    /// "I", "II"…
+    /// "I", "FRA-224"…
     pub name: &'static str,
     /// What it usually is.
     pub construction: &'static str,
@@ -29,6 +31,10 @@ pub struct MinimumTable {
 }
 
 const SOURCE: &str = "ASTM D4956-01, as reprinted at angelfire.com/trek/cityton/american.htm";
+const SCHOOL_BUS: &str = "49 CFR 571.131 (2015), table 1, B; 1 cd/(fc ft2) is 1 cd/(lx m2)";
+const RAILWAY_CAR: &str = "49 CFR 224.103 (2015), table 1";
+const TRAILER: &str = "49 CFR 571.108 (2015), table XVI-c";
+const PRISMS: &str = "prisms, any construction";
 
 const fn row(observation_deg: f64, entrance_deg: f64, numbers: [f64; 7]) -> MinimumRow {
     let mut coefficients = [None; 7];
@@ -42,8 +48,21 @@ const fn row(observation_deg: f64, entrance_deg: f64, numbers: [f64; 7]) -> Mini
     MinimumRow { observation_deg, entrance_deg, coefficients }
 }
 
+const fn white_and_red(white: f64, red: f64) -> [f64; 7] {
+    [white, 0.0, 0.0, 0.0, red, 0.0, 0.0]
+}
+
+const fn white_and_yellow(white: f64, yellow: f64) -> [f64; 7] {
+    [white, yellow, 0.0, 0.0, 0.0, 0.0, 0.0]
+}
+
+/// Conspicuity markings of trailers and truck tractors.
+const fn trailer(name: &'static str, rows: &'static [MinimumRow]) -> MinimumTable {
+    MinimumTable { name, construction: PRISMS, source: TRAILER, rows }
+}
+
 /// All that are known.
-pub const MINIMUM_TABLES: [MinimumTable; 3] = [
+pub const MINIMUM_TABLES: [MinimumTable; 8] = [
     MinimumTable {
         name: "I",
         construction: "enclosed glass beads, engineering grade",
@@ -69,15 +88,72 @@ pub const MINIMUM_TABLES: [MinimumTable; 3] = [
     MinimumTable {
         name: "III",
         construction: "encapsulated glass beads, high intensity",
-        source: SOURCE,
+        source: "ASTM D4956-01, as reprinted at angelfire.com/trek/cityton/american.htm; its last row: 49 CFR 571.131 (2015), \
+                 table 1, A",
         rows: &[
             row(0.1, -4.0, [300.0, 200.0, 120.0, 54.0, 54.0, 24.0, 14.0]),
             row(0.1, 30.0, [180.0, 120.0, 72.0, 32.0, 32.0, 14.0, 10.0]),
             row(0.2, -4.0, [250.0, 170.0, 100.0, 45.0, 45.0, 20.0, 12.0]),
             row(0.2, 30.0, [150.0, 100.0, 60.0, 25.0, 25.0, 11.0, 8.5]),
             row(0.5, -4.0, [95.0, 62.0, 30.0, 15.0, 15.0, 0.0, 0.0]),
+            row(0.5, 30.0, [65.0, 0.0, 0.0, 0.0, 10.0, 0.0, 0.0]),
         ],
     },
+    MinimumTable {
+        name: "III-prismatic",
+        construction: "prisms, high intensity",
+        source: SCHOOL_BUS,
+        rows: &[
+            row(0.2, -4.0, white_and_red(250.0, 45.0)),
+            row(0.2, 30.0, white_and_red(95.0, 13.3)),
+            row(0.5, -4.0, white_and_red(200.0, 28.0)),
+            row(0.5, 30.0, white_and_red(65.0, 10.0)),
+        ],
+    },
+    MinimumTable {
+        name: "FRA-224",
+        construction: "prisms, of types V (coated with metal) and VII (not coated) of ASTM D4956-04 but for these minima",
+        source: RAILWAY_CAR,
+        rows: &[
+            row(0.2, -4.0, white_and_yellow(600.0, 400.0)),
+            row(0.2, 30.0, white_and_yellow(350.0, 220.0)),
+            row(0.5, -4.0, white_and_yellow(160.0, 100.0)),
+            row(0.5, 30.0, white_and_yellow(75.0, 45.0)),
+        ],
+    },
+    trailer(
+        "DOT-C2",
+        &[
+            row(0.2, -4.0, white_and_red(250.0, 60.0)),
+            row(0.2, 30.0, white_and_red(250.0, 60.0)),
+            row(0.2, 45.0, white_and_red(60.0, 15.0)),
+            row(0.5, -4.0, white_and_red(65.0, 15.0)),
+            row(0.5, 30.0, white_and_red(65.0, 15.0)),
+            row(0.5, 45.0, white_and_red(15.0, 4.0)),
+        ],
+    ),
+    trailer(
+        "DOT-C3",
+        &[
+            row(0.2, -4.0, white_and_red(165.0, 40.0)),
+            row(0.2, 30.0, white_and_red(165.0, 40.0)),
+            row(0.2, 45.0, white_and_red(40.0, 10.0)),
+            row(0.5, -4.0, white_and_red(43.0, 10.0)),
+            row(0.5, 30.0, white_and_red(43.0, 10.0)),
+            row(0.5, 45.0, white_and_red(10.0, 3.0)),
+        ],
+    ),
+    trailer(
+        "DOT-C4",
+        &[
+            row(0.2, -4.0, white_and_red(125.0, 30.0)),
+            row(0.2, 30.0, white_and_red(125.0, 30.0)),
+            row(0.2, 45.0, white_and_red(30.0, 8.0)),
+            row(0.5, -4.0, white_and_red(33.0, 8.0)),
+            row(0.5, 30.0, white_and_red(33.0, 8.0)),
+            row(0.5, 45.0, white_and_red(8.0, 2.0)),
+        ],
+    ),
 ];
 
 impl MinimumTable {

@@ -83,3 +83,14 @@ fn even_pixels_are_found_even() {
     assert!(found.dsnu_e.total.low == 0.0 && found.dsnu_e.total.high < 1.0, "{:?}", found.dsnu_e.total);
     assert!(found.prnu.total.high < 2e-3, "{:?}", found.prnu.total);
 }
+
+/// Without an offset half of the noise in the dark is below 0, and the noise comes out too small.
+#[test]
+fn a_dark_level_that_cuts_the_noise_is_noticed() {
+    let at = |dark_offset_dn: f64| found(Emva1288Description { dark_offset_dn, ..description() }, 3);
+    let cut = at(0.0);
+    assert!(cut.is_cut_in_the_dark() && cut.dark_at_zero > 0.2, "{}", cut.dark_at_zero);
+    assert!(cut.dark_noise_e.high < 9f64.hypot(3.0), "{:?}", cut.dark_noise_e);
+    let whole = at(70.0);
+    assert!(!whole.is_cut_in_the_dark() && whole.dark_at_zero < 1e-3, "{}", whole.dark_at_zero);
+}

@@ -52,7 +52,8 @@ fn run_with(options: Options, input: impl Read) -> Outcome {
         tracked::prepare(scene, &options);
         Ok(())
     };
-    let Planned { plan, registry, sources } = plan_changed(&options.scenes, None, &options.reading, render, change)?;
+    let Planned { plan, registry, sources, .. } =
+        plan_changed(&options.scenes, None, &options.reading, render, change)?;
     let renderer = Renderer::new(plan);
     let reopened = if options.recovers { recover::reopen(&options, &bins)? } else { Reopened::Nothing };
     let (mut streams, earlier) = match reopened {

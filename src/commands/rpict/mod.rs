@@ -7,6 +7,7 @@ mod output;
 mod report;
 mod sequence;
 
+use crate::ambient_file::AmbientFile;
 use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
@@ -29,31 +30,39 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let mut stopwatch = Stopwatch::start();
     let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
-        say_in(path)?;
+        say_in(path, words)?;
     }
     use_threads(options.threads)?;
     if options.first_frame <= 0 {
         let picture = Picture::prepare(&options, options.view, None)?;
-        let Planned { plan, registry, sources } =
+        let Planned { plan, registry, sources, fingerprint } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         stopwatch.lap("scene read, checked and compiled");
         let mut renderer = Renderer::new(plan);
-        picture.gather_irradiance(&options, &mut renderer);
+        let mut ambient = ambient_file(&options, fingerprint, &mut renderer)?;
+        picture.gather_irradiance(&options, &mut renderer, &mut ambient)?;
         stopwatch.lap("irradiance cache, pre-pass");
         picture.render(&options, &renderer, &mut stopwatch)?;
         return conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading);
     }
     let mut sequence = Sequence::new(&options)?;
-    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let planned = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let Planned { plan, registry, sources, fingerprint } = planned;
     let mut renderer = Renderer::new(plan);
+    let mut ambient = ambient_file(&options, fingerprint, &mut renderer)?;
     while let Some((view, number)) = sequence.next()? {
         let before = sequence.view_before();
         let picture = Picture::prepare(&options, view, Some((number, before)))?;
-        picture.gather_irradiance(&options, &mut renderer);
+        picture.gather_irradiance(&options, &mut renderer, &mut ambient)?;
         picture.render(&options, &renderer, &mut stopwatch)?;
         conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)?;
     }
     Ok(())
+}
+
+/// The file of `-af`.
+fn ambient_file(options: &Options, fingerprint: Option<u64>, renderer: &mut Renderer) -> Result<AmbientFile, Failure> {
+    AmbientFile::open(&options.reading, (&options.command, &options.scenes), fingerprint, renderer)
 }
 
 /// One picture, ready to be rendered.
@@ -108,9 +117,10 @@ impl Picture {
     }
 
     /// Fills the irradiance cache where the picture's rays will want it.
-    fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer) {
+    fn gather_irradiance(&self, options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) -> Outcome {
         let side = options.prepass_spacing();
-        renderer.gather_irradiance(&self.lens.prepass_rays(side), self.lens.spread(side));
+        ambient.gather(renderer, &self.lens.prepass_rays(side), self.lens.spread(side))?;
+        ambient.settle(renderer)
     }
 
     /// Renders from the first row that is not done and writes row by row.

@@ -25,7 +25,7 @@ impl RayAnswers {
         if options.scenes.is_empty() {
             return Err(Failure::usage("rtrace: no scene is named, expected scene files after the options"));
         }
-        let Planned { plan, registry, sources } =
+        let Planned { plan, registry, sources, .. } =
             plan(&options.scenes, None, &options.reading, options.render.clone())?;
         Ok(RayAnswers { options, renderer: Renderer::new(plan), registry, sources, next: 0 })
     }

@@ -6,6 +6,7 @@ mod options;
 mod record;
 mod tree;
 
+use crate::ambient_file::AmbientFile;
 use crate::clock::push_date;
 use crate::failure::{Failure, Outcome, say, say_in};
 use crate::input::{Planned, conclude, plan, program_history, use_threads};
@@ -32,16 +33,20 @@ const RECORDS_AT_A_TIME: usize = 1 << 10;
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
-        say_in(path)?;
+        say_in(path, words)?;
     }
     use_threads(options.threads)?;
-    let Planned { plan, registry, sources } = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let planned = plan(&options.scenes, None, &options.reading, options.render.clone())?;
+    let Planned { plan, registry, sources, fingerprint } = planned;
     let mut renderer = Renderer::new(plan);
-    trace(&options, &mut renderer)?;
+    let command = (options.command.as_slice(), options.scenes.as_slice());
+    let mut ambient = AmbientFile::open(&options.reading, command, fingerprint, &mut renderer)?;
+    trace(&options, &mut renderer, &mut ambient)?;
+    ambient.settle(&mut renderer)?;
     conclude(renderer.plan(), registry.as_ref(), &sources, &options.reading)
 }
 
-fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
+fn trace(options: &Options, renderer: &mut Renderer, ambient: &mut AmbientFile) -> Outcome {
     let failed = |error: io::Error| Failure::write("standard output", &error);
     let mut out = BufWriter::with_capacity(1 << 16, standard_output());
     out.write_all(&start(options)).map_err(failed)?;
@@ -54,7 +59,7 @@ fn trace(options: &Options, renderer: &mut Renderer) -> Outcome {
         // A wrong ray ends the stream; the rays before it are answered first.
         let most = left.map_or(pace.at_a_time, |left| left.min(pace.at_a_time as u64) as usize);
         let ended = reader.read(most, &mut rays);
-        for bytes in answers(options, renderer, first_index, &rays) {
+        for bytes in answers(options, renderer, ambient, (first_index, &rays))? {
             out.write_all(&bytes).map_err(failed)?;
         }
         first_index += rays.len() as u64;
@@ -96,15 +101,20 @@ impl Pace {
 }
 
 /// The records of some rays, in pieces.
-fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &[InputRay]) -> Vec<Vec<u8>> {
+fn answers(
+    options: &Options,
+    renderer: &mut Renderer,
+    ambient: &mut AmbientFile,
+    (first_index, rays): (u64, &[InputRay]),
+) -> Result<Vec<Vec<u8>>, Failure> {
     if options.tree.is_some() {
-        return tree::answers(options, renderer, first_index, rays);
+        return Ok(tree::answers(options, renderer, first_index, rays));
     }
     let to_trace: Vec<Option<Ray>> = rays.iter().map(|ray| ray.ray).collect();
     let found: Vec<Option<Found>> = if options.output.iter().any(|field| field.needs_tracing()) {
-        renderer.gather_irradiance(&to_trace, RaySpacing::UNKNOWN);
+        ambient.gather(renderer, &to_trace, RaySpacing::UNKNOWN)?;
         if options.render.ray_tree.is_some() {
-            return tree::answers(options, renderer, first_index, rays);
+            return Ok(tree::answers(options, renderer, first_index, rays));
         }
         let limits = options.limits_distance.then(|| rays.iter().map(|ray| ray.length).collect());
         trace_all(renderer, first_index, &to_trace, limits, options.effort())
@@ -123,7 +133,7 @@ fn answers(options: &Options, renderer: &mut Renderer, first_index: u64, rays: &
         }
         bytes
     });
-    written.collect()
+    Ok(written.collect())
 }
 
 /// `limits` says how far each ray goes, where that is limited.

@@ -11,28 +11,51 @@ Errors that are asked for are shares: 0.02 is 2 %. Results depend on scene, opti
 array([1., 1., 1.], dtype=float32)
 """
 
+from . import retro
 from ._radsight import (
+    Calibration,
     Capture,
     CapturedImage,
     Image,
+    JobResult,
+    MergedJob,
     RadsightError,
+    RenderJob,
     Renderer,
     Scene,
     SceneError,
+    Sensor,
     TracedRays,
     View,
     __version__,
+    calibrate,
 )
+from ._shortcuts import capture, contributions, progress_bar, render, trace
+from .own import Camera, Material
 
 __all__ = [
+    "Calibration",
+    "Camera",
     "Capture",
     "CapturedImage",
     "Image",
+    "JobResult",
+    "Material",
+    "MergedJob",
     "RadsightError",
+    "RenderJob",
     "Renderer",
     "Scene",
     "SceneError",
+    "Sensor",
     "TracedRays",
     "View",
     "__version__",
+    "calibrate",
+    "capture",
+    "contributions",
+    "progress_bar",
+    "render",
+    "retro",
+    "trace",
 ]

@@ -2,6 +2,7 @@
 
 use super::PathIntegrator;
 use super::path_state::PathState;
+use crate::mis::Lobe;
 use radsight_compile::{DISTANT, Emitter, EmitterClass, FirstHit, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
@@ -50,7 +51,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 
     /// How much of the emission that a ray found counts: all of it, unless light sampling could have found it too.
     pub(crate) fn emission_share(
-        &self,
+        &mut self,
         path: &PathState<BANDS>,
         surface: SurfaceHandle,
         emitter: &Emitter,
@@ -63,6 +64,14 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             let far = matches!(emitter.class, EmitterClass::Glow(radius) if radius >= 0.0 && total > radius);
             return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
         };
+        let is_sought = match mis.lobe {
+            Lobe::Diffuse | Lobe::Highlight => true,
+            Lobe::Caustic(caustic) => caustic.light == surface && caustic.chain == path.chain,
+            Lobe::LargeImage(pdf) => self.is_large_image(mis, (path.chain, pdf), surface),
+        };
+        if !is_sought {
+            return 0.0;
+        }
         let overcounted = match emitter.class {
             EmitterClass::Glow(radius) => mis.behind_illum || radius < 0.0,
             EmitterClass::Illum => mis.behind_illum,

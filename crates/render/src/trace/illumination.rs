@@ -8,6 +8,7 @@ use crate::hemisphere_sampling::{sample_outward, visible_portals};
 use crate::indirect::Indirect;
 use crate::mis::{Lobe, MisState};
 use crate::ray_tree::BounceType;
+use crate::specular_chain::SpecularChain;
 use crate::specular_return::SpecularReturn;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray};
@@ -37,6 +38,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         point: &Bsdf<'_, BANDS>,
         travelled: f64,
     ) {
+        if path.seeks_caustics() {
+            return;
+        }
         let receiver = primitive.and_then(|primitive| self.plan.receiver(primitive));
         let lights_suffice = receiver.is_some_and(|receiver| receiver.lights_suffice);
         let alone = receiver.is_some_and(|receiver| receiver.sees_only_lights);
@@ -110,6 +114,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             light = sum(light, gathered);
         }
         self.add(path, product(path.throughput, light));
+        self.sample_caustics(path, &direct, point);
         if branches.highlight > 1 && is_split {
             self.split_highlight(path, &direct, point, (set, branches.highlight));
         } else {
@@ -252,7 +257,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
     }
 
     /// Sends a drawn ray on from a lit point.
-    fn scatter(
+    pub(crate) fn scatter(
         &mut self,
         path: &PathState<BANDS>,
         from: &DirectSampler<'_>,
@@ -286,7 +291,11 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             split: path.split,
             travelled: from.travelled,
             mis,
-            chain: path.chain.lost(),
+            chain: if matches!(lobe, Lobe::Caustic(_) | Lobe::LargeImage(_)) {
+                SpecularChain::default()
+            } else {
+                path.chain.lost()
+            },
             depth: path.depth + 1,
             reflections,
             ambient_bounces,

@@ -83,6 +83,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let reflections = path.reflections + u32::from(reflected);
         let event = if same_side { SpecularEvent::Reflected } else { SpecularEvent::Transmitted };
         let chain = path.chain.after(event);
+        if path.caustic().is_some_and(|caustic| !caustic.chain.begins_with(chain)) {
+            return;
+        }
         let cut = if reflected { path.cut } else { path.subtraction_beyond };
         let share = (throughput, path.pdf_ratio());
         let Some(throughput) = self.go_on(share, path, reflections, None) else { return };

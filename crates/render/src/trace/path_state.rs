@@ -1,5 +1,6 @@
 //! A ray of a path, with what the path has brought along.
 
+use crate::caustic::CausticPath;
 use crate::mis::MisState;
 use crate::ray_tree::NodeId;
 use crate::specular_chain::SpecularChain;
@@ -43,6 +44,16 @@ impl<const BANDS: usize> PathState<BANDS> {
     /// Whether it was drawn from what a surface scatters, at its origin or before.
     pub(crate) fn is_scattered(&self) -> bool {
         self.mis.is_some()
+    }
+
+    /// Whether it only looks for lamps behind specular surfaces.
+    pub(crate) fn seeks_caustics(&self) -> bool {
+        self.mis.is_some_and(|mis| mis.seeks_caustics())
+    }
+
+    /// The only chain in which it counts and the light where it has to end, where its direction was solved for.
+    pub(crate) fn caustic(&self) -> Option<CausticPath> {
+        self.mis.and_then(|mis| mis.caustic())
     }
 
     /// How many times as often its last drawn ray was drawn as by the lobe alone.

@@ -41,7 +41,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         match &shader.kind {
             Kind::Emitter(emitter) if !behind => {
                 let share = if hit.placed.is_some() && path.mis.is_some() {
-                    placed_share(emitter, hit.distance)
+                    if path.seeks_caustics() { 0.0 } else { placed_share(emitter, hit.distance) }
                 } else {
                     self.emission_share(path, hit.surface, emitter, hit.distance, interaction.cosine)
                 };

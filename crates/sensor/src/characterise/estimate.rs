@@ -14,6 +14,9 @@ const ROUNDS: u32 = 6;
 /// Pixels at the largest grey value from this share on mean that the converter saturates, not the well.
 const CONVERTER_FULL: f64 = 1e-3;
 
+/// Dark pixels at 0 from this share on cut the noise off, and with it all that is measured by it.
+const DARK_CUT: f64 = 5e-3;
+
 /// A non-uniformity as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpatialEstimate {
@@ -56,6 +59,17 @@ pub struct Characterisation {
     pub linearity_error: f64,
     /// Responsivity, grey levels a photon.
     pub responsivity: Estimate,
+    /// The share of grey values that are 0 in the dark.
+    pub dark_at_zero: f64,
+}
+
+impl Characterisation {
+    /// Whether the dark level is so low that more than 0.5 % of the dark grey values are 0, which the standard does not allow: dark noise,
+    /// gain and what follows from them come out wrong.
+    #[must_use]
+    pub fn is_cut_in_the_dark(&self) -> bool {
+        self.dark_at_zero > DARK_CUT
+    }
 }
 
 /// Why nothing can be said.
@@ -115,6 +129,7 @@ pub fn evaluate(series: &PhotonTransfer) -> Result<Characterisation, Characteris
         dynamic_range: capacity / threshold,
         linearity_error: found.linearity_error(),
         responsivity,
+        dark_at_zero: series.dark.at_zero,
     })
 }
 

@@ -65,6 +65,8 @@ pub struct Stack {
     pub means: Vec<f64>,
     /// Variance in time, mean over the pixels.
     pub variance: f64,
+    /// The share of all grey values that are 0, below which nothing can be seen.
+    pub at_zero: f64,
 }
 
 impl Stack {
@@ -195,8 +197,10 @@ impl Shooting<'_> {
         let [columns, rows] = self.device.pixels();
         let count = columns as usize * rows as usize;
         let (mut sums, mut squares) = (vec![0.0; count], vec![0.0; count]);
+        let mut zeros = 0;
         for _ in 0..pictures {
             let picture = self.shoot(photons, self.exposure_s);
+            zeros += picture.iter().filter(|&&grey| grey == 0).count();
             for ((sum, square), grey) in sums.iter_mut().zip(&mut squares).zip(picture) {
                 *sum += f64::from(grey);
                 *square += f64::from(grey).powi(2);
@@ -206,7 +210,7 @@ impl Shooting<'_> {
         let spread = |(sum, square): (&f64, &f64)| (square - sum * sum / number) / (number - 1.0);
         let variance = sums.iter().zip(&squares).map(spread).sum::<f64>() / count as f64;
         sums.iter_mut().for_each(|sum| *sum /= number);
-        Stack { pictures, means: sums, variance }
+        Stack { pictures, means: sums, variance, at_zero: zeros as f64 / (number * count as f64) }
     }
 }
 

@@ -29,13 +29,14 @@ fn rows(found: &Characterisation) -> Vec<(&'static str, &'static str, Option<Est
 }
 
 /// Quantities without an interval.
-fn plain_rows(found: &Characterisation) -> [(&'static str, &'static str, f64); 4] {
+fn plain_rows(found: &Characterisation) -> [(&'static str, &'static str, f64); 5] {
     let decibels = |ratio: f64| 20.0 * ratio.log10();
     [
         ("saturation capacity", "e", found.saturation_capacity_e),
         ("largest SNR", "dB", decibels(found.largest_snr)),
         ("dynamic range", "dB", decibels(found.dynamic_range)),
         ("linearity error", "%", 100.0 * found.linearity_error),
+        ("dark grey values at 0", "%", 100.0 * found.dark_at_zero),
     ]
 }
 

@@ -1,0 +1,132 @@
+//! Sensors and their calibration.
+
+use crate::errors::{RadsightError, exception, wrong};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use radsight_sensor::{Estimate, ExposureUnit, calibrate as fitted};
+
+/// The sensor of a camera file; `Capture.sensor` gives it.
+#[pyclass(frozen, module = "radsight")]
+pub(crate) struct Sensor(pub(crate) radsight_sensor::Sensor);
+
+#[pymethods]
+impl Sensor {
+    /// Grey values of exposures.
+    ///
+    /// Parameters
+    /// ----------
+    /// exposure_j_per_m2 : array of float
+    ///     J/m², of any shape; pixels count in its order.
+    /// seed : int
+    ///     Chooses the noise.
+    ///
+    /// Returns
+    /// -------
+    /// array of uint16
+    ///     Of the same shape.
+    #[pyo3(signature = (exposure_j_per_m2, *, seed=0))]
+    fn grey<'py>(
+        &self,
+        py: Python<'py>,
+        exposure_j_per_m2: PyReadonlyArrayDyn<'py, f64>,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyArrayDyn<u16>>> {
+        let exposures = exposure_j_per_m2.as_array();
+        let shape = exposures.shape().to_vec();
+        let exposures: Vec<f64> = exposures.iter().copied().collect();
+        let greys = py.detach(|| self.0.greys(&exposures, seed));
+        PyArray1::from_vec(py, greys).reshape(shape)
+    }
+
+    /// Bits of a grey value.
+    #[getter]
+    fn bits(&self) -> u8 {
+        self.0.bits().bits()
+    }
+
+    /// The largest grey value.
+    #[getter]
+    fn largest(&self) -> u16 {
+        self.0.bits().largest()
+    }
+}
+
+impl Sensor {
+    pub(crate) fn of(capture: &radsight::Capture) -> PyResult<Sensor> {
+        let sensor = capture.camera_file().sensor.clone();
+        sensor.map(Sensor).ok_or_else(|| exception(radsight::Error::NoSensor))
+    }
+}
+
+/// A sensor fitted to measured pairs: ``G = k E^gamma + grey_background``, up to ``grey_max``.
+#[pyclass(frozen, module = "radsight", get_all)]
+pub(crate) struct Calibration {
+    /// Grey levels at 1 unit of exposure.
+    k: f64,
+    gamma: f64,
+    grey_background: f64,
+    /// ``None`` where the data do not reach saturation.
+    grey_max: Option<f64>,
+    /// Root mean square of the residuals, grey levels.
+    rms_residual: f64,
+    /// Points taken as saturated.
+    saturated: usize,
+    /// The unit of exposure to which ``k`` belongs.
+    unit: String,
+    /// Intervals of 99 % confidence: (low, high) of k, gamma and grey_background.
+    k_interval: (f64, f64),
+    gamma_interval: (f64, f64),
+    grey_background_interval: (f64, f64),
+}
+
+/// Fit K, gamma, G0 and Gmax to measured pairs.
+///
+/// Parameters
+/// ----------
+/// exposure : (n,) array of float
+///     In ``unit``.
+/// grey : (n,) array of float
+///     Grey levels.
+/// unit : str
+///     Such as ``uJ/cm2`` or ``J/m2``.
+///
+/// Returns
+/// -------
+/// Calibration
+///
+/// Examples
+/// --------
+/// >>> import numpy as np, radsight
+/// >>> exposure = np.linspace(0.001, 0.01, 20)
+/// >>> fit = radsight.calibrate(exposure, 12 + 3000 * exposure**0.85)
+/// >>> round(fit.gamma, 3), round(fit.k)
+/// (0.85, 3000)
+#[pyfunction]
+#[pyo3(signature = (exposure, grey, *, unit="uJ/cm2"))]
+pub(crate) fn calibrate(
+    exposure: PyReadonlyArray1<'_, f64>,
+    grey: PyReadonlyArray1<'_, f64>,
+    unit: &str,
+) -> PyResult<Calibration> {
+    let of_unit = ExposureUnit::from_name(unit).ok_or_else(|| wrong("unit", unit, "uJ/cm2, J/m2, …"))?;
+    let (exposure, grey) = (exposure.as_array(), grey.as_array());
+    if exposure.len() != grey.len() {
+        return Err(wrong("the number of grey values", grey.len(), &exposure.len().to_string()));
+    }
+    let pair = |(exposure, grey): (&f64, &f64)| fitted::Measurement { exposure: *exposure, grey: *grey };
+    let pairs: Vec<fitted::Measurement> = exposure.iter().zip(grey).map(pair).collect();
+    let fit = fitted::calibrate(&pairs, of_unit).map_err(|error| RadsightError::new_err(error.to_string()))?;
+    let interval = |estimate: &Estimate| (estimate.low, estimate.high);
+    Ok(Calibration {
+        k: fit.k,
+        gamma: fit.gamma,
+        grey_background: fit.grey_background,
+        grey_max: fit.grey_max,
+        rms_residual: fit.rms_residual,
+        saturated: fit.saturated,
+        unit: of_unit.name().to_owned(),
+        k_interval: interval(&fit.intervals.k),
+        gamma_interval: interval(&fit.intervals.gamma),
+        grey_background_interval: interval(&fit.intervals.grey_background),
+    })
+}

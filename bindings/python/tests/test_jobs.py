@@ -1,0 +1,74 @@
+"""Jobs: whole bits, files, and the program's."""
+
+import os
+import pathlib
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+import radsight
+
+GRIPPS = pathlib.Path(__file__).parents[3] / "radiance-scenes" / "gripps"
+TABLE = """void light lamp 0 0 3 100 100 100
+void plastic grey 0 0 5 .5 .4 .3 0 0
+lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .05
+grey ring table 0 0 8 0 0 0 0 0 1 0 6
+"""
+VIEW = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
+
+
+def test_parts_merge_to_the_picture():
+    scene = radsight.Scene.from_text(TABLE)
+    job = radsight.RenderJob(samples=4, view=VIEW, columns=40, rows=30, seed=5)
+    parts = [radsight.Renderer(scene).run_job(pickle.loads(pickle.dumps(part))) for part in job.split(3)]
+    merged = radsight.MergedJob([pickle.loads(pickle.dumps(part)) for part in parts[::-1]])
+    whole = radsight.Renderer(scene, samples=4, seed=5).render(VIEW, 40, 30)
+    np.testing.assert_array_equal(merged.values, whole.radiance_w_per_sr_m2)
+    assert merged.missing_rows == [] and merged.relative_error > 0
+    assert merged.standard_errors.shape == merged.values.shape
+    partial = radsight.MergedJob(parts[:2])
+    assert partial.missing_rows == [parts[2].job.rows]
+    assert np.isnan(partial.standard_errors[-1]).all() and partial.relative_error > 0
+    assert merged._repr_png_().startswith(b"\x89PNG")
+
+
+def test_captures_too():
+    camera = radsight.Capture(GRIPPS / "fig10.toml", samples=2)
+    scene = radsight.Scene.load(GRIPPS / "sheet-retro.rad")
+    columns, rows = camera.size
+    job = radsight.RenderJob(samples=2, camera="fig10.toml")
+    renderer = radsight.Renderer(camera.with_ring(scene))
+    parts = [renderer.run_job(part, camera=camera) for part in job.split(2, rows)]
+    merged = radsight.MergedJob(parts)
+    whole = pickle.loads(pickle.dumps(camera)).expose(scene)
+    np.testing.assert_array_equal(merged.values[..., 0], whole.exposure_j_per_m2.astype(np.float32))
+    grey = camera.sensor.grey(merged.values[..., 0].astype(np.float64))
+    np.testing.assert_array_equal(grey, whole.grey)
+    assert grey.shape == (rows, columns) and camera.sensor.largest == 255
+
+
+def test_the_programs_parts_are_pythons(tmp_path):
+    program = os.environ.get("RADSIGHT_PROGRAM")
+    if not program:
+        pytest.skip("RADSIGHT_PROGRAM names no program")
+    (tmp_path / "table.rad").write_text(TABLE)
+    job = radsight.RenderJob(samples=2, view=VIEW, columns=24, rows=18, scenes=[str(tmp_path / "table.rad")])
+    (tmp_path / "job.json").write_text(job.to_json())
+    words = [program, "job", "run", "job.json", "--part", "1/2", "-o", "part.mtx"]
+    subprocess.run(words, cwd=tmp_path, check=True)
+    theirs = radsight.JobResult.from_bytes((tmp_path / "part.mtx").read_bytes())
+    own = radsight.Renderer(radsight.Scene.from_text(TABLE)).run_job(job.split(2)[1])
+    first, end = theirs.job.rows
+    merged = radsight.MergedJob([theirs])
+    np.testing.assert_array_equal(merged.values[first:end], radsight.MergedJob([own]).values[first:end])
+
+
+def test_mistakes_in_jobs_have_their_place():
+    with pytest.raises(radsight.SceneError, match=r"job.json:2:\d+") as raised:
+        radsight.RenderJob.from_json('{"format": 1,\n "samples": "many"}', "job.json")
+    assert "^" in str(raised.value)
+    with pytest.raises(radsight.RadsightError, match="samples is 0"):
+        radsight.RenderJob(samples=0, view=VIEW, columns=8, rows=8)
+    with pytest.raises(radsight.RadsightError, match="no part"):
+        radsight.JobResult.from_bytes(b"nothing")

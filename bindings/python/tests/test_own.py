@@ -1,0 +1,120 @@
+"""Cameras and materials written in Python: the numbers of compiled ones, and what they raise."""
+
+import pickle
+
+import numpy as np
+import pytest
+import radsight
+
+TABLE = """void light lamp 0 0 3 100 90 80
+void plastic grey 0 0 5 .5 .5 .5 0 0
+lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .2
+grey ring table 0 0 8 0 0 0 0 0 1 0 6
+"""
+VIEW = radsight.View("-vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45")
+
+
+class Lambert:
+    """Half of the light, evenly."""
+
+    def evaluate(self, outgoing, incident):
+        lit = (incident[:, 2] > 0) & (outgoing[2] > 0)
+        return np.where(lit, 0.5 / np.pi, 0.0)
+
+
+class Drawn(Lambert):
+    """The same with directions that it draws itself, evenly over the hemisphere."""
+
+    def sample(self, outgoing, u):
+        z, angle = 1 - u[0], 2 * np.pi * u[1]
+        radius = np.sqrt(max(0.0, 1 - z * z))
+        return np.array([radius * np.cos(angle), radius * np.sin(angle), z])
+
+    def pdf(self, outgoing, incident):
+        return np.where(incident[:, 2] > 0, 0.5 / np.pi, 0.0)
+
+
+class Pinhole:
+    """As -vtv -vp 0 -4 3 -vd 0 4 -3 -vh 60 -vv 45 has it."""
+
+    def rays(self, film, aperture):
+        forward = np.array([0, 0.8, -0.6])
+        right, up = np.array([1.0, 0, 0]), np.array([0, 0.6, 0.8])
+        across = (2 * film[:, :1] - 1) * np.tan(np.pi / 6)
+        along = (1 - 2 * film[:, 1:]) * np.tan(np.pi / 8)
+        directions = forward + across * right + along * up
+        origins = np.broadcast_to([0.0, -4, 3], directions.shape)
+        return np.concatenate([origins, directions], axis=1)
+
+
+@pytest.mark.parametrize("model", [Lambert(), Drawn()])
+def test_a_material_in_python_has_the_compiled_ones_numbers(model):
+    rays = np.array([[x, y, 1, 0.1, 0, -1.0] for x in (0, 1, 2) for y in (0, 1)])
+    pictures = []
+    for materials in (None, {"grey": model}):
+        scene = radsight.Scene.from_text(TABLE, materials=materials)
+        pictures.append(radsight.Renderer(scene).trace(rays).radiance_w_per_sr_m2)
+    np.testing.assert_allclose(pictures[1], pictures[0], rtol=0.02)
+
+
+def test_a_material_in_python_is_followed_over_bounces():
+    # A glow of range 0 is found by bounces alone.
+    text = "void glow lit 0 0 4 1 1 1 0 lit ring source 0 0 8 0 0 9 0 0 -1 0 9 void plastic grey 0 0 5 .1 .1 .1 0 0\n"
+    text += "grey ring floor 0 0 8 0 0 0 0 0 1 0 50"
+    scene = radsight.Scene.from_text(text, materials={"grey": Lambert()})
+    renderer = radsight.Renderer(scene, ambient_bounces=1, ambient_accuracy=0.0, ambient_divisions=64)
+    ray = np.array([[0, 0, 1, 0, 0, -1.0]])
+    # The disk of radius 9 at height 9 has the form factor 1/2, and half of that is reflected.
+    traced = renderer.trace(np.repeat(ray, 32, axis=0))
+    np.testing.assert_allclose(traced.radiance_w_per_sr_m2.mean(), 0.25, rtol=0.1)
+
+
+def test_a_camera_in_python_sees_what_the_view_sees():
+    scene = radsight.Scene.from_text(TABLE)
+    seen = radsight.Renderer(scene, samples=64).render(VIEW, 40, 29).radiance_w_per_sr_m2
+    rows, columns, _ = seen.shape
+    own = radsight.Renderer(scene, samples=64).render_camera(Pinhole(), columns, rows).radiance_w_per_sr_m2
+    # The view's own proportions are those of the tangents; a column or row of rounding apart the pictures agree.
+    np.testing.assert_allclose(own.mean(), seen.mean(), rtol=0.03)
+    np.testing.assert_allclose(own[rows // 2, columns // 2], seen[rows // 2, columns // 2], rtol=0.03)
+
+
+def test_exceptions_of_python_code_end_the_work():
+    class Broken:
+        def evaluate(self, outgoing, incident):
+            raise ZeroDivisionError("a mistake")
+
+    class Short:
+        def evaluate(self, outgoing, incident):
+            return np.zeros(len(incident) + 1)
+
+    rays = np.array([[0, 0, 1, 0, 0, -1.0]])
+    for model, error in ((Broken(), ZeroDivisionError), (Short(), ValueError)):
+        scene = radsight.Scene.from_text(TABLE, materials={"grey": model})
+        with pytest.raises(error):
+            radsight.Renderer(scene).trace(rays)
+    with pytest.raises(ValueError, match="evaluate"):
+        radsight.Scene.from_text(TABLE, materials={"grey": object()})
+
+    class Blind:
+        def rays(self, film, aperture):
+            return np.zeros((len(film), 5))
+
+    with pytest.raises(ValueError, match="5 columns"):
+        radsight.Renderer(radsight.Scene.from_text(TABLE)).render_camera(Blind(), 8, 8)
+
+
+def test_scenes_with_materials_and_files_can_be_pickled(tmp_path):
+    (tmp_path / "half.cal").write_text("half = .5;")
+    (tmp_path / "panel.rad").write_text(
+        "void brightfunc dim 2 half half.cal 0 0 dim glow panel 0 0 4 2 2 2 0 panel sphere s 0 0 4 0 0 0 5\n"
+    )
+    scene = radsight.Scene.load(tmp_path / "panel.rad")
+    data = pickle.dumps(scene)
+    (tmp_path / "half.cal").unlink()
+    (tmp_path / "panel.rad").unlink()
+    rays = np.array([[0, 0, -9, 0, 0, 1.0]])
+    again = radsight.Renderer(pickle.loads(data)).trace(rays).radiance_w_per_sr_m2
+    np.testing.assert_array_equal(again, [[1, 1, 1]])
+    own = pickle.loads(pickle.dumps(radsight.Scene.from_text(TABLE, materials={"grey": Lambert()})))
+    assert radsight.Renderer(own).trace(np.array([[0, 0, 1, 0, 0, -1.0]])).radiance_w_per_sr_m2[0, 0] > 0

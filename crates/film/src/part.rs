@@ -1,0 +1,70 @@
+//! Some rows of a picture, for who renders the others elsewhere.
+
+use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
+use crate::view_camera::{ViewCamera, traced};
+use radsight_render::{RayWorker, Renderer};
+use radsight_sampling::RaySampler;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A pixel with so many samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SampledPixel {
+    /// The mean of its samples, W/(sr·m²): what [`crate::Film`] gives for [`crate::SamplingBudget::Samples`], to the last bit.
+    pub mean: [f64; 3],
+    /// Half the difference of the means of its two halves, which estimates the standard error of the mean; NaN with one sample.
+    pub half_difference: [f64; 3],
+}
+
+/// The pixels of some rows, top row first, each with as many samples. Neither the other rows nor threads matter.
+///
+/// # Panics
+/// If the camera has fewer rows.
+#[must_use]
+pub fn sampled_rows(renderer: &Renderer, camera: &ViewCamera, rows: Range<usize>, samples: u32) -> Vec<SampledPixel> {
+    assert!(rows.end <= camera.rows(), "rows to {} of {}", rows.end, camera.rows());
+    let samples = samples.clamp(1, MAX_SAMPLES);
+    let columns = camera.columns();
+    (rows.start * columns..rows.end * columns)
+        .into_par_iter()
+        .with_min_len(16)
+        .map_init(|| renderer.worker(), |worker, pixel| sampled(worker, renderer, camera, pixel, samples))
+        .collect()
+}
+
+fn sampled(
+    worker: &mut RayWorker<'_>,
+    renderer: &Renderer,
+    camera: &ViewCamera,
+    pixel: usize,
+    samples: u32,
+) -> SampledPixel {
+    let (mut sum, mut first_half) = ([0.0; 3], [0.0; 3]);
+    let half = samples / 2;
+    for sample in 0..samples {
+        if sample == half {
+            first_half = sum;
+        }
+        let value = radiance(worker, renderer, camera, pixel, sample);
+        sum = std::array::from_fn(|band| sum[band] + value[band]);
+    }
+    let halves = [f64::from(half), f64::from(samples - half)];
+    let half_difference =
+        std::array::from_fn(|band| 0.5 * ((sum[band] - first_half[band]) / halves[1] - first_half[band] / halves[0]));
+    SampledPixel { mean: sum.map(|sum| sum / f64::from(samples)), half_difference }
+}
+
+/// The radiance of a sample of a pixel; every pixel has a scramble of the sequence of its own.
+pub(crate) fn radiance(
+    worker: &mut RayWorker<'_>,
+    renderer: &Renderer,
+    camera: &ViewCamera,
+    pixel: usize,
+    sample: u32,
+) -> [f64; 3] {
+    let (column, row) = (pixel % camera.columns(), pixel / camera.columns());
+    let index = ((pixel as u64) << SEQUENCE_LOG2) | u64::from(sample);
+    let sampler = RaySampler::new(renderer.plan().seed(), index);
+    let ray = camera.ray(column, row, &sampler);
+    ray.and_then(|ray| traced(worker, index, &ray)).map_or([0.0; 3], |traced| traced.value)
+}

@@ -1,0 +1,452 @@
+//! Caustics: light of lamps that meets diffuse surfaces by way of curved mirrors and refracting bodies.
+//!
+//! Rays of the diffuse component meet a small lamp that way by chance only. Here the path is searched for: a random direction
+//! towards a specular surface gives a chain of reflections and refractions, and Newton's method turns the direction until the
+//! chain ends at a point of the lamp that was drawn before. The reciprocal of the probability with which that solution is found
+//! has an unbiased estimate: the number of further searches until one finds it again (specular manifold sampling; Zeltner,
+//! Georgiev and Jakob, "Specular Manifold Sampling for Rendering High-Frequency Caustics and Glints", ACM Transactions on
+//! Graphics 39(4), 2020, section 4). Every chain that rays can follow serves, since it is followed by tracing.
+//!
+//! Where a lamp's image is large, as at a focus, rays in the random directions meet it often enough: these find the lamp where its
+//! image is no smaller than a share of the cones from which they are drawn, and solutions count where it is smaller. The image's
+//! size is a function of the path, so that every path belongs to one of the two.
+//!
+//! The path that is found is followed like any other, but counts only if it takes the chain that was solved for and ends at
+//! that lamp. What light sampling finds by itself, straight or through bodies, is left to it.
+
+use crate::direct::DirectSampler;
+use crate::mis::{Lobe, MisState};
+use crate::retrace::MOST_LIGHTS;
+use crate::specular_chain::{SpecularChain, SpecularEvent};
+use crate::specular_return::{RayBundle, TangentPlane};
+use crate::trace::PathIntegrator;
+use crate::trace::path_state::PathState;
+use glam::{DMat2, DVec2, DVec3};
+use radsight_accel::{PrimitiveId, Ray, is_flat};
+use radsight_brdf::Density;
+use radsight_bsdf::{Bsdf, BsdfSample, PdfRequest};
+use radsight_compile::{Kind, Reflector, Shader};
+use radsight_ir::SurfaceHandle;
+use radsight_light::{Light, LightForm};
+use radsight_sampling::{DimensionSet, choose, unit_disk};
+use radsight_texture::strongest;
+use std::f64::consts::PI;
+
+/// Share of the searches that begin in any direction, since a chain may begin at a surface that is
+/// no reflector, such as a pane in front of one.
+const ANYWHERE: f64 = 0.125;
+
+/// A chain ends early at each of its surfaces with this probability.
+const STOP: f64 = 0.15;
+
+/// A surface that reflects and transmits transmits with this probability.
+const TRANSMIT: f64 = 0.7;
+
+/// No longer chain is searched for.
+const MOST_EVENTS: usize = 8;
+
+/// Lights for which paths are searched at one point.
+const LIGHTS_AT_A_POINT: usize = 4;
+
+/// Behind a scattered ray, which is one of many, so many points search.
+const CHANCE_BEHIND_SCATTERING: f64 = 0.25;
+
+/// Random rays find a lamp whose image is drawn from more often than once in so many.
+const LARGE_IMAGE: f64 = 8.0;
+
+/// Newton's method: steps, halvings of a step that leads away, and the largest step as a tangent.
+const MOST_STEPS: u32 = 20;
+const MOST_HALVINGS: u32 = 6;
+const LONGEST_STEP: f64 = 0.5;
+
+/// A chain ends where it should within this share of the lamp's radius.
+const TOLERANCE: f64 = 1e-7;
+
+/// Two solutions are one if they differ by less than this share of the lamp's image.
+const SAME: f64 = 1e-3;
+
+/// No solution is searched for again more often. It is found that seldom with a probability of
+/// exp(−`MOST_TRIALS`·p), where p is the probability that one search finds it.
+const MOST_TRIALS: u32 = 4096;
+
+/// The chain that a path has to take, and the emitter where it has to end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CausticPath {
+    pub(crate) chain: SpecularChain,
+    pub(crate) light: SurfaceHandle,
+}
+
+/// A point of a lamp, as rays pass it: the nearest offset of a ray from the lamp's middle in radii, on two axes across the ray.
+struct LampPoint<'l> {
+    light: &'l Light,
+    across: [DVec3; 2],
+    /// Within the unit disk.
+    offset: DVec2,
+}
+
+impl<'l> LampPoint<'l> {
+    /// A point of a lamp from the unit square, seen from `from`; `None` for a lamp without size.
+    fn new(light: &'l Light, from: DVec3, [u, v]: [f64; 2]) -> Option<LampPoint<'l>> {
+        let axis = match light.form {
+            LightForm::Distant { direction, half_angle_sin_squared_half: half, .. } if half > 0.0 && half < 0.25 => {
+                direction
+            }
+            LightForm::Distant { .. } | LightForm::DistantImage { .. } => return None,
+            _ => (light.center - from).normalize_or(DVec3::Z),
+        };
+        let is_usable = light.virtual_sources.is_empty() && light.radius > 0.0;
+        let across = axis.any_orthonormal_pair();
+        is_usable.then(|| LampPoint { light, across: across.into(), offset: unit_disk(u, v).into() })
+    }
+
+    /// The same for the middle ray of a bundle, and how it changes with the ray's direction.
+    fn passed(&self, bundle: &RayBundle) -> Option<(DVec2, DMat2)> {
+        let [middle, x, y] = bundle.ends().map(|end| self.miss(end));
+        let middle = middle?;
+        Some((middle, DMat2::from_cols((x? - middle) / bundle.step(), (y? - middle) / bundle.step())))
+    }
+
+    /// From this point to where a ray passes the lamp, in the lamp's radii.
+    fn miss(&self, ray: &Ray) -> Option<DVec2> {
+        let [x, y] = self.across;
+        let passed = match self.light.form {
+            LightForm::Distant { direction, half_angle_sin_squared_half: half, .. } => {
+                let along = ray.direction.dot(direction);
+                let tangent = 2.0 * (half * (1.0 - half)).sqrt() / (1.0 - 2.0 * half);
+                (along > 0.0).then(|| DVec2::new(ray.direction.dot(x), ray.direction.dot(y)) / (along * tangent))?
+            }
+            _ => {
+                let to_center = self.light.center - ray.origin;
+                let along = to_center.dot(ray.direction);
+                let beside = ray.direction * along - to_center;
+                let x = (x - ray.direction * x.dot(ray.direction)).try_normalize()?;
+                let y = ray.direction.cross(x);
+                (along > 0.0).then(|| DVec2::new(beside.dot(x), beside.dot(y)) / self.light.radius)?
+            }
+        };
+        Some(passed - self.offset)
+    }
+}
+
+/// The directions in which searches begin: within the cones of reflectors, and anywhere.
+struct SeedDirections<'p> {
+    reflectors: &'p [Reflector],
+    from: DVec3,
+    /// Of a surface that nothing passes.
+    facing: Option<DVec3>,
+    /// What the cones of all reflectors are worth.
+    total: f64,
+}
+
+impl<'p> SeedDirections<'p> {
+    fn new<const BANDS: usize>(reflectors: &'p [Reflector], from: DVec3, point: &Bsdf<'_, BANDS>) -> Self {
+        let facing = point.transmission.is_none().then_some(point.normal);
+        let mut seeds = SeedDirections { reflectors, from, facing, total: 0.0 };
+        seeds.total = seeds.cones().map(|(_, worth)| worth).sum();
+        seeds
+    }
+
+    /// The cones of all reflectors, with how often each is drawn from; none for a reflector that surrounds the point.
+    fn cones(&self) -> impl Iterator<Item = (Option<(DVec3, f64)>, f64)> {
+        self.reflectors.iter().map(|reflector| {
+            let cone = reflector.cone(self.from);
+            let worth = match cone {
+                Some((axis, tangent)) => {
+                    let is_below = self.facing.is_some_and(|normal| normal.dot(axis) + tangent.min(1.0) <= 0.0);
+                    if is_below { 0.0 } else { tangent * tangent / (1.0 + tangent * tangent) }
+                }
+                None => 1.0,
+            };
+            (cone, worth)
+        })
+    }
+
+    fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<DVec3> {
+        if choice < ANYWHERE {
+            return Some(self.anywhere([u, v]));
+        }
+        if self.total <= 0.0 {
+            return None;
+        }
+        let choice = (choice - ANYWHERE) / (1.0 - ANYWHERE);
+        let (chosen, _) = choose(self.cones().map(|(_, worth)| worth / self.total), choice)?;
+        let (cone, _) = self.cones().nth(chosen)?;
+        let Some((axis, tangent)) = cone else { return Some(self.anywhere([u, v])) };
+        Some(TangentPlane::new(axis).direction(DVec2::from(unit_disk(u, v)) * tangent))
+    }
+
+    /// A direction of the sphere, or of the hemisphere that the surface faces, each as often as any other.
+    fn anywhere(&self, [u, v]: [f64; 2]) -> DVec3 {
+        let axis = self.facing.unwrap_or(DVec3::Z);
+        let (x, y) = axis.any_orthonormal_pair();
+        let height = if self.facing.is_some() { u } else { 1.0 - 2.0 * u };
+        let (sin, cos) = (2.0 * PI * v).sin_cos();
+        let radius = (1.0 - height * height).max(0.0).sqrt();
+        (x * (radius * cos) + y * (radius * sin) + axis * height).normalize()
+    }
+
+    /// Density of [`Self::draw`], 1/sr.
+    fn pdf(&self, direction: DVec3) -> f64 {
+        let anywhere = match self.facing {
+            Some(normal) if normal.dot(direction) <= 0.0 => 0.0,
+            Some(_) => 0.5 / PI,
+            None => 0.25 / PI,
+        };
+        let in_cones = self.cones().map(|(cone, worth)| match cone {
+            _ if worth <= 0.0 => 0.0,
+            None => worth * anywhere,
+            Some((axis, tangent)) => {
+                let cosine = axis.dot(direction);
+                let sine_squared = 1.0 - cosine * cosine;
+                let is_inside = cosine > 0.0 && sine_squared <= (tangent * cosine).powi(2);
+                // dω = cos³θ of the area in the tangent plane.
+                if is_inside { worth / (PI * tangent * tangent * cosine.powi(3)) } else { 0.0 }
+            }
+        });
+        let by_cones = if self.total > 0.0 { in_cones.sum::<f64>() / self.total } else { 0.0 };
+        ANYWHERE * anywhere + (1.0 - ANYWHERE) * by_cones
+    }
+}
+
+/// Whether the image of a lamp is so large that random directions with this density, 1/sr, find it often enough.
+fn is_large(magnification: f64, pdf: f64) -> bool {
+    magnification / PI < LARGE_IMAGE * pdf
+}
+
+/// A direction from which a chain leads to a point of a lamp.
+struct Solution {
+    /// Unit.
+    direction: DVec3,
+    events: Vec<SpecularEvent>,
+    /// Area on the lamp, in squared radii, for a solid angle about the direction, 1/sr.
+    magnification: f64,
+}
+
+impl Solution {
+    fn is_same_as(&self, other: &Solution) -> bool {
+        let image = self.magnification.sqrt().recip();
+        self.events == other.events && self.direction.distance(other.direction) < SAME * image
+    }
+
+    /// Density of the direction for a point that is drawn uniformly from the lamp's disk, 1/sr.
+    fn pdf(&self) -> f64 {
+        self.magnification / PI
+    }
+}
+
+/// Numbers for choices along a chain (SplitMix64).
+struct Choices(u64);
+
+impl Choices {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ mixed >> 31) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
+    /// Sends rays on to lamps that a point sees by way of specular surfaces, for its diffuse component.
+    pub(crate) fn sample_caustics(
+        &mut self,
+        path: &PathState<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &Bsdf<'_, BANDS>,
+    ) {
+        let plan = self.plan;
+        let lights = plan.lights.len();
+        if !plan.samples_caustics() || lights == 0 || lights > MOST_LIGHTS || !point.has_diffuse() {
+            return;
+        }
+        let chance = if path.is_scattered() { CHANCE_BEHIND_SCATTERING } else { 1.0 };
+        let [first, survival, ..] = self.take_set();
+        if survival >= chance {
+            return;
+        }
+        let seeds = SeedDirections::new(&plan.reflectors, direct.point, point);
+        self.sample_large_images(path, direct, point, (&seeds, chance));
+        let asked = lights.min(LIGHTS_AT_A_POINT);
+        let share = asked as f64 / lights as f64;
+        for step in 0..asked {
+            // Every light where they are few, else evenly spread ones.
+            let light = ((step as f64 + first) / share) as usize % lights;
+            self.sample_caustic(path, direct, point, (&plan.lights[light], &seeds, chance * share));
+        }
+    }
+
+    fn take_set(&mut self) -> [f64; 4] {
+        self.next_set += 1;
+        self.sampler.take(DimensionSet::render(self.next_set - 1))
+    }
+
+    /// Sends a ray in a random direction, which finds lamps whose images are large.
+    fn sample_large_images(
+        &mut self,
+        path: &PathState<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &Bsdf<'_, BANDS>,
+        (seeds, chance): (&SeedDirections<'_>, f64),
+    ) {
+        let [u, v, choice, _] = self.take_set();
+        let Some(direction) = seeds.draw([u, v, choice]) else { return };
+        let pdf = seeds.pdf(direction);
+        self.scatter_caustic(path, direct, point, (direction, pdf * chance, Lobe::LargeImage(pdf)));
+    }
+
+    /// Sends a ray on that only looks for a lamp behind a chain of specular surfaces.
+    fn scatter_caustic(
+        &mut self,
+        path: &PathState<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &Bsdf<'_, BANDS>,
+        (direction, pdf, lobe): (DVec3, f64, Lobe),
+    ) {
+        let value = point.eval(direction, 1.0, PdfRequest::Unused, &mut self.workspace.scratch).diffuse;
+        let weight = value.map(|band| band / pdf);
+        // What the ray carries is little because the lamp is small: it matters as any diffuse ray does.
+        let pdf_ratio = strongest(&point.ambient_reflectance()) / strongest(&weight);
+        if pdf_ratio.is_finite() {
+            let drawn = BsdfSample { direction, weight, pdf: Density::Continuous(0.0), pdf_ratio };
+            self.scatter(path, direct, (drawn, lobe), path.ambient_bounces);
+        }
+    }
+
+    /// Whether a ray in a random direction of density `pdf` has found a lamp whose image is large.
+    pub(crate) fn is_large_image(
+        &mut self,
+        mis: &MisState,
+        (chain, pdf): (SpecularChain, f64),
+        surface: SurfaceHandle,
+    ) -> bool {
+        let plan = self.plan;
+        let Some(events) = chain.forwards() else { return false };
+        let events: Vec<SpecularEvent> = events.collect();
+        let mut lights = plan.lights_of(surface).map(|id| &plan.lights[id.0 as usize]);
+        let Some(light) = lights.find(|light| light.virtual_sources.is_empty()) else { return false };
+        let Some(middle) = LampPoint::new(light, mis.receiver, [0.0; 2]) else { return false };
+        let Some(bundle) = self.bundle((mis.receiver, mis.primitive), mis.direction, &events) else { return false };
+        middle.passed(&bundle).is_none_or(|(_, slope)| is_large(slope.determinant().abs(), pdf))
+    }
+
+    /// The same for one lamp, which is chosen with the probability `chance`.
+    fn sample_caustic(
+        &mut self,
+        path: &PathState<BANDS>,
+        direct: &DirectSampler<'_>,
+        point: &Bsdf<'_, BANDS>,
+        (light, seeds, chance): (&Light, &SeedDirections<'_>, f64),
+    ) {
+        let [u, v, ..] = self.take_set();
+        let Some(goal) = LampPoint::new(light, direct.point, [u, v]) else { return };
+        let from = (direct.point, direct.primitive);
+        let Some(found) = self.search(from, seeds, &goal) else { return };
+        let is_before = seeds.facing.is_none_or(|normal| normal.dot(found.direction) > 0.0);
+        let is_left_to_chance = is_large(found.magnification, seeds.pdf(found.direction));
+        if !is_before || is_left_to_chance || !self.reaches(from, &found, light) {
+            return;
+        }
+        let mut trials = 1;
+        while trials < MOST_TRIALS && !self.search(from, seeds, &goal).is_some_and(|again| again.is_same_as(&found)) {
+            trials += 1;
+        }
+        let pdf = found.pdf() * chance / f64::from(trials);
+        let lobe = Lobe::Caustic(CausticPath { chain: SpecularChain::of(&found.events), light: light.surface });
+        self.scatter_caustic(path, direct, point, (found.direction, pdf, lobe));
+    }
+
+    /// One search for a direction from which a chain leads to a point of a lamp.
+    fn search(
+        &mut self,
+        from: (DVec3, Option<PrimitiveId>),
+        seeds: &SeedDirections<'_>,
+        goal: &LampPoint<'_>,
+    ) -> Option<Solution> {
+        let [u, v, choice, chain] = self.take_set();
+        let direction = seeds.draw([u, v, choice])?;
+        let events = self.random_chain(from, direction, Choices(chain.to_bits()))?;
+        self.solve(from, direction, events, goal)
+    }
+
+    /// Whether nothing stands between a solution's chain and its lamp.
+    fn reaches(&mut self, from: (DVec3, Option<PrimitiveId>), found: &Solution, light: &Light) -> bool {
+        let ray = Ray { origin: from.0, direction: found.direction };
+        let Some((end, primitive)) = self.retraced(ray, from.1, found.events.iter().copied()) else { return false };
+        if light.misses(end.origin) {
+            return false;
+        }
+        let next = self.next_visible(end, primitive);
+        if light.radius.is_infinite() { next.is_none() } else { next.is_some_and(|hit| hit.surface == light.surface) }
+    }
+
+    /// A chain of specular events that begins in a direction; `None` where light sampling finds what comes that way.
+    fn random_chain(
+        &mut self,
+        (origin, mut from): (DVec3, Option<PrimitiveId>),
+        direction: DVec3,
+        mut choices: Choices,
+    ) -> Option<Vec<SpecularEvent>> {
+        let mut ray = Ray { origin, direction };
+        let mut events = Vec::new();
+        let mut is_caustic = false;
+        while events.len() < MOST_EVENTS
+            && let Some(hit) = self.next_visible(ray, from)
+        {
+            let shader = self.plan.shader_at(hit.shader);
+            let first = if choices.next() < TRANSMIT { SpecularEvent::Transmitted } else { SpecularEvent::Reflected };
+            let step = self.specular_direction(&ray, &hit, shader, first).map(|direction| (first, direction));
+            let other = first.other();
+            let step =
+                step.or_else(|| self.specular_direction(&ray, &hit, shader, other).map(|direction| (other, direction)));
+            let Some((event, direction)) = step else { break };
+            let flat = is_flat(self.plan.scene.surfaces[hit.surface].shape);
+            is_caustic |= !is_seen_by_light_sampling(shader, event, flat);
+            events.push(event);
+            ray = Ray { origin: hit.point, direction };
+            from = Some(hit.primitive);
+            if choices.next() < STOP {
+                break;
+            }
+        }
+        is_caustic.then_some(events)
+    }
+
+    /// Newton's method from a direction.
+    fn solve(
+        &mut self,
+        from: (DVec3, Option<PrimitiveId>),
+        mut axis: DVec3,
+        events: Vec<SpecularEvent>,
+        goal: &LampPoint<'_>,
+    ) -> Option<Solution> {
+        for _ in 0..MOST_STEPS {
+            let bundle = self.bundle(from, axis, &events)?;
+            let (middle, slope) = goal.passed(&bundle)?;
+            let magnification = slope.determinant().abs();
+            if !(magnification.is_finite() && magnification > f64::MIN_POSITIVE) {
+                return None;
+            }
+            if middle.length() < TOLERANCE {
+                return Some(Solution { direction: axis, events, magnification });
+            }
+            let step = slope.inverse() * -middle;
+            let step = step * (LONGEST_STEP / step.length()).min(1.0);
+            axis = (0..=MOST_HALVINGS).find_map(|halvings| {
+                let next = bundle.frame.direction(step * 0.5f64.powi(halvings as i32));
+                let ray = Ray { origin: from.0, direction: next };
+                let end = self.retrace(ray, from.1, events.iter().copied())?;
+                (goal.miss(&end)?.length_squared() < middle.length_squared()).then_some(next)
+            })?;
+        }
+        None
+    }
+}
+
+/// Whether light sampling follows lights over this event: through panes and over flat mirrors.
+fn is_seen_by_light_sampling(shader: &Shader, event: SpecularEvent, flat: bool) -> bool {
+    match shader.kind {
+        Kind::Glass { .. } => event == SpecularEvent::Transmitted,
+        Kind::Mirror { .. } => flat,
+        _ => false,
+    }
+}

@@ -1,0 +1,209 @@
+//! Numbers as C's `atof` reads them and `printf` writes them.
+
+use std::fmt::Write;
+
+/// The number at the start of the text (after white space) and how many bytes it took; 0 bytes if there is none.
+#[must_use]
+pub fn leading_number(text: &[u8]) -> (f64, usize) {
+    let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
+    let body = &text[start..];
+    let length = decimal_length(body).max(word_length(body));
+    let number = std::str::from_utf8(&body[..length]).ok().and_then(|number| number.parse().ok());
+    match number {
+        Some(value) => (value, start + length),
+        None => (0.0, 0),
+    }
+}
+
+/// The number at the start of the text, 0 if there is none: `atof`.
+#[must_use]
+pub fn number_or_zero(text: &[u8]) -> f64 {
+    leading_number(text).0
+}
+
+/// Up to `N` numbers separated by white space; `None` unless all are there.
+#[must_use]
+pub fn leading_numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
+    let mut rest = text;
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        let (value, used) = leading_number(rest);
+        if used == 0 {
+            return None;
+        }
+        *number = value;
+        rest = &rest[used..];
+    }
+    Some(numbers)
+}
+
+/// The whole number at the start of the text, 0 if there is none, clamped: `atoi`.
+#[must_use]
+pub fn integer_or_zero(text: &[u8]) -> i64 {
+    let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
+    let sign = usize::from(matches!(text.get(start), Some(b'+' | b'-')));
+    let negative = text.get(start) == Some(&b'-');
+    let digits = text[start + sign..].iter().take_while(|byte| byte.is_ascii_digit());
+    let magnitude = digits.fold(0i64, |sum, digit| sum.saturating_mul(10).saturating_add(i64::from(digit - b'0')));
+    if negative { -magnitude } else { magnitude }
+}
+
+/// C's `isspace`.
+#[must_use]
+pub fn is_space(byte: u8) -> bool {
+    byte == b' ' || (9..=13).contains(&byte)
+}
+
+/// The text without white space at either end.
+#[must_use]
+pub fn trimmed(text: &[u8]) -> &[u8] {
+    let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
+    let end = text.iter().rposition(|byte| !is_space(*byte)).map_or(start, |last| last + 1);
+    &text[start..end]
+}
+
+/// Whether the text is one whole number in Radiance's sense: `-.5e3` is, `1-` and `nan` are not.
+#[must_use]
+pub fn is_number(text: &[u8]) -> bool {
+    let text = trimmed(text);
+    !text.is_empty() && decimal_length(text) == text.len()
+}
+
+/// How many bytes at the start are a decimal number: a sign, digits with at most one point, an exponent; 0 where there is none.
+#[must_use]
+pub fn decimal_length(text: &[u8]) -> usize {
+    let digits = |from: usize| text[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let mut at = usize::from(matches!(text.first(), Some(b'+' | b'-')));
+    let whole = digits(at);
+    at += whole;
+    let mut fraction = 0;
+    if text.get(at) == Some(&b'.') {
+        fraction = digits(at + 1);
+        if whole + fraction > 0 {
+            at += 1 + fraction;
+        }
+    }
+    if whole + fraction == 0 {
+        return 0;
+    }
+    if matches!(text.get(at), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(text.get(at + 1), Some(b'+' | b'-')));
+        let exponent = digits((at + 1 + sign).min(text.len()));
+        if exponent > 0 {
+            at += 1 + sign + exponent;
+        }
+    }
+    at
+}
+
+fn word_length(text: &[u8]) -> usize {
+    let sign = usize::from(matches!(text.first(), Some(b'+' | b'-')));
+    let rest = text[sign..].to_ascii_lowercase_prefix(8);
+    ["infinity", "inf", "nan"].iter().find(|word| rest.starts_with(word.as_bytes())).map_or(0, |word| sign + word.len())
+}
+
+trait LowercasePrefix {
+    fn to_ascii_lowercase_prefix(&self, length: usize) -> Vec<u8>;
+}
+
+impl LowercasePrefix for [u8] {
+    fn to_ascii_lowercase_prefix(&self, length: usize) -> Vec<u8> {
+        self[..length.min(self.len())].to_ascii_lowercase()
+    }
+}
+
+/// `%.{digits}e`.
+#[must_use]
+pub fn scientific(value: f64, digits: usize) -> String {
+    let mut text = String::new();
+    push_scientific(value, digits, &mut text);
+    text
+}
+
+/// Appends `%.{digits}e`: for many numbers, without memory for each.
+pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
+    if !value.is_finite() {
+        text.push_str(&not_finite(value));
+        return;
+    }
+    let start = text.len();
+    let _ = write!(text, "{value:.digits$e}");
+    // The exponent has a sign and two digits at least.
+    let Some(mark) = text[start..].find('e') else { return };
+    let exponent = start + mark + 1;
+    let digits_at = if text[exponent..].starts_with('-') {
+        exponent + 1
+    } else {
+        text.insert(exponent, '+');
+        exponent + 1
+    };
+    if text.len() - digits_at < 2 {
+        text.insert(digits_at, '0');
+    }
+}
+
+/// `%.{precision}g`.
+#[must_use]
+pub fn general(value: f64, precision: usize) -> String {
+    if !value.is_finite() {
+        return not_finite(value);
+    }
+    let precision = precision.max(1);
+    let rounded = format!("{value:.*e}", precision - 1);
+    let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
+    let places = i32::try_from(precision).unwrap_or(i32::MAX) - 1 - exponent;
+    if exponent < -4 || places < 0 {
+        let text = scientific(value, precision - 1);
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "+00"));
+        return format!("{}e{exponent}", without_trailing_zeros(mantissa));
+    }
+    without_trailing_zeros(&format!("{value:.*}", usize::try_from(places).unwrap_or(0))).to_owned()
+}
+
+fn without_trailing_zeros(number: &str) -> &str {
+    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
+}
+
+fn not_finite(value: f64) -> String {
+    let word = if value.is_nan() { "nan" } else { "inf" };
+    if value.is_sign_negative() { format!("-{word}") } else { word.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_print_as_in_c() {
+        assert_eq!(scientific(5.062261, 4), "5.0623e+00");
+        assert_eq!(scientific(-1.5e-300, 3), "-1.500e-300");
+        let cases = [
+            (0.1, 5, "0.1"),
+            (100_000.0, 5, "1e+05"),
+            (99_999.4, 5, "99999"),
+            (99_999.6, 5, "1e+05"),
+            (0.0001, 6, "0.0001"),
+            (0.00001, 6, "1e-05"),
+            (-64.825, 7, "-64.825"),
+            (0.0, 6, "0"),
+            (f64::INFINITY, 3, "inf"),
+        ];
+        for (value, precision, text) in cases {
+            assert_eq!(general(value, precision), text);
+        }
+    }
+
+    #[test]
+    fn numbers_read_as_in_c() {
+        assert_eq!(leading_number(b"  1.5e3x"), (1500.0, 7));
+        assert_eq!(leading_number(b"1e"), (1.0, 1));
+        assert_eq!(leading_number(b".5 "), (0.5, 2));
+        assert_eq!(leading_number(b"1.e2"), (100.0, 4));
+        assert_eq!(leading_number(b"."), (0.0, 0));
+        assert_eq!(leading_number(b""), (0.0, 0));
+        assert_eq!(leading_number(b"-Inf").0, f64::NEG_INFINITY);
+        assert_eq!(integer_or_zero(b"     512     "), 512);
+        assert_eq!(integer_or_zero(b"-99999999999999999999999"), -i64::MAX);
+        assert!(is_number(b" -.5e+3 ") && is_number(b"1.") && !is_number(b"6-") && !is_number(b"nan"));
+    }
+}

@@ -1,0 +1,144 @@
+//! Cameras beyond the plain pinhole, and sensors, through the program.
+
+use crate::program::{Folder, Run, command, run_with};
+
+const CAMERA: &str = "[camera]\nposition_m = [0.0, 0.0, 0.48]\ndirection = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\npixels = [24, 20]\n\
+    pixel_pitch_um = [100, 110]\nexposure_ms = 10.0\nwavelength_nm = 650.0\n";
+const HOLE: &str = "focal_distance_mm = 6.75\npinhole_diameter_mm = 0.1\n";
+const LINEAR: &str = "[sensor]\nresponse = \"emva1288\"\nquantum_efficiency = 0.6\ngain_dn_per_e = 0.2\nfull_well_e = 15000\n\
+    read_noise_e = 8\ndark_offset_dn = 50\nbits = 12\n";
+/// A lamp over a floor of two colours with an edge through the picture.
+const SCENE: &str = "void plastic red 0 0 5 .6 .2 .1 0 0\nvoid plastic blue 0 0 5 .05 .2 .7 0 0\nvoid light lamp 0 0 3 900 900 900\n\
+    red polygon left 0 0 12 -1 -1 0 .013 -1 0 .013 1 0 -1 1 0\nblue polygon right 0 0 12 .013 -1 0 1 -1 0 1 1 0 .013 1 0\n\
+    lamp sphere bulb 0 0 4 .3 .2 .9 .02\n";
+
+fn folder(files: &[(&str, String)]) -> Folder {
+    let folder = Folder::new();
+    folder.file("scene.rad", SCENE);
+    files.iter().for_each(|(name, text)| drop(folder.file(name, text)));
+    folder
+}
+
+fn run(folder: &Folder, words: &[&str], input: &[u8]) -> Run {
+    run_with(command(words).current_dir(folder.path("")), input)
+}
+
+/// The chain of programs gives the bits of the one command, whatever the camera is.
+#[test]
+fn rays_tracing_and_averaging_apart_give_the_exposure_of_capture() {
+    let matrix =
+        "camera_matrix: [20, 0, 11, 0, 21, 10, 0, 0, 1]\ndistortion_model: fisheye\nD: [0.05, 0.01, 0, 0]\n".to_owned();
+    let cameras = [
+        format!("{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\n"),
+        format!(
+            "{CAMERA}{HOLE}pinhole_model = \"diffraction\"\nobject_distance_m = 0.48\nband_wavelengths_nm = [620, 540, 460]\n"
+        ),
+        format!(
+            "{CAMERA}lens_focal_length_mm = 6.0\nf_number = 2.0\nfocus_distance_m = 0.4\nfront_stop_mm = [8.0, 4.0]\n"
+        ),
+        format!("{}{HOLE}camera_matrix = \"matrix.yaml\"\n", CAMERA.replace("pixel_pitch_um = [100, 110]\n", "")),
+        format!("{CAMERA}{HOLE}[alignment]\nsensor_tilt_deg = [5.0, -3.0]\ncamera_turn_deg = [1.0, 2.0, 3.0]\n"),
+    ];
+    for camera in cameras {
+        let folder = folder(&[("camera.toml", camera.clone()), ("matrix.yaml", matrix.clone())]);
+        let words = ["capture", "camera.toml", "scene.rad", "--samples", "8", "--exposure", "fused.mtx"];
+        run(&folder, &words, b"").done();
+        let rays = run(&folder, &["pinhole", "rays", "camera.toml", "--samples", "8"], b"").done();
+        let radiances = run(&folder, &["rtrace", "-h", "-fdd", "-ab", "0", "scene.rad"], &rays).done();
+        let average = run(&folder, &["pinhole", "average", "camera.toml", "--samples", "8"], &radiances).done();
+        let fused = std::fs::read(folder.path("fused.mtx")).unwrap();
+        let numbers = |bytes: &[u8]| bytes[bytes.len() - 24 * 20 * 4..].to_vec();
+        assert_eq!(numbers(&fused), numbers(&average), "{camera}");
+        assert!(numbers(&fused).iter().any(|byte| *byte != 0), "{camera}");
+    }
+}
+
+#[test]
+fn a_specimen_that_was_drawn_can_be_captured_again() {
+    let tolerances = "[tolerances]\nspecimen = 3\ncamera_turn_deg = 1.0\nsensor_shift_um = 80\nled_tilt_deg = 2\nled_intensity_percent = 10\n";
+    let rig = "[rig]\nleds = 6\nring_diameter_mm = 30\nled_diameter_mm = 5\nled_intensity_w_per_sr = 0.05\nled_cone_deg = 40\n";
+    let drawn = format!("{CAMERA}{HOLE}{rig}{tolerances}{LINEAR}");
+    let folder = folder(&[("drawn.toml", drawn), ("plain.toml", format!("{CAMERA}{HOLE}"))]);
+    let words =
+        ["capture", "drawn.toml", "scene.rad", "--samples", "4", "-o", "drawn.png", "--specimen", "specimen.toml"];
+    run(&folder, &[&words[..], &["--exposure", "drawn.mtx"]].concat(), b"").done();
+    let specimen = std::fs::read_to_string(folder.path("specimen.toml")).unwrap();
+    folder.file("again.toml", format!("{CAMERA}{HOLE}{rig}{LINEAR}{specimen}"));
+    run(&folder, &["capture", "again.toml", "scene.rad", "--samples", "4", "--exposure", "again.mtx"], b"").done();
+    let [drawn, again] = ["drawn.mtx", "again.mtx"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_eq!(drawn[drawn.len() - 24 * 20 * 4..], again[again.len() - 24 * 20 * 4..]);
+    assert!(String::from_utf8_lossy(&drawn).contains("ALIGNMENT= [alignment]; camera_shift_mm = ["));
+    let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "--exposure", "x", "--specimen", "s"], b"");
+    assert_eq!(refused.code, 1);
+    assert!(refused.messages.contains("neither [alignment] nor [tolerances]"), "{}", refused.messages);
+    assert!(!folder.path("x").exists() && !folder.path("s").exists());
+}
+
+#[test]
+fn colours_behind_a_mosaic_come_back() {
+    let camera =
+        format!("{CAMERA}{HOLE}pinhole_model = \"point\"\n{LINEAR}mosaic = \"RGGB\"\n").replace("= 650.0", "= 550.0");
+    let folder = folder(&[("camera.toml", camera), ("plain.toml", format!("{CAMERA}{HOLE}{LINEAR}"))]);
+    let words = ["capture", "camera.toml", "scene.rad", "--samples", "64", "-o", "raw.png", "--color", "color.png"];
+    run(&folder, &words, b"").done();
+    let png = radsight_picture::read_png(&std::fs::read(folder.path("color.png")).unwrap()).unwrap();
+    assert_eq!((png.bits, png.values.components()), (16, 3));
+    let image = png.values;
+    // The middle of the left half is red, that of the right half blue, in the ratios of the paints above the dark level.
+    let mean = |columns: std::ops::Range<usize>, color: usize| {
+        let pixels = (4..16).flat_map(|row| columns.clone().map(move |column| (row, column)));
+        let values: Vec<f64> =
+            pixels.map(|(row, column)| f64::from(image.data()[3 * (24 * row + column) + color])).collect();
+        values.iter().sum::<f64>() / values.len() as f64 - 50.0
+    };
+    let (left, right) = ([0, 1, 2].map(|color| mean(2..9, color)), [0, 1, 2].map(|color| mean(17..22, color)));
+    assert!((left[0] / left[1] / 3.0 - 1.0).abs() < 0.1, "{left:?}");
+    assert!((right[2] / right[1] / 3.5 - 1.0).abs() < 0.1, "{right:?}");
+    run(&folder, &["capture", "camera.toml", "scene.rad", "--samples", "64", "--color", "alone.png"], b"").done();
+    let alone = radsight_picture::read_png(&std::fs::read(folder.path("alone.png")).unwrap()).unwrap();
+    assert_eq!(alone.values, image, "the grey picture need not be asked for");
+    let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "-o", "a.png", "--color", "b.png"], b"");
+    assert_eq!(refused.code, 1);
+    assert!(refused.messages.contains("has no mosaic of colour filters"), "{}", refused.messages);
+}
+
+#[test]
+fn a_sensor_is_measured_with_table_and_page() {
+    let power = "[sensor]\nresponse = \"power-law\"\nk = 1\ngamma = 1\ngrey_background = 0\ngrey_max = 9\nexposure_unit = \"J/m2\"\n";
+    let folder =
+        folder(&[("linear.toml", format!("{CAMERA}{HOLE}{LINEAR}")), ("power.toml", format!("{CAMERA}{HOLE}{power}"))]);
+    let words = ["sensor", "linear.toml", "--characterise", "--report", "page.html", "--stack", "20"];
+    let table = run(&folder, &words, b"").text();
+    let row = table.lines().find(|line| line.starts_with("\"quantum efficiency\"")).unwrap();
+    let numbers: Vec<f64> = row.split(',').skip(2).map(|word| word.parse().unwrap()).collect();
+    assert!((numbers[1]..=numbers[2]).contains(&0.6) && numbers[2] - numbers[1] < 0.1, "{row}");
+    let page = std::fs::read_to_string(folder.path("page.html")).unwrap();
+    assert_eq!((page.matches("<svg").count(), page.matches("</svg>").count()), (5, 5));
+    let cut = format!("{CAMERA}{HOLE}{}", LINEAR.replace("dark_offset_dn = 50", "dark_offset_dn = 0"));
+    folder.file("cut.toml", cut);
+    let run_short = |camera| run(&folder, &["sensor", camera, "--characterise", "--steps", "10", "--stack", "6"], b"");
+    assert!(run_short("cut.toml").messages.contains("hint: a larger dark_offset_dn"));
+    assert_eq!(run_short("linear.toml").messages, "");
+    let refused = run(&folder, &["sensor", "power.toml", "--characterise"], b"");
+    assert_eq!(refused.code, 1);
+    assert!(refused.messages.contains("hint: response = \"emva1288\""), "{}", refused.messages);
+    assert_eq!(run(&folder, &["sensor", "linear.toml", "--report", "x.html"], b"").code, 2);
+}
+
+#[test]
+fn a_calibration_says_its_intervals_and_draws_its_plot() {
+    let pairs: Vec<String> = (0..40)
+        .map(|k| {
+            let exposure = 2.5e-3 * f64::from(k) / 39.0;
+            let wobble = 0.3 * f64::from(k * 7 % 5 - 2);
+            format!("{exposure},{}", (33844.0 * exposure.powf(0.85) + 12.0).min(161.0) + wobble)
+        })
+        .collect();
+    let folder = folder(&[("data.csv", pairs.join("\n"))]);
+    let text = run(&folder, &["calibrate", "data.csv", "--plot", "fit.svg"], b"").text();
+    for name in ["k", "gamma", "grey_background", "grey_max"] {
+        assert!(text.contains(&format!("# {name}: from ")), "{text}");
+    }
+    let plot = std::fs::read_to_string(folder.path("fit.svg")).unwrap();
+    assert_eq!(plot.matches("<circle").count(), 40);
+}

@@ -1,0 +1,17 @@
+//! Pictures that a real camera takes: from the camera file to the grey values.
+
+#[path = "../pictures/mod.rs"]
+mod pictures;
+#[path = "../program/mod.rs"]
+mod program;
+
+mod budget;
+mod camera_models;
+mod chain;
+mod flicker;
+mod gripps_files;
+mod job;
+mod library_and_program;
+mod opencv_calibration;
+mod parts;
+mod truth;

@@ -1,0 +1,65 @@
+//! Captures of parts on retroreflective sheeting, to an error, against plain sampling at 65,536 rays a pixel.
+//!
+//! `tests/gripps/truth/part-*.pfm` and `tall-washer.pfm` were made once by `radsight capture tests/gripps/part.toml … --samples 65536` before
+//! lights were looked for in mirrors, so that neither strategy tested here had a share in them.
+
+use crate::pictures::{Difference, exposure_file, show};
+use crate::program::{Folder, gripps, radsight, root};
+use radsight_picture::Image;
+
+/// Seeds over which a mean is taken.
+const SEEDS: u32 = 6;
+
+fn file(name: &str) -> String {
+    root().join("tests/gripps").join(name).to_string_lossy().into_owned()
+}
+
+fn captures(part: &str, error: &str) -> Vec<Image<f32>> {
+    let folder = Folder::new();
+    let out = folder.word("x.pfm");
+    let capture = |seed: u32| {
+        let (camera, sheet, seed) = (file("part.toml"), gripps("sheet-retro.rad"), seed.to_string());
+        let words = ["capture", &camera, &sheet, part, "--error", error, "--seed", &seed, "--exposure", &out];
+        radsight(&words).done();
+        exposure_file(&folder.path("x.pfm"))
+    };
+    (0..SEEDS).map(capture).collect()
+}
+
+/// The asked error is the true one, and the mean over seeds is nearer by as much as independent errors are.
+fn check(name: &str, part: &str, error: f64) {
+    let truth = exposure_file(&root().join(format!("tests/gripps/truth/{name}.pfm")));
+    let captures = captures(part, &error.to_string());
+    let differences: Vec<Difference> = captures.iter().map(|picture| Difference::new(picture, &truth)).collect();
+    let rms = (differences.iter().map(|difference| difference.rms.powi(2)).sum::<f64>() / f64::from(SEEDS)).sqrt();
+    let mean: Vec<f32> = (0..truth.data().len())
+        .map(|pixel| captures.iter().map(|picture| picture.data()[pixel]).sum::<f32>() / SEEDS as f32)
+        .collect();
+    let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
+    let of_mean = Difference::new(&mean, &truth);
+    println!("{name}: asked {error}, rms {rms}, of the mean {of_mean:?}");
+    if rms > 1.1 * error || of_mean.rms > 1.3 * rms / f64::from(SEEDS).sqrt() + 0.002 || of_mean.mean.abs() > 0.003 {
+        let shown = show(name, &mean, &truth);
+        panic!("{name}: asked {error}, rms {rms}, of the mean {of_mean:?}; see {}", shown.display());
+    }
+}
+
+#[test]
+fn a_polished_ball_shows_every_led() {
+    check("part-ball", &gripps("part-ball.rad"), 0.02);
+}
+
+#[test]
+fn a_polished_cone_shows_the_far_sheet() {
+    check("part-cone", &gripps("part-cone.rad"), 0.02);
+}
+
+#[test]
+fn a_machined_ring_is_rough() {
+    check("part-machined-ring", &gripps("part-machined-ring.rad"), 0.02);
+}
+
+#[test]
+fn a_tall_washer_lights_the_sheet_beside_it() {
+    check("tall-washer", &file("tall-washer.rad"), 0.02);
+}

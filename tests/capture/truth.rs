@@ -1,0 +1,104 @@
+//! Captures of the paper's figures against `gripps/truth`: exposures from an independent brute-force integration over
+//! pixel × pinhole disk × LED disk.
+//!
+//! The bounds are for the few samples of a test, half as much again as was measured; the error falls as samples are added.
+
+use crate::pictures::{Difference, exposure_file, greys, paper_grey, show};
+use crate::program::{Folder, gripps, radsight, root};
+use radsight_picture::Image;
+
+/// What a figure is captured from, and how right it must be.
+struct Figure {
+    number: u32,
+    scenes: &'static [&'static str],
+    samples: &'static str,
+    /// Of rms(E − T) / mean(T).
+    rms: f64,
+    /// The same without the worst thousandth of the pixels.
+    rms_of_most: f64,
+    /// Of |mean(E) / mean(T) − 1|.
+    mean: f64,
+}
+
+const RETRO: &[&str] = &["sheet-retro.rad"];
+const WASHER: &[&str] = &["sheet-retro.rad", "washer.rad"];
+
+#[test]
+fn figure_8_lambertian_sheet_point_pinhole_cone() {
+    let scenes = &["sheet-lambertian.rad"];
+    check(&Figure { number: 8, scenes, samples: "16", rms: 0.0018, rms_of_most: 0.0017, mean: 0.0001 });
+}
+
+#[test]
+fn figure_9_retroreflector_point_pinhole_cone() {
+    check(&Figure { number: 9, scenes: RETRO, samples: "64", rms: 0.008, rms_of_most: 0.0075, mean: 0.0005 });
+}
+
+#[test]
+fn figure_10_retroreflector_finite_pinhole_cone() {
+    check(&Figure { number: 10, scenes: RETRO, samples: "64", rms: 0.016, rms_of_most: 0.015, mean: 0.0005 });
+}
+
+#[test]
+fn figure_11_retroreflector_finite_pinhole_table() {
+    check(&Figure { number: 11, scenes: RETRO, samples: "32", rms: 0.007, rms_of_most: 0.007, mean: 0.0005 });
+}
+
+#[test]
+fn figure_13_washer_point_pinhole_table() {
+    check(&Figure { number: 13, scenes: WASHER, samples: "32", rms: 0.037, rms_of_most: 0.012, mean: 0.002 });
+}
+
+#[test]
+fn figure_14_washer_finite_pinhole_table() {
+    check(&Figure { number: 14, scenes: WASHER, samples: "64", rms: 0.029, rms_of_most: 0.015, mean: 0.002 });
+}
+
+#[test]
+fn an_asked_error_is_the_true_error() {
+    let captured = capture(11, RETRO, &["--error", "0.01"]);
+    let difference = Difference::new(&captured.exposure, &captured.truth);
+    assert!(difference.rms < 0.013, "asked for 1 %, got {difference:?}");
+    // An estimate that is far too careful wastes the time of whoever asked.
+    assert!(difference.rms > 0.002, "asked for 1 %, got {difference:?}");
+}
+
+struct Captured {
+    exposure: Image<f32>,
+    greys: Image<u16>,
+    truth: Image<f32>,
+}
+
+fn capture(number: u32, scenes: &[&str], effort: &[&str]) -> Captured {
+    let folder = Folder::new();
+    let camera = gripps(&format!("fig{number:02}.toml"));
+    let scenes: Vec<String> = scenes.iter().map(|name| gripps(name)).collect();
+    let (matrix, picture) = (folder.word("x.pfm"), folder.word("x.png"));
+    let mut words = vec!["capture", &camera];
+    words.extend(scenes.iter().map(String::as_str));
+    words.extend(effort);
+    words.extend(["--exposure", &matrix, "-o", &picture]);
+    radsight(&words).done();
+    Captured {
+        exposure: exposure_file(&folder.path("x.pfm")),
+        greys: greys(&folder.read("x.png")),
+        truth: exposure_file(&root().join(format!("tests/gripps/truth/t{number}.pfm"))),
+    }
+}
+
+fn check(figure: &Figure) {
+    let captured = capture(figure.number, figure.scenes, &["--samples", figure.samples]);
+    let difference = Difference::new(&captured.exposure, &captured.truth);
+    let pairs = captured.greys.data().iter().zip(captured.truth.data());
+    let near = pairs.filter(|(grey, truth)| grey.abs_diff(paper_grey(**truth)) <= 1).count();
+    let near = near as f64 / captured.truth.data().len() as f64;
+    println!("figure {}: {difference:?}, {:.3} % of the greys within 1", figure.number, 100.0 * near);
+    let good = difference.rms <= figure.rms
+        && difference.rms_of_most <= figure.rms_of_most
+        && difference.mean.abs() <= figure.mean
+        && near >= 0.995;
+    if !good {
+        let shown = show(&format!("figure-{}", figure.number), &captured.exposure, &captured.truth);
+        panic!("figure {}: {difference:?}, {near} of the greys within 1; see {}", figure.number, shown.display());
+    }
+}

@@ -1,0 +1,110 @@
+//! Functions of a scene that fail while rays are traced: said once, with how often, what and where; no value that is none.
+
+use crate::program::{Folder, Run, command, run_with};
+
+const INPUT: i32 = 1;
+
+/// A ball with a pattern of this file of functions, seen from the front.
+fn ball(functions: &str) -> Folder {
+    let folder = Folder::new();
+    folder.file("pattern.cal", functions);
+    folder.file(
+        "scene.rad",
+        "void light l\n0\n0\n3 100 100 100\nl sphere lamp\n0\n0\n4 0 -3 3 .5\n\
+         void brightfunc stripes\n2 shade pattern.cal\n0\n0\nstripes plastic paint\n0\n0\n5 .5 .5 .5 0 0\n\
+         paint sphere ball\n0\n0\n4 0 0 0 1\n",
+    );
+    folder
+}
+
+fn picture(folder: &Folder, options: &[&str]) -> Run {
+    let view = ["-vp", "0", "-4", "0", "-vd", "0", "1", "0", "-x", "8", "-y", "8", "-ab", "0", "-pj", "0"];
+    let words = [&["rpict"][..], &view, options, &["scene.rad"]].concat();
+    run_with(command(&words).current_dir(folder.path("")), b"")
+}
+
+#[track_caller]
+fn assert_told(run: &Run, what: &str) {
+    let message = &run.messages;
+    assert!(message.contains("scene.rad:9:1: warning: functions of \"stripes\" failed in "), "{message}");
+    assert!(message.contains(" evaluations, such as at (") && message.contains(what), "{message}");
+    assert_eq!(message.matches("stripes\" failed").count(), 1, "{message}");
+}
+
+const ENDLESS: &str = "f(x)=f(x+1);shade=f(Px);\n";
+const BEYOND: &str = "shade=if(Px,1e30*Pz*1e30,1);\n";
+
+#[test]
+fn recursion_without_end_is_told_once_with_place_and_count() {
+    let run = picture(&ball(ENDLESS), &[]);
+    assert_told(&run, "functions call each other more than 100000 deep");
+    assert_eq!(run.code, 0);
+}
+
+#[test]
+fn values_beyond_single_precision_are_told() {
+    let run = picture(&ball(BEYOND), &[]);
+    assert_told(&run, "a value goes beyond single precision");
+    assert_eq!(run.code, 0);
+}
+
+#[test]
+fn faults_of_functions_are_errors_when_strict_and_leave_no_picture() {
+    for functions in [ENDLESS, BEYOND] {
+        let folder = ball(functions);
+        let before = folder.names();
+        let run = picture(&folder, &["--strict", "-o", "out.hdr"]);
+        assert_eq!(run.code, INPUT, "{}", run.messages);
+        assert_eq!(folder.names(), before);
+    }
+}
+
+#[test]
+fn nothing_is_told_with_warnings_off_or_where_nothing_fails() {
+    assert_eq!(picture(&ball(ENDLESS), &["-w"]).messages, "");
+    assert_eq!(picture(&ball("shade=if(Px,.5,1);\n"), &["--strict"]).messages, "");
+}
+
+#[test]
+fn no_picture_has_values_that_are_none() {
+    for functions in ["shade=if(Px,1e300*Pz,1)*1e300;\n", "shade=if(Px,1e300*Pz,1)*1e300-if(Px,1e300*Pz,1)*1e300;\n"] {
+        let folder = ball(functions);
+        let run = picture(&folder, &["-ff"]);
+        let start = run.output.windows(2).position(|pair| pair == b"\n\n").expect("a header ends") + 2;
+        let start = start + run.output[start..].iter().position(|byte| *byte == b'\n').expect("a size ends") + 1;
+        let (values, rest) = run.output[start..].as_chunks::<4>();
+        assert_eq!((values.len(), rest.len()), (3 * 64, 0));
+        assert!(values.iter().all(|value| f32::from_ne_bytes(*value).is_finite()), "{functions}: {}", run.messages);
+    }
+}
+
+#[test]
+fn a_variable_that_is_defined_by_itself_is_the_only_thing_that_is_told() {
+    let run = picture(&ball("a=b;b=a;shade=a;\n"), &[]);
+    assert_eq!(run.code, INPUT, "{}", run.messages);
+    assert!(run.messages.contains("variable \"a\" is defined by means of itself"), "{}", run.messages);
+    assert!(!run.messages.contains("modifies another material"), "{}", run.messages);
+}
+
+#[test]
+fn an_index_of_refraction_of_zero_is_told_with_its_material_and_refused_when_strict() {
+    let folder = Folder::new();
+    folder.file("scene.rad", "void light l\n0\n0\n3 1 1 1\nl sphere lamp\n0\n0\n4 0 -3 3 .5\nvoid dielectric d\n0\n0\n5 1 1 1 0 0\nd sphere ball\n0\n0\n4 0 0 0 1\n");
+    let told = "the refractive index of dielectric \"d\" is 0, expected a number above zero";
+    let tolerant = picture(&folder, &[]);
+    assert_eq!((tolerant.code, tolerant.messages.matches(told).count()), (0, 1), "{}", tolerant.messages);
+    let strict = picture(&folder, &["--strict"]);
+    assert_eq!((strict.code, strict.messages.matches(told).count()), (INPUT, 1), "{}", strict.messages);
+}
+
+#[test]
+fn contributions_are_numbers_too() {
+    let folder = ball("shade=if(Px,1e300*Pz,1)*1e300;\n");
+    let mut command = command(&["rcontrib", "-h", "-V+", "-m", "l", "scene.rad"]);
+    let run = run_with(command.current_dir(folder.path("")), b".1 -4 .4 0 1 0\n");
+    let text = String::from_utf8(run.output).expect("the values are text");
+    let values: Vec<f32> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    assert_eq!(values.len(), 3, "{text}");
+    assert!(values.iter().all(|value| value.is_finite() && *value > 1e38), "{text}");
+    assert!(run.messages.contains("warning: the radiance of "), "{}", run.messages);
+}

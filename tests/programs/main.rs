@@ -1,0 +1,18 @@
+//! The programs around the renderer: scenes, pictures, matrices and text, as Radiance's programs of the same names make them.
+
+#[path = "../program/mod.rs"]
+mod program;
+
+mod commands;
+mod files_as_they_are;
+mod matrix_programs;
+mod mkillum;
+mod obj2mesh;
+mod oconv;
+mod picture_programs;
+mod pinterp;
+mod rad;
+mod report;
+mod rfluxmtx;
+mod rsplit;
+mod tone_mapping;

@@ -1,0 +1,130 @@
+//! `obj2mesh` beside the real one: both meshes, seen by both renderers.
+
+use crate::program::{Folder, command, radsight, run_with};
+use radsight_test_support::Radiance;
+use std::fmt::Write;
+
+const MATERIALS: &str = "\
+void brightfunc stripes 2 if(sin(20*Lu),1,.3) . 0 0
+stripes plastic red 0 0 5 .6 .1 .1 0 0
+void metal steel 0 0 5 .5 .5 .5 .9 0
+void glow shine 0 0 4 2 3 4 0
+";
+
+/// A wavy sheet with normals, texture coordinates and two materials, and a star that is not convex.
+fn wavefront(steps: usize) -> String {
+    let mut text = String::from("# made by hand\ng sheet\n");
+    for at in 0..(steps + 1) * (steps + 1) {
+        let [u, v] = [at % (steps + 1), at / (steps + 1)].map(|step| step as f64 / steps as f64);
+        let (height, slope) = (0.2 * (7.0 * u).sin(), 1.4 * (7.0 * u).cos());
+        let _ = writeln!(text, "v {u:.6} {v:.6} {height:.6}\nvn {:.6} 0 1\nvt {u:.6} {v:.6}", -slope);
+    }
+    for at in 0..steps * steps {
+        let corner = at / steps * (steps + 1) + at % steps + 1;
+        let [a, b, c, d] = [corner, corner + 1, corner + steps + 2, corner + steps + 1];
+        let material = if at % 3 == 0 { "red" } else { "steel" };
+        let _ = writeln!(text, "usemtl {material}\nf {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c} {d}/{d}/{d}");
+    }
+    text.push_str("usemtl\ng shine\n");
+    for tip in 0..10 {
+        let (angle, radius) = (f64::from(tip) * 0.628_318_5, if tip % 2 == 0 { 0.4 } else { 0.15 });
+        let _ = writeln!(text, "v {:.6} {:.6} .7", 0.5 + radius * angle.cos(), 0.5 + radius * angle.sin());
+    }
+    let words: Vec<String> = (1..=10).map(|back| format!("-{}", 11 - back)).collect();
+    let _ = writeln!(text, "f {}", words.join(" "));
+    text
+}
+
+/// Rays from above all over the mesh, and from below.
+fn rays() -> String {
+    let mut text = String::new();
+    for at in 0..2000 {
+        let [x, y] = [f64::from(at) * 0.618_034 % 1.0, f64::from(at) * 0.414_214 % 1.0];
+        let (z, down) = if at % 4 == 3 { (-2.0, 1.0) } else { (2.0, -1.0) };
+        let _ = writeln!(text, "{x:.6} {y:.6} {z} .05 -.03 {down}");
+    }
+    text
+}
+
+#[test]
+fn meshes_look_as_those_of_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    folder.file("materials.rad", MATERIALS);
+    folder.file("sheet.obj", wavefront(40));
+    let words = ["-a", "materials.rad", "sheet.obj"];
+    let real = run_with(radiance.command("obj2mesh", &words).current_dir(folder.path("")), b"").done();
+    let ours = run_with(command(&["obj2mesh", "-a", "materials.rad", "sheet.obj"]).current_dir(folder.path("")), b"");
+    folder.file("real.rtm", real);
+    folder.file("ours.rtm", ours.done());
+    let mut found = Vec::new();
+    for (mesh, renders_really) in [("real", true), ("ours", true), ("real", false), ("ours", false)] {
+        let text =
+            format!("void light lamp 0 0 3 9 9 9\nlamp sphere bulb 0 0 4 2 3 9 1\nvoid mesh it 1 {mesh}.rtm 0 0\n");
+        let scene = folder.file(&format!("{mesh}.rad"), text);
+        let octree = radiance.octree(&folder, &[&scene]);
+        let words = ["-h", "-w", "-ovLmN", "-dj", "0", "-ds", "0", &octree];
+        let ours: Vec<&str> = std::iter::once("rtrace").chain(words).collect();
+        let mut program = if renders_really { radiance.command("rtrace", &words) } else { command(&ours) };
+        found.push(run_with(program.current_dir(folder.path("")), rays().as_bytes()).text());
+    }
+    for (pair, share) in [([0, 1], 2e-3), ([2, 3], 2e-3)] {
+        let mut off = 0;
+        for (real, ours) in found[pair[0]].lines().zip(found[pair[1]].lines()) {
+            let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+            let is_near = |(real, ours): (&String, &String)| match (real.parse::<f64>(), ours.parse::<f64>()) {
+                (Ok(real), Ok(ours)) => (real - ours).abs() <= share * (1.0 + real.abs()),
+                _ => real == ours,
+            };
+            off += usize::from(!words(real).iter().zip(&words(ours)).all(is_near));
+        }
+        // Rays that meet an edge between two materials may see either.
+        assert!(off <= 10, "{off} of 2000 rays differ");
+        assert!(found[pair[0]].contains("shine") && found[pair[0]].contains("steel"));
+    }
+}
+
+#[test]
+fn large_meshes_are_read_by_the_real_program() {
+    let Some(radiance) = Radiance::find() else { return };
+    let folder = Folder::new();
+    let source = folder.file("sheet.obj", wavefront(150));
+    let target = folder.word("sheet.rtm");
+    radsight(&["obj2mesh", "-v", &source, &target]).done();
+    let scene = folder.file("scene.rad", format!("void plastic p 0 0 5 .5 .5 .5 0 0\np mesh it 1 {target} 0 0\n"));
+    let octree = radiance.octree(&folder, &[&scene]);
+    let words = ["-h", "-oL", &octree];
+    let real = run_with(&mut radiance.command("rtrace", &words), rays().as_bytes()).text();
+    let ours = run_with(&mut command(&["rtrace", "-h", "-oL", &octree]), rays().as_bytes()).text();
+    let lengths = |text: &str| text.lines().filter_map(|line| line.trim().parse().ok()).collect::<Vec<f64>>();
+    let (real, ours) = (lengths(&real), lengths(&ours));
+    let apart = real.iter().zip(&ours).filter(|(real, ours)| (*real - *ours).abs() > 1e-5).count();
+    assert!(real.len() == 2000 && ours.len() == 2000 && apart <= 5, "{apart} of {} rays differ", real.len());
+    assert!(real.iter().filter(|length| **length < 9.0).count() > 1500);
+}
+
+#[test]
+fn wrong_input_is_told() {
+    let folder = Folder::new();
+    folder.file("empty.obj", "v 0 0 0\n");
+    folder.file("bad.obj", "v 0 0 0\nf 1 2 3\n");
+    folder.file("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl brass\nf 1 2 3\n");
+    folder.file("materials.rad", MATERIALS);
+    folder.file("surfaces.rad", "void sphere s 0 0 4 0 0 0 1\n");
+    folder.file("broken.rad", "void plastic\n");
+    let check = |words: &str, code: i32, message: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        let run = run_with(command(&words).current_dir(folder.path("")), b"");
+        assert_eq!(run.code, code, "{words:?}: {}", run.messages);
+        assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
+    };
+    check("obj2mesh -q good.obj", 2, "option \"-q\" is unknown");
+    check("obj2mesh none.obj", 1, "cannot read mesh \"none.obj\"");
+    check("obj2mesh empty.obj", 1, "no triangle with an area");
+    check("obj2mesh bad.obj", 1, "bad.obj: line 2: ");
+    check("obj2mesh a b c", 2, "one file too many");
+    check("obj2mesh -a materials.rad good.obj", 1, "undefined modifier \"brass\"");
+    check("obj2mesh -a surfaces.rad good.obj", 1, "has surfaces");
+    check("obj2mesh -a broken.rad good.obj", 1, "broken.rad:1:");
+    check("obj2mesh -l nowhere.rad good.obj", 1, "nowhere.rad");
+}

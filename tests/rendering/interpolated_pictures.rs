@@ -1,0 +1,106 @@
+//! Pictures of `rpict` without `--error` or `--samples`: interpolated where they are smooth, as `-ps` and `-pt` ask.
+
+use crate::program::{Folder, command, run_with};
+
+const SIDE: usize = 128;
+
+/// A floor under a lamp, with a ball and a thin bar on it, and a disk that throws a soft shadow.
+const TABLE: &str = "
+void plastic grey 0 0 5 .5 .4 .3 0 0
+void plastic red 0 0 5 .7 .1 .1 .03 .05
+void light bright 0 0 3 40 40 40
+bright ring lamp 0 0 8 0 0 6 0 0 -1 0 .5
+grey polygon floor 0 0 12 -8 -8 0 8 -8 0 8 8 0 -8 8 0
+red sphere ball 0 0 4 1 1 .6 .6
+grey ring disk 0 0 8 -1.5 0 1 0 0 1 0 .8
+red cylinder bar 0 0 7 -3 -2 .03 3 -1 .03 .03
+void glow dim 0 0 4 .1 .1 .1 0
+dim source sky 0 0 4 0 0 1 180
+";
+
+const VIEW: &str = "-vp 0 -7 5 -vd 0 1.4 -1 -vh 45 -vv 45 -x 128 -y 128 -ff -h-";
+
+/// The pixels of a picture of floats, in the red band, top row first.
+fn red(scene: &str, options: &str) -> Vec<f64> {
+    let folder = Folder::new();
+    folder.file("scene.rad", scene);
+    let words: Vec<&str> =
+        ["rpict"].into_iter().chain(options.split(' ').filter(|word| *word != "-h-")).chain(["scene.rad"]).collect();
+    let bytes = run_with(command(&words).current_dir(folder.path("")), b"").done();
+    let floats: Vec<f32> = bytes[bytes.len() - SIDE * SIDE * 12..]
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|bytes| f32::from_ne_bytes(*bytes))
+        .collect();
+    floats.chunks(3).map(|pixel| f64::from(pixel[0])).collect()
+}
+
+/// Means over blocks of 8 × 8 pixels.
+fn blocks(pixels: &[f64]) -> Vec<f64> {
+    let side = SIDE / 8;
+    let block = |index: usize| {
+        let (left, top) = (index % side * 8, index / side * 8);
+        let pixel = |at: usize| pixels[(top + at / 8) * SIDE + left + at % 8];
+        (0..64).map(pixel).sum::<f64>() / 64.0
+    };
+    (0..side * side).map(block).collect()
+}
+
+#[test]
+fn blocks_of_an_interpolated_picture_are_those_of_one_that_is_not() {
+    let exact = blocks(&red(TABLE, &format!("{VIEW} -pj 1 --samples 128")));
+    for options in ["", "-ps 8", "-ps 1", "-ps 8 -pt .1", "-pj 1 -ps 3"] {
+        let quick = blocks(&red(TABLE, &format!("{VIEW} {options}").trim().replace("  ", " ")));
+        let [sum, expected] = [&quick, &exact].map(|blocks| blocks.iter().sum::<f64>());
+        let dark = 0.01 * expected / exact.len() as f64;
+        let is_near = |(quick, exact): &(&f64, &f64)| (*quick - *exact).abs() < 0.05 * *exact + dark;
+        let near = quick.iter().zip(&exact).filter(is_near).count();
+        assert!(near * 100 >= exact.len() * 93, "{options}: {near} of {} blocks", exact.len());
+        assert!((sum / expected - 1.0).abs() < 0.01, "{options}: {sum} instead of {expected}");
+    }
+}
+
+#[test]
+fn smooth_light_has_no_grain() {
+    // The floor below the middle of the picture, away from all shadows.
+    let rows = [SIDE - 12, SIDE - 9, SIDE - 6];
+    let pixels = red(TABLE, VIEW);
+    for row in rows {
+        let line = &pixels[row * SIDE + 40..row * SIDE + 88];
+        for triple in line.windows(3) {
+            let bend = (triple[1] - 0.5 * (triple[0] + triple[2])).abs() / triple[1];
+            assert!(bend < 0.01, "row {row}: {triple:?}");
+        }
+    }
+}
+
+#[test]
+fn silhouettes_are_averaged_over_pixels() {
+    // A disk that fills a known share of a parallel view, nothing around it.
+    let scene = "void glow white 0 0 4 1 1 1 0\nwhite ring disk 0 0 8 0 5 0 0 -1 0 0 .8\n";
+    let view = "-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -x 128 -y 128 -ff -pj 1";
+    let pixels = red(scene, view);
+    let share = pixels.iter().sum::<f64>() / (SIDE * SIDE) as f64;
+    let expected = std::f64::consts::PI * 0.64 / 4.0;
+    assert!((share / expected - 1.0).abs() < 0.003, "{share} instead of {expected}");
+    let partial = pixels.iter().filter(|value| **value > 0.01 && **value < 0.99).count();
+    assert!(partial > 200, "{partial} pixels on the rim are partly covered");
+}
+
+#[test]
+fn what_is_thinner_than_a_cell_is_found() {
+    // A wire about two pixels wide.
+    let scene = "void glow white 0 0 4 1 1 1 0\nwhite polygon wire 0 0 12 -.1 5 -1 -.06 5 -1 .14 5 1 .1 5 1\n";
+    let view = "-vtl -vp 0 0 0 -vd 0 1 0 -vh 2 -vv 2 -x 128 -y 128 -ff";
+    let pixels = red(scene, view);
+    let crossed = pixels.chunks(SIDE).filter(|row| row.iter().any(|value| *value > 0.5)).count();
+    assert!(crossed * 10 >= SIDE * 9, "{crossed} of {SIDE} rows show the wire");
+}
+
+#[test]
+fn threads_do_not_change_an_interpolated_picture() {
+    let of = |threads: usize| red(TABLE, &format!("{VIEW} -n {threads} -ab 1 -ad 64 -aa .3"));
+    let one = of(1);
+    assert!(one == of(2) && one == of(5));
+}

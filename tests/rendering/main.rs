@@ -1,0 +1,21 @@
+//! Rays and pictures that the renderer makes, against real Radiance, analytic answers and plain sampling.
+
+#[path = "../pictures/mod.rs"]
+mod pictures;
+#[path = "../program/mod.rs"]
+mod program;
+
+mod ambient_file;
+mod bsdf;
+mod coincident;
+mod furnace;
+mod interpolated_pictures;
+mod light;
+mod patterns;
+mod plugin_pictures;
+mod radiance;
+mod rcontrib;
+mod retro;
+mod rpict;
+mod rtrace;
+mod scattering;

@@ -1,0 +1,10 @@
+//! What the repository promises about itself: its crates, their imports, its documentation.
+
+#[path = "../program/mod.rs"]
+mod program;
+
+mod book;
+mod crate_edges;
+mod dependencies;
+mod gallery;
+mod import_cycles;
