@@ -104,7 +104,7 @@ fn threads_give_the_same_bits() {
     count("1, 2 and 7 threads", "pictures of other bits", 2, others);
 }
 
-/// The variable names a program that was built with another profile; `.ci/run` sets it.
+/// The variable names a program that was built with another profile.
 #[test]
 fn profiles_give_the_same_bits() {
     let Some(other) = std::env::var_os("RADSIGHT_OTHER_PROFILE") else {
