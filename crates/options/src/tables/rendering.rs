@@ -110,7 +110,7 @@ pub(super) const RENDERING: Group = Group {
         value("-ai", "NAME", "Gather ambient light on surfaces with this modifier alone"),
         value("-aE", "FILE", "As -ae, for all modifiers that a file names"),
         value("-aI", "FILE", "As -ai, for all modifiers that a file names"),
-        value("-af", "FILE", "File for ambient values; accepted, and without effect here"),
+        value("-af", "FILE", "File that keeps the irradiance cache of rpict and rtrace, shared by runs and processes"),
         value("-ap", "FILE", "Photon maps, which are refused: there are none here"),
     ],
 };

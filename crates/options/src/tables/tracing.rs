@@ -344,7 +344,7 @@ pub(super) const RFLUXMTX: Program = Program {
                 value("-ai", "NAME", "Gather ambient light on surfaces with this modifier alone"),
                 value("-aE", "FILE", "As -ae, for all modifiers that a file names"),
                 value("-aI", "FILE", "As -ai, for all modifiers that a file names"),
-                value("-af", "FILE", "File for ambient values; accepted, and without effect here"),
+                value("-af", "FILE", "File for an irradiance cache; accepted, and without effect here"),
                 value("-ap", "FILE", "Photon maps, which are refused: there are none here"),
                 value("-am", "R", "Search radius of photon maps; accepted, and without effect here"),
                 value("-me", "R G B", "Extinction of the mist that fills the scene").unit("1/scene unit"),
