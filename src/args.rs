@@ -51,7 +51,7 @@ pub(crate) enum Command {
     /// Retroreflectors: tables and plots of R_A, fits to data sheets, conversion, minimum tables, materials for scenes
     #[command(subcommand)]
     Retro(crate::commands::retro::Retro),
-    /// Makes links named after Radiance's programs
+    /// Makes links named after Radiance's programs, their manual pages, and completions for Bash, Zsh and Fish
     InstallLinks(InstallLinks),
 }
 
@@ -464,4 +464,10 @@ pub(crate) struct InstallLinks {
     /// Folder for the links
     #[arg(value_name = "DIR")]
     pub(crate) folder: String,
+    /// Folder for manual pages and completions, as /usr/share is [default: DIR/share]
+    #[arg(long, value_name = "DIR", conflicts_with = "only_links")]
+    pub(crate) share: Option<String>,
+    /// Make the links alone
+    #[arg(long)]
+    pub(crate) only_links: bool,
 }

@@ -1,6 +1,6 @@
 //! Files of the disk, searched as Radiance searches them.
 
-use crate::commands::{mksource, radiance_programs};
+use crate::commands::mksource;
 use crate::failure::reason;
 use crate::read_once;
 use crate::trust::{Trust, shell};
@@ -133,7 +133,11 @@ fn own_programs() -> String {
         return String::new();
     };
     let own = own.replace('\'', "'\\''");
-    radiance_programs().map(|name| format!("{name}() {{ '{own}' {name} \"$@\"; }}\n")).collect()
+    let functions = radsight_options::programs().iter().map(|program| {
+        let name = program.name;
+        format!("{name}() {{ '{own}' {name} \"$@\"; }}\n")
+    });
+    functions.collect()
 }
 
 /// What a command writes, while it writes it. That it failed is an error at the end.

@@ -5,8 +5,10 @@
 //! the command line allows.
 
 use crate::failure::{Failure, reason};
+use crate::option_table::{check_words, recognised};
 use crate::read_once;
 use crate::trust::{Origin, Trust};
+use radsight_options::Settings;
 use std::path::Path;
 
 /// More words than any command line needs.
@@ -78,7 +80,10 @@ pub(crate) trait TakesOptions {
     /// What the command line allows; it is told who wrote each option before that is taken.
     fn trust(&mut self) -> &mut Trust;
 
-    /// Takes one option from the front; gives how many words it used.
+    /// The options as they stand, which say what program this is.
+    fn settings(&mut self) -> &mut Settings;
+
+    /// Takes one option from the front, which the table has; gives how many words it used, 0 for none.
     fn take(&mut self, words: &[String]) -> Result<usize, Failure>;
 }
 
@@ -93,8 +98,13 @@ pub(crate) fn options_before_scenes(
         all.expand_at(at)?;
         match all.words.get(at) {
             Some(word) if word.starts_with('-') && word != "-" => {
+                let program = options.settings().program();
+                let found = recognised(program, word)?;
+                options.settings().note(&found, &all.words[at..]);
                 options.trust().reads_word_of(all.origins[at]);
-                at += options.take(&all.words[at..])?;
+                let used = options.take(&all.words[at..])?;
+                check_words(program, &found, word, used)?;
+                at += used;
             }
             _ => break,
         }

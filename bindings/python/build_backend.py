@@ -24,6 +24,8 @@ from maturin import (  # noqa: F401  (pip asks for these)
 
 _HERE = Path(__file__).parent
 _SCRIPTS = _HERE / "wheel-data" / "scripts"
+# maturin wants the folder before anything is in it.
+_SCRIPTS.mkdir(parents=True, exist_ok=True)
 
 
 def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_directory: str | None = None) -> str:
@@ -44,7 +46,7 @@ def _build_program() -> None:
     messages = (json.loads(line) for line in built.stdout.splitlines() if line.startswith(b"{"))
     programs = [message["executable"] for message in messages if message.get("executable")]
     shutil.rmtree(_SCRIPTS, ignore_errors=True)
-    _SCRIPTS.mkdir(parents=True)
+    _SCRIPTS.mkdir()
     program = _SCRIPTS / Path(programs[-1]).name
     shutil.copy2(programs[-1], program)
     strip = shutil.which("strip") if os.name == "posix" else None

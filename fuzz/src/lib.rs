@@ -13,7 +13,7 @@ pub use real_radiance::against_real_radiance;
 pub use small_scene::{Materials, SmallScene};
 
 use glam::DVec3;
-use radsight::{Renderer, Scene, View as SceneView};
+use radsight::{JobResult, MergedJob, RenderJob, Renderer, Scene, View as SceneView};
 use radsight_camera::{CameraFile, read_measurements};
 use radsight_diag::SourceMap;
 use radsight_formats::{Font, Mesh, Octree};
@@ -280,5 +280,27 @@ pub fn render(scene: &SmallScene) {
     let Ok(image) = renderer.render(&view, 4, 4) else { return };
     for pixel in image.pixels() {
         assert!(pixel.iter().all(|band| band.is_finite() && *band >= 0.0), "{pixel:?}\n{scene:?}");
+    }
+}
+
+/// Pictures with more numbers are not put together: that says nothing of reading, and takes long.
+const MOST_NUMBERS: usize = 1 << 20;
+
+/// Render jobs, and the parts of pictures that they give.
+///
+/// # Panics
+/// If a job that was read comes back from its text as another.
+pub fn job(bytes: &[u8]) {
+    if let Ok(job) = RenderJob::from_json("job.json", bytes) {
+        let again = RenderJob::from_json("again.json", job.to_json().as_bytes());
+        assert_eq!(again.expect("what was read is a job"), job);
+        let _ = job.picture_size();
+        let _ = job.split(3, 7);
+    }
+    if let Ok(part) = JobResult::from_bytes("part.mtx", bytes)
+        && part.size[0] * part.size[1] * part.components <= MOST_NUMBERS
+        && let Ok(merged) = MergedJob::of(&[part])
+    {
+        let _ = (merged.missing_rows(), merged.relative_error());
     }
 }

@@ -35,30 +35,15 @@ mod words;
 use crate::args::{Command, Program};
 use crate::failure::{Failure, Outcome};
 use crate::trust::{Origin, Trust};
+use radsight_options::help;
 use radsight_render::RenderOptions;
-
-/// The programs of Radiance's that radsight can stand in for.
-pub(crate) fn radiance_programs() -> impl Iterator<Item = &'static str> {
-    let own = [
-        "genskyvec",
-        "mkillum",
-        "mksource",
-        "obj2mesh",
-        "oconv",
-        "rad",
-        "rcontrib",
-        "rfluxmtx",
-        "rpict",
-        "rsplit",
-        "rtrace",
-        "vwrays",
-    ];
-    own.into_iter().chain(scene_program::names()).chain(picture::names()).chain(matrix::names())
-}
 
 /// Runs a program of Radiance's, if it is one that radsight can stand in for, or says what to do instead; `words[0]` is its name.
 pub(crate) fn run_radiance_program(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?.as_str();
+    if let (Some(program), Some("--help")) = (radsight_options::program(name), words.get(1).map(String::as_str)) {
+        return Some(Err(Failure::answer(help(program))));
+    }
     if let Some(outcome) = features::answer(words) {
         return Some(outcome);
     }

@@ -80,7 +80,7 @@ impl Request {
         let build = BuildOptions { object_limit: FEW, ..BuildOptions::default() };
         let mut request = Request { build, materials: Vec::new(), is_quiet: false, tells: false };
         let loader = DiskLoader::new(Commands::Refused);
-        while let Some(option) = words.option() {
+        while let Some(option) = words.option()? {
             match option {
                 "-n" => request.build.object_limit = words.integer(option)?.max(1) as usize,
                 "-r" => request.build.resolution = words.integer(option)?.clamp(1, i64::from(u32::MAX)) as u32,
@@ -96,7 +96,7 @@ impl Request {
                 }
                 "-w" => request.is_quiet = true,
                 "-v" => request.tells = true,
-                _ => return Err(words.unknown(option, "-n -r -a -l -w or -v")),
+                _ => return Err(words.unknown(option)),
             }
         }
         Ok(request)

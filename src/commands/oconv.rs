@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome, render, say};
 use crate::input::{read, read_file, scene_inputs, use_default_threads};
+use crate::option_table::{options_of, recognised, unknown_option};
 use crate::output::write_file;
 use crate::trust::Trust;
 use glam::DVec3;
@@ -13,8 +14,6 @@ use radsight_picture::Header;
 
 /// How much a given cube grows on each side, scene units; as in Radiance.
 const CUBE_MARGIN: f64 = 1e-5;
-
-const USAGE: &str = "oconv [-i octree | -b xmin ymin zmin size] [-n objlim] [-r maxres] [-f] [-w] [-o file] [--allow-commands] [- | scene ...]";
 
 /// What the command line says.
 struct Arguments {
@@ -112,6 +111,7 @@ impl Arguments {
             trust: trust.clone(),
             files: Vec::new(),
         };
+        let program = options_of("oconv");
         let mut rest = words.iter();
         while let Some(word) = rest.as_slice().first().filter(|word| word.starts_with('-') && *word != "-") {
             let used = arguments.trust.take(rest.as_slice())?;
@@ -121,10 +121,11 @@ impl Arguments {
             }
             rest.next();
             let mut value = || {
-                rest.next().ok_or_else(|| Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {USAGE}")))
+                rest.next().ok_or_else(|| {
+                    Failure::usage(format!("oconv: missing value of \"{word}\"; usage: {}", program.synopsis))
+                })
             };
-            // As in Radiance the first letter counts: scripts have -w- and -frozen.
-            match word.get(..2).unwrap_or(word) {
+            match recognised(program, word)?.option.name {
                 "-i" => arguments.octree = Some(value()?.clone()),
                 "-b" => {
                     let mut number = || number::<f64>(word, value()?);
@@ -136,7 +137,7 @@ impl Arguments {
                 "-f" => arguments.is_frozen = true,
                 "-w" => arguments.is_quiet = true,
                 "-o" => arguments.output = value()?.clone(),
-                _ => return Err(Failure::usage(format!("oconv: unknown option \"{word}\"; usage: {USAGE}"))),
+                _ => return Err(unknown_option(program, word)),
             }
         }
         arguments.files = rest.cloned().collect();

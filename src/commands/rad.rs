@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome, reason, say};
 use crate::input::{read, read_file, scene_inputs};
+use crate::option_table::{options_of, recognised, unknown_option};
 use crate::output::{Output, write_file, write_standard_output};
 use crate::render_args::number;
 use crate::trust::{Existing, Origin, Refusal, Trust, own_program};
@@ -17,9 +18,6 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
-
-const USAGE: &str = "rad [--allow-commands] [--allow-outputs] [--allow-plugins] \
-                     [-w] [-s] [-n | -N threads] [-t] [-e] [-V] [-v view] file.rif [VAR=value …]";
 
 /// What the command line says.
 #[derive(Debug, Default)]
@@ -67,6 +65,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
 impl Arguments {
     fn read(words: &[String], trust: &Trust) -> Result<Arguments, Failure> {
         let mut arguments = Arguments { trust: trust.clone(), ..Arguments::default() };
+        let program = options_of("rad");
         let mut at = 0;
         while let Some(word) = words.get(at).filter(|word| word.starts_with('-')) {
             let used = arguments.trust.take(&words[at..])?;
@@ -74,6 +73,7 @@ impl Arguments {
                 at += used;
                 continue;
             }
+            recognised(program, word)?;
             match word.as_str() {
                 "-s" => arguments.is_silent = true,
                 "-n" => arguments.is_dry = true,
@@ -94,12 +94,13 @@ impl Arguments {
                 "-o" => {
                     return Err(Failure::usage("rad: option \"-o\": rvu, the interactive viewer, is not supported"));
                 }
-                _ => return Err(Failure::usage(format!("rad: unknown option \"{word}\"; usage: {USAGE}"))),
+                _ => return Err(unknown_option(program, word)),
             }
             at += 1;
         }
         let mut rest = words[at..].iter().cloned();
-        arguments.file = rest.next().ok_or_else(|| Failure::usage(format!("rad: no file is named; usage: {USAGE}")))?;
+        let missing = || Failure::usage(format!("rad: no file is named; usage: {}", program.synopsis));
+        arguments.file = rest.next().ok_or_else(missing)?;
         arguments.assignments = rest.collect();
         Ok(arguments)
     }

@@ -3,6 +3,7 @@
 use crate::disk::DiskLoader;
 use crate::failure::{Failure, Outcome, reason, render, say};
 use crate::input::{read, scene_inputs};
+use crate::option_table::{options_of, recognised, unknown_option};
 use crate::output::{standard_output, write_file, write_standard_output};
 use crate::trust::{Existing, Trust};
 use glam::DVec3;
@@ -122,6 +123,7 @@ pub(super) fn finish(name: &str, made: Result<Output, Error>, trust: &Trust) -> 
         let message = if says_its_name { error.to_string() } else { format!("{name}: {error}") };
         match error {
             Error::Load(LoadError::OwnOutput { .. }) => Failure::usage(message),
+            Error::Argument { .. } if says_its_name => Failure::usage(message),
             _ => Failure::input(message),
         }
     })?;
@@ -150,17 +152,14 @@ fn holds(file: &str, bytes: &[u8]) -> bool {
 const NO_BOUNDS: f64 = 1e10;
 
 fn getbbox(words: &[String], trust: &Trust) -> Outcome {
-    // As in Radiance the first letter of an option counts.
     let is_option = |word: &&String| word.starts_with('-') && word.len() > 1;
     let (mut has_header, mut is_quiet) = (true, false);
+    let program = options_of("getbbox");
     for option in words.iter().take_while(is_option) {
-        match option.as_bytes()[1] {
-            b'h' => has_header = false,
-            b'w' => is_quiet = true,
-            _ => {
-                let message = format!("getbbox: option \"{option}\" is not supported, expected -h, -w or files");
-                return Err(Failure::usage(message));
-            }
+        match recognised(program, option)?.option.name {
+            "-h" => has_header = false,
+            "-w" => is_quiet = true,
+            _ => return Err(unknown_option(program, option)),
         }
     }
     let files: Vec<String> = words.iter().skip_while(is_option).cloned().collect();

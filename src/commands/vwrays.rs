@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::read_file;
+use crate::option_table::{check_words, options_of, recognised};
 use crate::output::{StandardOutput, standard_output, write_standard_output};
 use crate::render_args::number;
 use crate::view_args;
@@ -74,9 +75,13 @@ impl Options {
         if words.is_empty() {
             return Err(Failure::usage("vwrays: no option and no picture, expected view options or a picture"));
         }
+        let program = options_of("vwrays");
         let mut at = 0;
         while at < words.len() && words[at].starts_with('-') {
-            at += options.take(&words[at..])?;
+            let found = recognised(program, &words[at])?;
+            let used = options.take(&words[at..])?;
+            check_words(program, &found, &words[at], used)?;
+            at += used;
         }
         let mut files = words[at..].iter().cloned();
         (options.picture, options.depths) = (files.next(), files.next());
@@ -118,7 +123,7 @@ impl Options {
                 }
                 return Ok(2);
             }
-            _ => return Err(Failure::usage(format!("vwrays: option \"{word}\" is not supported"))),
+            _ => return Ok(0),
         }
         Ok(1)
     }

@@ -2,7 +2,9 @@
 
 use crate::disk::Commands;
 use crate::failure::Failure;
+use crate::option_table::{options_of, recognised, unknown_option};
 use crate::trust::{Existing, OutputName, Trust};
+use radsight_options::{OptionForm, Program};
 use radsight_picture::{RgbPrimaries, leading_number};
 
 /// The words of a command line, taken one after another.
@@ -11,12 +13,13 @@ pub(crate) struct Words<'a> {
     all: &'a [String],
     at: usize,
     trust: &'a Trust,
+    table: &'static Program,
 }
 
 impl<'a> Words<'a> {
     /// `all[0]` is the program's name.
     pub(crate) fn new(all: &'a [String], trust: &'a Trust) -> Words<'a> {
-        Words { all, at: 1, trust }
+        Words { all, at: 1, trust, table: options_of(&all[0]) }
     }
 
     pub(crate) fn trust(&self) -> &'a Trust {
@@ -43,9 +46,16 @@ impl<'a> Words<'a> {
         &self.all[0]
     }
 
-    /// The next word if it is an option: `-` with something after it.
-    pub(crate) fn option(&mut self) -> Option<&'a str> {
-        self.next_if(|word| word.len() > 1 && word.starts_with('-'))
+    /// The next word if it is an option, as the table has it: `-` with something after it.
+    pub(crate) fn option(&mut self) -> Result<Option<&'a str>, Failure> {
+        let word = self.next_if(|word| word.len() > 1 && word.starts_with('-'));
+        word.map(|word| self.meant(word)).transpose()
+    }
+
+    /// What an option means by the table: its name where Radiance's program looks at no more letters, else the word.
+    pub(crate) fn meant(&self, word: &'a str) -> Result<&'a str, Failure> {
+        let option = recognised(self.table, word)?.option;
+        Ok(if option.form == OptionForm::Beginning { option.name } else { word })
     }
 
     /// The next word if it is one that is wanted.
@@ -142,7 +152,7 @@ impl<'a> Words<'a> {
         Failure::usage(format!("{}: \"{word}\" is one file too many", self.program()))
     }
 
-    pub(crate) fn unknown(&self, option: &str, expected: &str) -> Failure {
-        Failure::usage(format!("{}: option \"{option}\" is unknown, expected {expected}", self.program()))
+    pub(crate) fn unknown(&self, option: &str) -> Failure {
+        unknown_option(self.table, option)
     }
 }

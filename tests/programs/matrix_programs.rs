@@ -1,8 +1,8 @@
 //! `gendaymtx`, `genskyvec`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
 
 use crate::program::{Folder, command, root, run_with};
-use crate::real_radiance::Radiance;
 use radsight_matrix::{Matrix, Stored};
+use radsight_test_support::Radiance;
 use std::env;
 use std::path::PathBuf;
 
@@ -471,13 +471,13 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop - + -", 2, "standard input is named twice");
     check("rmtxop -q a.mtx", 2, "option \"-q\" is unknown");
     check("rmtxop -s a.mtx", 2, "option \"-s\" has no factors");
-    check("gendaymtx -m 91 day.wea", 1, "expected a subdivision (-m) of 1 to 90");
-    check("gendaymtx -m 90 -x day.wea", 1, "unknown option \"-x\"");
+    check("gendaymtx -m 91 day.wea", 2, "expected a subdivision (-m) of 1 to 90");
+    check("gendaymtx -m 90 -x day.wea", 2, "unknown option \"-x\"");
     check("gendaymtx -m 90 day.wea", 1, "the output would be larger than");
     check("gendaymtx odd.wea", 1, "odd.wea: line 43: no such date or time");
     check("gendaymtx a.mtx", 1, "expected \"place\" or \"LOCATION,\"");
     check("gendaymtx none.wea", 1, "none.wea");
-    check("gendaymtx -r", 1, "missing rotation in degrees (-r)");
+    check("gendaymtx -r", 2, "missing rotation in degrees (-r)");
     check("rmtxop none.mtx", 1, "cannot read matrix \"none.mtx\"");
     check("rmtxop b.mtx a.mtx", 1, "a.mtx: a product of 3 x 5 and 4 x 3");
     check("rmtxop a.mtx + b.mtx", 1, "b.mtx: 3 x 5, expected 4 x 3");

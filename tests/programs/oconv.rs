@@ -1,7 +1,7 @@
 //! `radsight oconv`: real Radiance reads what it writes, and sees the same scene as with its own octrees.
 
 use crate::program::{Folder, command, radsight, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::process::Command;
 
 const SCENE: &str = "void plastic red 0 0 5 .7 .2 .1 .05 .1\ninherit alias same red\nvoid light lamp 0 0 3 9 9 9\n\
@@ -153,7 +153,7 @@ fn an_octree_from_standard_input_is_frozen() {
 #[test]
 fn a_wrong_command_line_says_what_is_wrong() {
     for (words, message) in [
-        (&["oconv", "-q"][..], "oconv: unknown option \"-q\""),
+        (&["oconv", "-q"][..], "oconv: option \"-q\" is unknown"),
         (&["oconv", "-n", "x"], "oconv: option \"-n\" is \"x\", expected a number"),
         (&["oconv", "-b", "1", "2"], "oconv: missing value of \"-b\""),
         (&["oconv", "-i", "a.oct", "-b", "0", "0", "0", "1"], "oconv: -i and -b both give the cube"),

@@ -1,7 +1,7 @@
 //! `rsplit` beside the real one.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 
 /// Runs a shell command in a folder of its own and gives its output and the files that it made.
 fn made(program: &mut std::process::Command, folder: &Folder, input: &[u8]) -> (Vec<u8>, Vec<(String, Vec<u8>)>) {
@@ -119,7 +119,7 @@ fn wrong_command_lines_of_rsplit_are_told() {
     };
     for (words, input, code, message) in [
         (&[][..], "", 2, "no output is named"),
-        (&["-q", "a"], "", 2, "option \"-q\" is unknown, expected -ih"),
+        (&["-q", "a"], "", 2, "option \"-q\" is unknown\nhint: expected -ih"),
         (&["-o", "a"], "", 2, "option \"-o\" is unknown"),
         (&["-ox", "a"], "", 2, "option \"-ox\" is unknown"),
         (&["-of0", "a"], "", 2, "option \"-of0\" is unknown"),

@@ -1,8 +1,8 @@
 //! `pcond` and the tone mapping of `ra_bmp`, beside the real ones and by themselves.
 
 use crate::program::{Folder, command, radsight, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Header, Image, Picture};
+use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
 /// Bright spots over seven decades of luminance, seen as wide as a room.
@@ -222,7 +222,7 @@ fn wrong_input_of_pcond_is_told() {
         assert!(run.output.is_empty(), "{words:?} wrote something");
     };
     check(&["pcond"], "", 2, "no picture is named");
-    check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown, expected -h -a");
+    check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown\nhint: expected -h -a");
     check(&["pcond", "-u", "0", &picture], "", 2, "option \"-u\" is followed by 0, expected more than");
     check(&["pcond", "-d", "1", &picture], "", 2, "expected more than 1");
     check(&["pcond", "-i", ".5", "-I", &picture], "", 2, "expected one");

@@ -66,7 +66,7 @@ impl Exposer<'_> {
                 |worker, cell| {
                     let exposed = (!progress.stops()).then(|| self.halves(worker, cell as u64));
                     let before = done.fetch_add(1, Ordering::Relaxed);
-                    if (before + 1) % CHUNK as u64 == 0 {
+                    if (before + 1).is_multiple_of(CHUNK as u64) {
                         progress.report(before + 1, total);
                     }
                     exposed

@@ -103,6 +103,9 @@ pub enum Error {
     /// The camera has no sensor.
     #[error("the camera file has no [sensor], expected one for grey values")]
     NoSensor,
+    /// An irradiance cache that was saved cannot be used.
+    #[error("the irradiance cache: {0}")]
+    Cache(#[from] radsight_render::CacheError),
     /// Band weights do not fit the scene.
     #[error("{0}")]
     Bands(String),

@@ -15,7 +15,7 @@
 //! that lamp. What light sampling finds by itself, straight or through bodies, is left to it.
 
 use crate::direct::DirectSampler;
-use crate::mis::{Lobe, MisState};
+use crate::mis::{CausticPath, Lobe, MisState};
 use crate::retrace::MOST_LIGHTS;
 use crate::specular_chain::{SpecularChain, SpecularEvent};
 use crate::specular_return::{RayBundle, TangentPlane};
@@ -68,13 +68,6 @@ const SAME: f64 = 1e-3;
 /// No solution is searched for again more often. It is found that seldom with a probability of
 /// exp(−`MOST_TRIALS`·p), where p is the probability that one search finds it.
 const MOST_TRIALS: u32 = 4096;
-
-/// The chain that a path has to take, and the emitter where it has to end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct CausticPath {
-    pub(crate) chain: SpecularChain,
-    pub(crate) light: SurfaceHandle,
-}
 
 /// A point of a lamp, as rays pass it: the nearest offset of a ray from the lamp's middle in radii, on two axes across the ray.
 struct LampPoint<'l> {

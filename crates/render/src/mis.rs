@@ -1,7 +1,7 @@
 //! How a ray was drawn, to weigh the emission that it finds against the sampling of that light.
 
-use crate::caustic::CausticPath;
 use crate::light_selection::selection_pdf;
+use crate::specular_chain::SpecularChain;
 use glam::DVec3;
 use radsight_accel::{PrimitiveId, Ray, RayFrame};
 use radsight_compile::RenderPlan;
@@ -34,6 +34,13 @@ pub(crate) struct MisState {
     reachability: Reachability,
     /// Whether an illum was passed that stands for what is behind it, so that only lights that shine through count.
     pub(crate) behind_illum: bool,
+}
+
+/// The chain that a path has to take, and the emitter where it has to end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CausticPath {
+    pub(crate) chain: SpecularChain,
+    pub(crate) light: SurfaceHandle,
 }
 
 /// What a direction was drawn from.

@@ -2,19 +2,52 @@
 
 use crate::Error;
 use crate::number_text::{leading_integer, leading_number};
+use radsight_options::Program;
 
 /// A walk over `argv`, from the word after the program's name.
 pub(crate) struct Arguments<'a> {
     argv: &'a [String],
     usage: &'static str,
+    /// What the table says of the program.
+    options: Option<&'static Program>,
     next: usize,
     /// What was accepted though it is probably a slip.
     pub(crate) warnings: Vec<String>,
 }
 
 impl<'a> Arguments<'a> {
-    pub(crate) fn new(argv: &'a [String], usage: &'static str) -> Self {
-        Arguments { argv, usage, next: 1.min(argv.len()), warnings: Vec::new() }
+    /// The arguments of a program that the table of options has.
+    pub(crate) fn new(argv: &'a [String]) -> Self {
+        let arguments = Arguments::with_usage(argv, "");
+        let options = radsight_options::program(arguments.program());
+        Arguments { options, usage: options.map_or("", |program| program.synopsis), ..arguments }
+    }
+
+    /// Those of another program.
+    pub(crate) fn with_usage(argv: &'a [String], usage: &'static str) -> Self {
+        Arguments { argv, usage, options: None, next: 1.min(argv.len()), warnings: Vec::new() }
+    }
+
+    /// The next word if it begins with a dash: an option, as the table has it.
+    pub(crate) fn option(&mut self) -> Result<Option<&'a str>, Error> {
+        match self.peek() {
+            Some(word) if word.starts_with('-') => self.last_options(),
+            _ => Ok(None),
+        }
+    }
+
+    /// The same where `-` names standard input.
+    pub(crate) fn option_before_files(&mut self) -> Result<Option<&'a str>, Error> {
+        if self.peek() == Some("-") { Ok(None) } else { self.option() }
+    }
+
+    /// The next word where nothing but options is left.
+    pub(crate) fn last_options(&mut self) -> Result<Option<&'a str>, Error> {
+        let Some(word) = self.word() else { return Ok(None) };
+        match self.options {
+            Some(program) if program.recognise(word).is_none() => Err(self.unknown()),
+            _ => Ok(Some(word)),
+        }
     }
 
     /// The program's name without its directory.
@@ -117,7 +150,7 @@ impl<'a> Arguments<'a> {
 
     /// A second walk, from an index of `argv`, for programs whose options come after what they change.
     pub(crate) fn again_from(&self, next: usize) -> Arguments<'a> {
-        Arguments { argv: self.argv, usage: self.usage, next, warnings: Vec::new() }
+        Arguments { argv: self.argv, usage: self.usage, options: self.options, next, warnings: Vec::new() }
     }
 
     /// Three numbers; `name` stands before `x`, `y` and `z` in errors.
@@ -130,7 +163,9 @@ impl<'a> Arguments<'a> {
         let position = self.next.saturating_sub(1);
         let word = self.argv.get(position).map_or("", String::as_str);
         let what = if word.starts_with(['-', '+']) { "unknown option" } else { "unexpected argument" };
-        self.mistake(position, format!("{what} \"{word}\""))
+        let near =
+            self.options.and_then(|program| program.near(word)).map(|near| format!(", did you mean \"{near}\"?"));
+        self.mistake(position, format!("{what} \"{word}\"{}", near.unwrap_or_default()))
     }
 
     /// An error about the word at an index of `argv`.

@@ -18,7 +18,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
 
 /// The files to read, `-` when none is named. The option `-u` (no buffering) changes nothing here.
 pub(crate) fn file_names<'a>(invocation: &Invocation<'a>, usage: &'static str) -> Result<Vec<&'a str>, Error> {
-    let mut arguments = Arguments::new(invocation.argv, usage);
+    let mut arguments = Arguments::with_usage(invocation.argv, usage);
     while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
         arguments.word();
         match option {

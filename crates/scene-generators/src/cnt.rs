@@ -12,10 +12,8 @@ use crate::{Error, Invocation, Output};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-const USAGE: &str = "cnt [-s] N0 [N1 ..]";
-
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let is_shuffled = arguments.peek().is_some_and(|word| word.starts_with("-s"));
     if is_shuffled {
         arguments.word();

@@ -7,8 +7,6 @@ use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 use radsight_loader::FileKind;
 
-const USAGE: &str = "epw2wea [-a] file-name.epw [file-name.wea]";
-
 /// Lines of the header; the last tells how many records there are in an hour.
 const HEADER_LINES: usize = 8;
 
@@ -23,10 +21,9 @@ const TENTHS_COVERED: usize = 22;
 const AEROSOL_DEPTH: usize = 29;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut has_air = false;
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
-        arguments.word();
+    while let Some(option) = arguments.option_before_files()? {
         match option {
             "-a" => has_air = !has_air,
             _ => return Err(arguments.unknown()),

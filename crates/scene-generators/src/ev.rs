@@ -9,10 +9,8 @@ use crate::functions::Functions;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "ev expression ..";
-
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut functions = Functions::over(Environment::new(), &arguments);
     let mut text = Text::default();
     while let Some(expression) = arguments.word() {

@@ -10,10 +10,8 @@ use crate::facets::{dot, subtract};
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genbeads material name p0 p1 r0 r1 rad inc";
-
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let material = arguments.required("material")?;
     let name = arguments.required("name")?;
     let ends = [arguments.vector("p0")?, arguments.vector("p1")?];

@@ -10,8 +10,6 @@ use crate::arguments::Arguments;
 use crate::text::Text;
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genblinds mat name depth width height nslats angle [-r|+r rcurv]";
-
 const DEGREE: f64 = PI / 180.0;
 /// No strip of a bent slat turns by more than this, in radians.
 const STRIP_ANGLE: f64 = 3.0 * DEGREE;
@@ -20,7 +18,7 @@ const STRIP_ANGLE: f64 = 3.0 * DEGREE;
 type Strip = [[f64; 3]; 4];
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let material = arguments.required("material")?;
     let name = arguments.required("name")?;
     let depth = arguments.number("depth")?;

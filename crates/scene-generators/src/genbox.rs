@@ -12,8 +12,6 @@ use crate::facets::{Mesh, Use, cross, normalize, subtract};
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genbox material name xsize ysize zsize [-i] [-b bevel | -r round [-n nsegs] [-s]] [-o]";
-
 /// What the options ask for.
 struct Options<'a> {
     material: &'a str,
@@ -30,7 +28,7 @@ struct Options<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     let mut text = Text::default();
     text.command_comment(invocation.argv)?;
@@ -66,7 +64,7 @@ fn read<'a>(arguments: &mut Arguments<'a>) -> Result<Options<'a>, Error> {
     let size = [arguments.positive("xsize")?, arguments.positive("ysize")?, arguments.positive("zsize")?];
     let (mut bevel, mut rounded, mut segments) = (0.0, false, 1);
     let (mut reversed, mut smooth, mut wavefront) = (false, false, false);
-    while let Some(option) = arguments.word() {
+    while let Some(option) = arguments.last_options()? {
         match option.as_bytes() {
             [b'-', b'o', ..] => wavefront = true,
             [b'-', b'i', ..] => reversed = true,

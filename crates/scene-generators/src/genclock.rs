@@ -10,13 +10,10 @@ use crate::number_text::{leading_integer, leading_number};
 use crate::text::{Text, padded};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genclock [-f face_mat] [-c case_mat] [-n name] {HH:MM | HH.hh}";
-
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let (mut face, mut case, mut name) = (None, None, "clock");
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option.as_bytes() {
             [b'-', b'f', ..] => face = Some(arguments.required("face material (-f)")?),
             [b'-', b'c', ..] => case = Some(arguments.required("case material (-c)")?),

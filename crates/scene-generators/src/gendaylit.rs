@@ -21,12 +21,9 @@ use crate::perez::{self, Conditions};
 use crate::sun::{Moment, Site, direction, simple_declination, sky_normalization};
 use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
-
-const USAGE: &str = "gendaylit month day hour [-y year] | -ang altitude azimuth  -P epsilon delta | -W|-L|-G direct diffuse | -E global  [options]";
+use radsight_units::photometry::WHITE_EFFICACY;
 
 const DEGREE: f64 = PI / 180.0;
-/// Lumens per watt by which Radiance turns luminance into radiance.
-const WHITE_EFFICACY: f64 = 179.0;
 /// Half of the sun's angle across, in radians.
 const HALF_SUN: f64 = 0.2665 * DEGREE;
 /// Extraterrestrial illuminance, lux.
@@ -88,7 +85,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         write_defaults(&mut text)?;
         return Ok(Output { standard_output: text.into_bytes(), ..Output::default() });
     }
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     text.plain_command_comment(invocation.argv)?;
     let mut warnings = Warnings { silent: options.quiet, messages: std::mem::take(&mut arguments.warnings) };
@@ -192,7 +189,7 @@ fn read_value(options: &mut Options, arguments: &mut Arguments<'_>, letter: u8) 
                 );
             }
         }
-        _ => return Err(arguments.mistake(arguments.position() - 1, "unknown option")),
+        _ => return Err(arguments.unknown()),
     }
     Ok(())
 }

@@ -13,8 +13,6 @@ use crate::number_text::leading_number;
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output, source_name};
 
-const USAGE: &str = "genprism material name { - | vfile | N v1 v2 .. vN } [-l lvect] [-r radius] [-c] [-e]";
-
 /// Lengths below this count as zero, in scene units.
 const TINY: f64 = 1e-6;
 
@@ -32,7 +30,7 @@ struct Prism<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let prism = read(&mut arguments, invocation)?;
     let mut text = Text::default();
     text.command_comment(invocation.argv)?;
@@ -54,7 +52,7 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
     }
     let (extrusion, direction) = ([0.0, 0.0, 1.0], 1.0);
     let mut prism = Prism { material, name, corners, extrusion, direction, ends: true, closed: true, radius: 0.0 };
-    while let Some(option) = arguments.word() {
+    while let Some(option) = arguments.last_options()? {
         match option.as_bytes() {
             [b'-', b'l', ..] => {
                 prism.extrusion = arguments.vector("extrusion (-l)")?;

@@ -12,8 +12,6 @@ use crate::functions::Functions;
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genrev material name z(t) r(t) nseg [-e expr] [-f file] [-s]";
-
 /// Steps of no more than this do not count, in scene units.
 const TINY: f64 = 1e-9;
 
@@ -41,11 +39,11 @@ impl Normal {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut functions = Functions::for_generators(&arguments);
     let [material, name, ..] = arguments.take::<5>(["material", "name", "z(t)", "r(t)", "nseg"])?;
     let mut smooth = false;
-    while let Some(option) = arguments.word() {
+    while let Some(option) = arguments.last_options()? {
         match option {
             "-e" => functions.take_definitions(&mut arguments)?,
             "-f" => functions.take_file(&mut arguments, invocation.loader)?,

@@ -17,8 +17,6 @@ use crate::sun::{Moment, Site, direction, sky_normalization};
 use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "gensky month day hour [options] | gensky -ang altitude azimuth [options] | gensky -defaults";
-
 const DEGREE: f64 = PI / 180.0;
 /// Lumens per watt of skylight and of sunlight, by which Radiance turns luminance formulas into radiance.
 const SKY_EFFICACY: f64 = 203.0;
@@ -79,7 +77,7 @@ pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
         write_defaults(&mut text)?;
         return Ok(Output { standard_output: text.into_bytes(), ..Output::default() });
     }
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     text.command_comment(invocation.argv)?;
     write_sky(&options, &mut text, &mut arguments.warnings)?;

@@ -18,8 +18,6 @@ use crate::sky_patches::{SkyPatches, towards};
 use crate::text::{Text, general};
 use crate::{Error, Output, StandardInput, Surrounding};
 
-const USAGE: &str = "genskyvec [-m MF] [-c r g b] [-d] [-5] [-h] < sky.rad";
-
 /// Opens the surrounding that scene text describes.
 pub type OpenSky<'o, 'a> = dyn Fn(Vec<u8>) -> Result<Box<Surrounding<'a>>, Error> + 'o;
 
@@ -51,7 +49,7 @@ struct Options {
 /// # Errors
 /// When the arguments or the sky are wrong, or the sky cannot be opened.
 pub fn genskyvec(argv: &[String], standard_input: &dyn StandardInput, open: &OpenSky<'_, '_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(argv, USAGE);
+    let mut arguments = Arguments::new(argv);
     let options = Options::read(&mut arguments)?;
     let wrong = |mistake: String| Error::Input {
         program: arguments.program().to_owned(),

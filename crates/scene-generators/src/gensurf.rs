@@ -17,8 +17,6 @@ use crate::grid_data::GridData;
 use crate::text::{Text, general, wide};
 use crate::{Error, Invocation, Output, source_name};
 
-const USAGE: &str = "gensurf material name x(s,t) y(s,t) z(s,t) m n [-s] [-o] [-i] [-e expr] [-f file]";
-
 /// Lengths and squares of it that count as zero.
 const TINY: f64 = 1e-6;
 
@@ -67,7 +65,7 @@ struct Surface<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut surface = read(&mut arguments, invocation)?;
     surface.text.command_comment(invocation.argv)?;
     surface.write()?;
@@ -80,7 +78,7 @@ fn read<'a>(arguments: &mut Arguments<'a>, invocation: &Invocation<'a>) -> Resul
     let [material, name, x, y, z, ..] =
         arguments.take::<7>(["material", "name", "x(s,t)", "y(s,t)", "z(s,t)", "m", "n"])?;
     let (mut smooth, mut reversed, mut wavefront) = (false, false, false);
-    while let Some(option) = arguments.word() {
+    while let Some(option) = arguments.last_options()? {
         match option {
             "-e" => functions.take_definitions(arguments)?,
             "-f" => functions.take_file(arguments, invocation.loader)?,

@@ -11,8 +11,6 @@ use crate::functions::Functions;
 use crate::text::{Text, wide};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "genworm material name x(t) y(t) z(t) r(t) nseg [-e expr] [-f file]";
-
 /// Radii that differ by no more make a cylinder.
 const TINY: f64 = 1e-6;
 
@@ -23,10 +21,10 @@ struct Joint {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut functions = Functions::for_generators(&arguments);
     let [material, name, ..] = arguments.take::<7>(["material", "name", "x(t)", "y(t)", "z(t)", "r(t)", "nseg"])?;
-    while let Some(option) = arguments.word() {
+    while let Some(option) = arguments.last_options()? {
         match option {
             "-e" => functions.take_definitions(&mut arguments)?,
             "-f" => functions.take_file(&mut arguments, invocation.loader)?,

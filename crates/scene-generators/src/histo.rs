@@ -9,8 +9,6 @@ use crate::{Error, Invocation, Output};
 use radsight_loader::FileKind;
 use std::fmt::Write;
 
-const USAGE: &str = "histo [-c] [-p] min max n, or histo [-c] [-p] imin imax";
-
 /// More divisions are a mistake.
 const MOST_DIVISIONS: i64 = 1024;
 
@@ -32,7 +30,7 @@ struct Column {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let (mut cumulative, mut percent) = (false, false);
     while let Some(option) = arguments.peek() {
         match option.as_bytes() {

@@ -21,13 +21,10 @@ use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 use luminaire::{Luminaire, Photometry, Tilt};
 use opening::{Opening, Shape};
-
-const USAGE: &str = "ies2rad [-t lamp] [-c r g b] [-f lampfile] [-u lamp] [-d units] [-i rad] [-m factor] [-s] [-l libdir] [-p prefdir] [-o outname] [input ..]";
+use radsight_units::photometry::WHITE_EFFICACY;
 
 /// Metres in a foot.
 const FOOT: f64 = 0.3048;
-/// Lumens per watt of white light in Radiance.
-const WHITE_EFFICACY: f64 = 179.0;
 const TINY: f64 = 1e-6;
 
 struct Options {
@@ -57,7 +54,7 @@ struct LampChoice {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     let header = invocation.argv[..arguments.position()].join(" ").replace(['\n', '\r'], " ");
     let inputs = arguments.rest();
@@ -98,8 +95,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         default_lamp: None,
         default_color: [1.0; 3],
     };
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option.as_bytes() {
             [b'-', b'd', ..] => read_units(&mut options, option).ok_or_else(|| arguments.unknown())?,
             [b'-', b'l', ..] => options.library_folder = Some(arguments.required("library folder (-l)")?.to_owned()),

@@ -11,13 +11,10 @@ use crate::mgf::{Converter, MaterialWriter};
 use crate::text::Text;
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "mgf2rad [-s] [-g dist] [-e mult] [file.mgf] ..";
-
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut materials = MaterialWriter::default();
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option.as_bytes() {
             [b'-', b's', ..] => materials.spectral = !materials.spectral,
             b"-g" => materials.glow_distance = Some(arguments.number("glow distance (-g)")?),

@@ -15,8 +15,6 @@ use crate::facets::{cross, dot, normalize, subtract};
 use crate::text::Text;
 use crate::{Error, Output};
 
-const USAGE: &str = "mksource [-d nsamps] [-t thresh] [-a maxang] [octree]";
-
 /// Subdivisions of the tetrahedron's faces; 4 · 4^10 samples.
 const DEEPEST: u32 = 10;
 /// A source is looked for this many times after the last one.
@@ -33,10 +31,9 @@ pub type OpenSurrounding<'o, 'a> = dyn Fn(Option<&str>) -> Result<Box<Surroundin
 /// # Errors
 /// When the arguments are wrong, or the octree cannot be opened.
 pub fn mksource(argv: &[String], open: &OpenSurrounding<'_, '_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(argv, USAGE);
+    let mut arguments = Arguments::new(argv);
     let (mut samples, mut threshold, mut largest) = (262_144i64, 0.0, 15.0f64);
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option.as_bytes() {
             [b'-', b'd', ..] => {
                 let position = arguments.position();

@@ -19,8 +19,6 @@ use crate::{Error, Invocation, Output};
 use mapping::{Mapping, Situation};
 use wavefront::{Corner, Statements, Vertices};
 
-const USAGE: &str = "obj2rad [-o obj] [-m mapping] [-n] [-f] [file.obj]";
-
 const TINY: f64 = 1e-6;
 /// Normals whose cosine is above this are taken for one direction.
 const SAME_DIRECTION: f64 = 0.999_995;
@@ -28,10 +26,9 @@ const SAME_DIRECTION: f64 = 0.999_995;
 const LONGEST_GROUP_NAME: usize = 62;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let (mut object, mut mapping, mut list_names, mut flat) = ("unnamed", None, false, false);
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
-        arguments.word();
+    while let Some(option) = arguments.option_before_files()? {
         match option.as_bytes() {
             [b'-', b'o', ..] => object = arguments.required("object name (-o)")?,
             [b'-', b'm', ..] => mapping = Some(read_mapping(&mut arguments, invocation)?),

@@ -14,17 +14,14 @@ use crate::mgf::{Converter, MaterialWriter};
 use crate::text::{Exponential, Text, general};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "pkgBSDF -s input.xml";
-
 const TINY: f64 = 1e-6;
 /// Reflection of less than this, beyond what all directions share, is left out (in 1/sr).
 const LEAST_REFLECTION: f64 = 0.001;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut to_standard_output = false;
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-')) {
-        arguments.word();
+    while let Some(option) = arguments.option()? {
         match option {
             "-s" => to_standard_output = true,
             _ => return Err(arguments.unknown()),

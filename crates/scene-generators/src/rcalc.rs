@@ -23,8 +23,6 @@ use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "rcalc [-b] [-l] [-n] [-p|-P] [-w] [-u] [-tS] [-s svar=sval] [-e expr] [-f source] [-i infmt] [-o outfmt] [file ..]";
-
 /// What happens to input that makes no record.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Passing {
@@ -55,7 +53,7 @@ impl Options {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let mut environment = Environment::new();
     environment.set_constant("PI", std::f64::consts::PI);
     environment.offer_function("in", 1);
@@ -108,8 +106,7 @@ impl Calculator {
             most_input: 0,
             most_output: 0,
         };
-        while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
-            arguments.word();
+        while let Some(option) = arguments.option_before_files()? {
             match option.as_bytes() {
                 [b'-', b'b', ..] => options.input.blanks_join = !options.input.blanks_join,
                 [b'-', b'l', ..] => options.across_lines = !options.across_lines,

@@ -16,8 +16,6 @@ use radsight_loader::FileKind;
 use std::fmt::Write;
 use std::ops::Range;
 
-const USAGE: &str = "rcollate [-h[io]][-w][-c][-f[afdb][N]][-t][-ic in_col][-ir in_row][-oc out_col][-or out_row][-o RxC[xR1xC1..]] [input.dat]";
-
 /// Components of a record where nothing says how many.
 const COMPONENTS: usize = 3;
 
@@ -87,7 +85,7 @@ struct Options {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = Options::read(&mut arguments)?;
     let command = &invocation.argv[..arguments.position()];
     let name = arguments.word().unwrap_or("-");
@@ -121,8 +119,7 @@ impl Options {
             output: Shape::default(),
             blocks: Vec::new(),
         };
-        while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
-            arguments.word();
+        while let Some(option) = arguments.option_before_files()? {
             match option.as_bytes() {
                 b"-h" => (options.reads_header, options.writes_header) = (false, false),
                 b"-hi" => options.reads_header = false,

@@ -16,8 +16,6 @@ use crate::shell_words;
 use crate::text::{Quoted, Text};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "replmarks [-e] [-s size] [-m modout] {-x objfile | -i octree | -I mesh} modname .. [file ..]";
-
 /// A marker has no more corners than this.
 const MAX_CORNERS: usize = 6;
 /// `-e` runs commands whose output has commands, no deeper than this.
@@ -41,7 +39,7 @@ struct Marker<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let (markers, expand) = read_markers(&mut arguments)?;
     let mut text = Text::default();
     text.plain_command_comment(&invocation.argv[..arguments.position()])?;
@@ -63,8 +61,7 @@ fn read_markers<'a>(arguments: &mut Arguments<'a>) -> Result<(Vec<Marker<'a>>, b
     let is_option = |word: &str| word.starts_with('-');
     while arguments.peek().is_some_and(is_option) {
         let (mut replacement, mut new_modifier) = (None, None);
-        while let Some(option) = arguments.peek().filter(|word| is_option(word)) {
-            arguments.word();
+        while let Some(option) = arguments.option()? {
             match option.as_bytes() {
                 [b'-', b'x', ..] => {
                     replacement = Some((Replacement::Transform, arguments.required("object file (-x)")?))

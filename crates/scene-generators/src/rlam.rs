@@ -12,8 +12,6 @@ use crate::{Error, Invocation, Output, pipeline};
 use radsight_loader::{FileKind, LoadError};
 use std::io::{Cursor, Read};
 
-const USAGE: &str = "rlam [-tS] [-u] [-iaN|-ifN|-idN|-iiN|-iwN|-ibN] [-in M] input1 [options] input2 ..";
-
 /// What a record is.
 #[derive(Clone, Copy)]
 enum Form {
@@ -36,7 +34,7 @@ struct Stream<'a> {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let (mut inputs, mut streams, mut most) = (Vec::new(), Vec::new(), 0);
     let mut now = Input { stream: 0, form: Form::Lines(1), separator: "\t".to_owned() };
     while let Some(word) = arguments.word() {

@@ -9,13 +9,11 @@ use crate::text::{Text, general, is_space};
 use crate::{Error, Invocation, Output};
 use std::fmt::{self, Write};
 
-const USAGE: &str = "tabfunc [-i] func1 [func2 ..]";
-
 /// A line of the output is no longer, unless a single number is.
 const LINE: usize = 64;
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let interpolates = arguments.peek() == Some("-i");
     if interpolates {
         arguments.word();

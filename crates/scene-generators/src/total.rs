@@ -13,8 +13,6 @@ use crate::supply::Supply;
 use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 
-const USAGE: &str = "total [-m] [-sE|p|u|l] [-tC] [-i{f|d}[N]] [-o{f|d}] [-count [-r]] [file ..]";
-
 /// More columns in a line are ignored.
 const MOST_COLUMNS: usize = 81_920;
 
@@ -59,7 +57,7 @@ struct Tally {
 }
 
 pub(crate) fn run(invocation: &Invocation<'_>) -> Result<Output, Error> {
-    let mut arguments = Arguments::new(invocation.argv, USAGE);
+    let mut arguments = Arguments::new(invocation.argv);
     let options = read(&mut arguments)?;
     let (mut text, mut written) = (invocation.text(), 0);
     for name in arguments.files() {
@@ -84,8 +82,7 @@ fn read(arguments: &mut Arguments<'_>) -> Result<Options, Error> {
         most_input: 0,
         most_output: 0,
     };
-    while let Some(option) = arguments.peek().filter(|word| word.starts_with('-') && *word != "-") {
-        arguments.word();
+    while let Some(option) = arguments.option_before_files()? {
         match option.as_bytes() {
             [b'-', digit, ..] if digit.is_ascii_digit() => {
                 options.count = leading_integer(&option[1..]).map_or(0, |(count, _)| count as usize);

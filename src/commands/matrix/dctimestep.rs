@@ -94,7 +94,7 @@ impl Request {
             sources: Vec::new(),
             command: words.all().into_iter().map(str::to_owned).collect(),
         };
-        while let Some(option) = words.option() {
+        while let Some(option) = words.option()? {
             let count = |words: &mut Words<'_>| Ok::<usize, Failure>(words.integer(option)?.max(0) as usize);
             match option {
                 "-n" => request.steps = count(words)?,
@@ -105,7 +105,7 @@ impl Request {
                 "-y" => request.size[0] = count(words)?,
                 "-ia" | "-if" | "-id" => request.sky_format = format(&option[2..]),
                 "-oa" | "-of" | "-od" | "-oc" => request.format = format(&option[2..]).unwrap_or(request.format),
-                _ => return Err(words.unknown(option, "-n -h -i -o -x or -y")),
+                _ => return Err(words.unknown(option)),
             }
         }
         request.sources = words.rest().to_vec();

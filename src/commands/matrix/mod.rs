@@ -16,11 +16,6 @@ type Program = fn(Words<'_>) -> Outcome;
 const PROGRAMS: [(&str, Program); 3] =
     [("dctimestep", dctimestep::run), ("rcomb", rcomb::run), ("rmtxop", rmtxop::run)];
 
-/// The names of the programs.
-pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    PROGRAMS.iter().map(|(name, _)| *name)
-}
-
 /// Runs a program, if it is one of these; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?;

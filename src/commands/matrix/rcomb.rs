@@ -41,8 +41,6 @@ struct Factor {
     comes_last: bool,
 }
 
-const EXPECTED: &str = "-h -w -f -n -e -s -c -C or -m";
-
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     use_default_threads()?;
@@ -72,7 +70,7 @@ impl Request {
                 request.inputs.push((word.to_owned(), change.take_for_next(all.as_ref())));
                 continue;
             }
-            if change.take(word, words, &mut all)? {
+            if change.take(words.meant(word)?, words, &mut all)? {
                 if let (Some(factor), false) = (&mut request.factor, word == "-s") {
                     factor.comes_last = false;
                 }
@@ -90,7 +88,7 @@ impl Request {
                 }
                 _ => match word.strip_prefix("-f").and_then(format) {
                     Some(format) => request.format = Some(format),
-                    None => return Err(words.unknown(word, EXPECTED)),
+                    None => return Err(words.unknown(word)),
                 },
             }
         }

@@ -38,8 +38,6 @@ struct Request {
     format: Option<Stored>,
 }
 
-const EXPECTED: &str = "-v -f -t -s -c -C -rf or -rb";
-
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     use_default_threads()?;
@@ -78,7 +76,7 @@ impl Request {
                 let joined = operation.take().unwrap_or(Operation::Product);
                 operands.push(Operand { source: word.to_owned(), change, wanted, operation: joined });
                 wanted = Wanted::Transmission;
-            } else if !change.take(word, words, &mut all)? {
+            } else if !change.take(words.meant(word)?, words, &mut all)? {
                 match word {
                     "-v" => {}
                     "-t" => change.transposes = true,
@@ -86,7 +84,7 @@ impl Request {
                     "-rb" => wanted = Wanted::Reflection(Side::Back),
                     _ => match word.strip_prefix("-f").and_then(format) {
                         Some(format) => asked = Some(format),
-                        None => return Err(words.unknown(word, EXPECTED)),
+                        None => return Err(words.unknown(word)),
                     },
                 }
             }

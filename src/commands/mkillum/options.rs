@@ -5,10 +5,12 @@ use crate::args::Reading;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
+use crate::listed_options::seed_line;
+use crate::option_table::options_of;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
-use crate::shown_options::{Program, ShownOptions};
 use crate::trust::Trust;
 use radsight_film::SamplingBudget;
+use radsight_options::{ProgramOption, Settings};
 use radsight_render::{Gathering, PathLimit, RenderOptions};
 
 /// What is asked.
@@ -24,7 +26,7 @@ pub(super) struct Options {
     /// The words up to the inputs, as the header has them.
     pub(super) command: Vec<String>,
     /// What `-defaults` shows.
-    shown: ShownOptions,
+    settings: Settings,
 }
 
 /// Paths of each ray, unless another number is asked for: hemisphere samples bring each direction of a window about as much noise.
@@ -38,8 +40,11 @@ impl TakesOptions for Options {
         &mut self.reading.trust
     }
 
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.shown.note(words);
         self.take_option(words)
     }
 }
@@ -66,7 +71,7 @@ impl Options {
             scenes: Vec::new(),
             inputs: Vec::new(),
             command: Vec::new(),
-            shown: ShownOptions::new(Program::Mkillum),
+            settings: Settings::new(options_of("mkillum")),
         };
         (options.command, options.scenes) =
             options_before_scenes(CommandWords::new(words, trust.origin()), &mut options)?;
@@ -119,7 +124,7 @@ impl Options {
                 self.threads = Some(number(words, word, "a number of threads")?);
                 return Ok(2);
             }
-            _ => return Err(Failure::usage(format!("mkillum: option \"{word}\" is not supported"))),
+            _ => return Ok(0),
         }
         Ok(1)
     }
@@ -151,8 +156,8 @@ impl Options {
             format!("s={}\t\t\t\t# samples per direction", parameters.samples),
             format!("b={:.6}\t\t\t# minimum average brightness", parameters.least_brightness),
         ];
-        lines.extend(self.shown.lines());
-        lines.push(format!("--seed {:<6}\t\t\t# sample sequence", self.render.seed));
+        let computed = |option: &ProgramOption| (option.name == "--seed").then(|| seed_line(self.render.seed));
+        lines.extend(self.settings.lines(&computed));
         lines.join("\n") + "\n"
     }
 }

@@ -30,9 +30,6 @@ const MARK_HEIGHT: usize = 32;
 /// Height over width of a letter, and letters across the legend.
 const LETTER: f64 = 8.0 / 1.67;
 
-const EXPECTED: &str =
-    "-i -p -ip -cl -cb -cp -c0 -s -log -n -m -l -d -lw -lh -pal -palettes -r -g -b -e -odim or -orct";
-
 struct Options {
     scale: Scale,
     automatic: bool,
@@ -336,48 +333,16 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         overlay: Overlay { counts: [0, 0], part: None },
         shows_palettes: false,
     };
-    while let Some(option) = words.option() {
-        options.take(meant(option), words)?;
+    while let Some(option) = words.option()? {
+        options.take(option, words)?;
     }
     if let [word, ..] = words.rest() {
-        return Err(words.unknown(word, EXPECTED));
+        return Err(words.unknown(word));
     }
     if options.legend[0] <= SMALLEST_LEGEND[0] || options.legend[1] <= SMALLEST_LEGEND[1] {
         options.legend = [0, 0];
     }
     Ok(options)
-}
-
-/// The option that a word means: Radiance's program looks at the first letters of most, in this order, so that
-/// `-mask` is `-m`.
-fn meant(option: &str) -> &str {
-    const EXACT: [&str; 5] = ["-l", "-pal", "-i", "-p", "-odim"];
-    const BEGINNINGS: [&str; 19] = [
-        "-lw",
-        "-lh",
-        "-m",
-        "-s",
-        "-d",
-        "-log",
-        "-r",
-        "-g",
-        "-b",
-        "-ip",
-        "-pi",
-        "-n",
-        "-orct",
-        "-cl",
-        "-cb",
-        "-cp",
-        "-c0",
-        "-palettes",
-        "-e",
-    ];
-    // It has gone, and says what to write instead.
-    if EXACT.contains(&option) || option.starts_with("-spec") {
-        return option;
-    }
-    BEGINNINGS.into_iter().find(|beginning| option.starts_with(beginning)).unwrap_or(option)
 }
 
 impl Options {
@@ -401,7 +366,10 @@ impl Options {
             "-pal" => {
                 let name = words.value(option, "a palette")?;
                 let found = Palette::ALL.iter().find(|(known, _)| *known == name);
-                let unknown = || words.unknown(&format!("-pal {name}"), "def, spec, pm3d, hot, eco or tbo");
+                let unknown = || {
+                    let expected = "def, spec, pm3d, hot, eco or tbo";
+                    Failure::usage(format!("falsecolor: option \"-pal {name}\" is unknown, expected {expected}"))
+                };
                 self.scale.palette = found.ok_or_else(unknown)?.1;
                 self.scale.own = Default::default();
             }
@@ -437,8 +405,10 @@ impl Options {
                 }
                 self.overlay.part = Some(part);
             }
-            "-spec" => return Err(words.unknown(option, "-pal spec")),
-            _ => return Err(words.unknown(option, EXPECTED)),
+            _ if option.starts_with("-spec") => {
+                return Err(Failure::usage("falsecolor: option \"-spec\" is not supported, expected -pal spec"));
+            }
+            _ => return Err(words.unknown(option)),
         }
         Ok(())
     }

@@ -39,7 +39,13 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         }
         [option, lines @ ..] if option == "-a" && !lines.is_empty() => change(|header| add(header, lines)),
         [option, lines @ ..] if option == "-r" && !lines.is_empty() => change(|header| replace(header, lines)),
-        files => of_files(sizes, files),
+        files => {
+            files
+                .iter()
+                .filter(|file| file.len() > 1 && file.starts_with('-'))
+                .try_for_each(|file| words.meant(file).map(drop))?;
+            of_files(sizes, files)
+        }
     }
 }
 

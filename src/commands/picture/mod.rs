@@ -46,11 +46,6 @@ const PROGRAMS: [(&str, Program); 18] = [
     ("ra_xyze", ra_xyze::run),
 ];
 
-/// The names of the programs.
-pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    PROGRAMS.iter().map(|(name, _)| *name)
-}
-
 /// Runs a program, if it is one of these; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Option<Outcome> {
     let name = words.first()?;

@@ -79,16 +79,15 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
         words.next_if(|word| matches!(word.as_bytes(), [b'-', b'x' | b'y' | b'w' | b'h' | b'f' | b'e', ..]))
     {
         let expected = "what it is to be";
-        match option {
+        match words.meant(option)? {
             "-x" => options.definitions.push(Definition::Columns(words.value(option, expected)?.to_owned())),
             "-y" => options.definitions.push(Definition::Rows(words.value(option, expected)?.to_owned())),
             "-e" => options.definitions.push(Definition::Text(words.value(option, "definitions")?.to_owned())),
             "-f" => options.definitions.push(Definition::File(words.value(option, "a file")?.to_owned())),
-            // As in Radiance the first letter counts: scripts have -w- and -h-.
-            _ if option.starts_with("-w") => {}
-            _ if option.starts_with("-h") => options.history = options.history.other(),
+            "-w" => {}
+            "-h" => options.history = options.history.other(),
             _ if option.starts_with("-f") && option.len() > 2 => options.floats = option.starts_with("-ff"),
-            _ => return Err(words.unknown(option, "-h -w -ff -fc -x -y -f or -e")),
+            _ => return Err(words.unknown(option)),
         }
     }
     Ok(options)
@@ -100,8 +99,8 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
     let (mut names, mut inputs) = (Vec::new(), Vec::new());
     let (mut factors, mut exposures) = ([1.0f32; 3], Exposures::AsStored);
     while let Some(word) = words.next_if(|_| true) {
-        // As in Radiance the first letter counts.
-        match word.get(..2).unwrap_or(word) {
+        let is_option = word.len() > 1 && word.starts_with('-');
+        match if is_option { words.meant(word)? } else { word } {
             "-o" => exposures = Exposures::Undone,
             "-s" => {
                 let factor = words.number(word)?;
@@ -112,8 +111,8 @@ fn open_inputs(words: &mut Words<'_>) -> Result<Inputs, Failure> {
                     *part = (f64::from(*part) * words.number(word)?) as f32;
                 }
             }
-            _ if word.len() > 1 && word.starts_with('-') => {
-                return Err(words.unknown(word, "-o -s -c or a picture"));
+            _ if is_option => {
+                return Err(words.unknown(word));
             }
             _ => {
                 let path = word;

@@ -14,7 +14,6 @@ use radsight_picture_ops::compose::{Layer, compose};
 use radsight_picture_ops::sign::SignOptions;
 use std::io::Cursor;
 
-const EXPECTED: &str = "-h -x -y -b -a -s -o -la -lh, or -t +t -l =SS before a picture";
 /// The most bytes of a label that are shown.
 const LONGEST_LABEL: usize = 90;
 
@@ -94,7 +93,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
     };
     let begins_files = |word: &str| word == "-l" || word.starts_with("-t");
     while let Some(option) = words.next_if(|word| word.len() > 1 && word.starts_with('-') && !begins_files(word)) {
-        match option {
+        match words.meant(option)? {
             "-h" => options.history = options.history.other(),
             "-x" => options.size[0] = words.integer(option)?,
             "-y" => options.size[1] = words.integer(option)?,
@@ -110,7 +109,7 @@ fn read_options(words: &mut Words<'_>) -> Result<Options, Failure> {
             "-o" => options.origin = [words.integer(option)?, words.integer(option)?],
             "-la" => options.labels_all = true,
             "-lh" => options.label_height = words.integer(option)?.max(1) as usize,
-            _ => return Err(words.unknown(option, EXPECTED)),
+            _ => return Err(words.unknown(option)),
         }
     }
     Ok(options)
@@ -130,7 +129,7 @@ impl Placing {
     fn read(words: &mut Words<'_>) -> Result<Placing, Failure> {
         let mut placing = Placing { anchor: ['-', '-'], ..Placing::default() };
         while let Some(word) = words.next_if(|word| word.len() > 1 && word.starts_with(['-', '+', '='])) {
-            match word {
+            match words.meant(word)? {
                 "-l" => placing.label = Some(words.value(word, "a label")?.to_owned()),
                 _ if word.starts_with("-t") => placing.above = Some(words.number(word)?),
                 _ if word.starts_with("+t") => placing.below = Some(words.number(word)?),
@@ -138,7 +137,7 @@ impl Placing {
                     let signs: Vec<char> = word.chars().collect();
                     match signs[..] {
                         ['=', x @ ('-' | '+' | '0'), y @ ('-' | '+' | '0')] => placing.anchor = [x, y],
-                        _ => return Err(words.unknown(word, EXPECTED)),
+                        _ => return Err(words.unknown(word)),
                     }
                 }
             }

@@ -19,8 +19,6 @@ use radsight_picture_ops::condition::{
 };
 use std::mem::discriminant;
 
-const EXPECTED: &str = "-h -a -v -s -c -w -l -I -i -e -p -f -m -u -d or -x";
-
 /// Where what the eye adapts to comes from.
 #[derive(Clone, Copy, PartialEq)]
 enum Source {
@@ -63,7 +61,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
 fn read_options(words: &mut Words<'_>) -> Result<Typed, Failure> {
     let options = ConditionOptions::default();
     let mut typed = Typed { options, source: Source::Picture, center_weighted: false, map: None };
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         if !typed.take_switch(option)? {
             typed.take(option, words)?;
         }
@@ -145,7 +143,7 @@ impl Typed {
             "-u" => self.options.display_top = above(words.number(option)?, LEAST, "-u")?,
             "-d" => self.options.display_range = above(words.number(option)?, 1.0, "-d")?,
             "-x" => self.map = Some(words.output_value(option, "a file")?),
-            _ => return Err(words.unknown(option, EXPECTED)),
+            _ => return Err(words.unknown(option)),
         }
         Ok(())
     }

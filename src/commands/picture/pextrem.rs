@@ -10,11 +10,11 @@ use std::io::Write;
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let (mut original, mut watts) = (false, false);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-o" => (original, watts) = (true, false),
             "-O" => (original, watts) = (true, true),
-            _ => return Err(words.unknown(option, "-o or -O")),
+            _ => return Err(words.unknown(option)),
         }
     }
     let path = words.one_file()?;

@@ -59,7 +59,7 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
     let mut passes = Passes::Two;
     let (mut radius, mut fraction) = (0.0, 0.0);
     let (mut lamp, mut table) = (None, None);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-x" => options.columns = size(words, option)?,
             "-y" => options.rows = size(words, option)?,
@@ -92,7 +92,7 @@ fn read_options(words: &mut Words<'_>) -> Result<(FilterOptions, Passes), Failur
             "-b" => (radius, fraction) = (0.0, 0.0),
             "-t" => lamp = Some(words.value(option, "the description of a lamp")?),
             "-f" => table = Some(words.value(option, "a table of lamps")?),
-            _ => return Err(words.unknown(option, "-1 -2 -x -y -c -p -e -er -eg -eb -b -r -m -n -s -a -h -t or -f")),
+            _ => return Err(words.unknown(option)),
         }
     }
     if let Some(lamp) = lamp {

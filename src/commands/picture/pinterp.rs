@@ -17,8 +17,6 @@ use radsight_picture::{Header, Image, Picture, Resolution, View, ViewOptions, le
 use radsight_picture_ops::interpolate::{Distances, Filling, InterpolateOptions, Interpolation};
 use radsight_render::Ray;
 
-const EXPECTED: &str = "view options, -x -y -pa -t -z -e -a -q -B -n or -f";
-
 /// Most pixels of the view.
 const MOST_PIXELS: usize = 1 << 28;
 
@@ -133,7 +131,7 @@ impl Request {
             rays: None,
         };
         let mut reach = 0;
-        while let Some(option) = words.option() {
+        while let Some(option) = words.option()? {
             if option.starts_with("-v") {
                 let all: Vec<String> =
                     std::iter::once(option).chain(words.rest().iter().map(String::as_str)).map(str::to_owned).collect();
@@ -178,7 +176,7 @@ impl Request {
                     let all = ["rtrace"].into_iter().chain(options.split_whitespace());
                     request.rays = Some(all.map(str::to_owned).collect());
                 }
-                _ => return Err(words.unknown(option, EXPECTED)),
+                _ => return Err(words.unknown(option)),
             }
         }
         let holes = &mut request.interpolate.fills_holes;

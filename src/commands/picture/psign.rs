@@ -69,7 +69,7 @@ pub(super) fn picture_of(text: &str, options: &SignOptions) -> Result<Vec<u8>, F
 fn read_options(words: &mut Words<'_>) -> Result<(SignOptions, String), Failure> {
     let mut options = SignOptions::default();
     let mut font = FONT.to_owned();
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-cb" => options.background = color(words, option)?,
             "-cf" => options.foreground = color(words, option)?,
@@ -83,7 +83,7 @@ fn read_options(words: &mut Words<'_>) -> Result<(SignOptions, String), Failure>
             "-h" => options.height = words.integer(option)?.max(0) as usize,
             "-a" => options.aspect = words.number(option)?,
             "-s" => options.spacing = words.number(option)?,
-            _ => return Err(words.unknown(option, "-cb -cf -f -dr -du -dl -dd -x -y -h -a or -s")),
+            _ => return Err(words.unknown(option)),
         }
     }
     Ok((options, font))

@@ -12,12 +12,12 @@ use radsight_picture_ops::turn::{OrderRecord, Turn, turn};
 /// Runs `pflip`.
 pub(super) fn flip(mut words: Words<'_>) -> Outcome {
     let (mut horizontally, mut vertically, mut record) = (false, false, OrderRecord::Kept);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-h" => horizontally = true,
             "-v" => vertically = true,
             "-c" => record = OrderRecord::Corrected,
-            _ => return Err(words.unknown(option, "-h -v or -c")),
+            _ => return Err(words.unknown(option)),
         }
     }
     if !horizontally && !vertically {
@@ -30,11 +30,11 @@ pub(super) fn flip(mut words: Words<'_>) -> Outcome {
 /// Runs `protate`.
 pub(super) fn rotate(mut words: Words<'_>) -> Outcome {
     let (mut direction, mut record) = (Turn::Clockwise, OrderRecord::Kept);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-r" => direction = Turn::Counterclockwise,
             "-c" => record = OrderRecord::Corrected,
-            _ => return Err(words.unknown(option, "-r or -c")),
+            _ => return Err(words.unknown(option)),
         }
     }
     let mut command = words.program().to_owned();

@@ -52,8 +52,6 @@ struct Size {
     orientation: Orientation,
 }
 
-const EXPECTED: &str = "-h -H -s -u -o -O -g -e -R -r -n -b -p -d or -x -y";
-
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let options = Options::read(&mut words)?;
@@ -85,6 +83,7 @@ impl Options {
             primaries: Some(RgbPrimaries::STANDARD),
         };
         while let Some(option) = words.next_if(|word| word.len() > 1 && word.starts_with(['-', '+'])) {
+            words.meant(option)?;
             options.take(option, words)?;
         }
         Ok(options)
@@ -124,8 +123,8 @@ impl Options {
                 self.take_size(name.starts_with(['x', 'X']), on, words.integer(option)?.max(0) as usize);
             }
             name if name.starts_with("px") || name.starts_with("pX") => self.primaries = None,
-            name if name.starts_with('d') => self.take_form(name, on).ok_or_else(|| words.unknown(option, EXPECTED))?,
-            _ => return Err(words.unknown(option, EXPECTED)),
+            name if name.starts_with('d') => self.take_form(name, on).ok_or_else(|| words.unknown(option))?,
+            _ => return Err(words.unknown(option)),
         }
         Ok(())
     }

@@ -13,13 +13,13 @@ use radsight_picture_ops::gamma::shifted;
 /// Runs the program.
 pub(super) fn run(mut words: Words<'_>) -> Outcome {
     let mut options = Options { packing: Packing::Flat, exposure: 0, frame: 0 };
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-r" => options.packing = Packing::RunLengths,
             "-e" => options.exposure = stops(&mut words, option)?,
             "-n" => options.frame = words.integer(option)?,
             "-f" => {}
-            _ => return Err(words.unknown(option, "-r -e -n or -f")),
+            _ => return Err(words.unknown(option)),
         }
     }
     let (path, target) = words.input_and_output()?;

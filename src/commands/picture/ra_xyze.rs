@@ -26,7 +26,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
         packing: None,
         primaries: RgbPrimaries::STANDARD,
     };
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-c" => options.packing = Some(Packing::RunLengths),
             "-u" => options.packing = Some(Packing::Flat),
@@ -38,7 +38,7 @@ pub(super) fn run(mut words: Words<'_>) -> Outcome {
                 options.exposure = if word.starts_with(['+', '-']) { 2f64.powf(number) } else { number };
             }
             "-p" => options.primaries = words.primaries(option)?,
-            _ => return Err(words.unknown(option, "-r -o -e -c -u or -p")),
+            _ => return Err(words.unknown(option)),
         }
     }
     convert(&options, &words)

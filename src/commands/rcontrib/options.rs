@@ -8,12 +8,13 @@ use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::input::read_file;
+use crate::option_table::options_of;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
-use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, Origin, Trust};
 use radsight_film::SamplingBudget;
+use radsight_options::Settings;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{Gathering, PathLimit, Quantity, RenderOptions, Uncached};
 use std::collections::HashSet;
@@ -74,7 +75,7 @@ pub(super) struct Options {
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
     /// What `-defaults` shows.
-    pub(super) shown: ShownOptions,
+    pub(super) settings: Settings,
     /// Seconds between reports, which none are made of (`-t`).
     pub(super) report: u64,
     effort: Option<SamplingBudget>,
@@ -116,7 +117,7 @@ impl Default for Options {
             reading: Reading::default(),
             scenes: Vec::new(),
             command: Vec::new(),
-            shown: ShownOptions::new(Program::Rcontrib),
+            settings: Settings::new(options_of("rcontrib")),
             report: 0,
             effort: None,
             rounds: 1,
@@ -132,8 +133,11 @@ impl TakesOptions for Options {
         &mut self.reading.trust
     }
 
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.shown.note(words);
         self.take_option(words)
     }
 }
@@ -202,9 +206,6 @@ impl Options {
         }
         if let Some(SamplingBudget::Error { .. }) = self.effort {
             return Err(Failure::usage("rcontrib: option \"--error\" is not supported, expected --samples or -ad"));
-        }
-        if used == 0 {
-            return Err(Failure::usage(format!("rcontrib: option \"{}\" is not supported", words[0])));
         }
         Ok(used)
     }

@@ -2,9 +2,11 @@
 
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::{Failure, say};
+use crate::option_table::{options_of, unknown_option};
 use crate::render_args::number;
 use crate::switch::switched;
 use crate::trust::{Existing, Trust};
+use radsight_options::Settings;
 
 /// What is asked.
 #[derive(Debug)]
@@ -32,6 +34,8 @@ pub(super) struct Options {
     pub(super) sender: Option<String>,
     pub(super) receiver: String,
     pub(super) system: Vec<String>,
+    /// What is given, by the table of options.
+    settings: Settings,
 }
 
 const USAGE: &str = "rfluxmtx: expected a sender (or -) and a receiver after the options";
@@ -42,6 +46,10 @@ const USUAL_SAMPLES: u64 = 10_000;
 impl TakesOptions for Options {
     fn trust(&mut self) -> &mut Trust {
         &mut self.trust
+    }
+
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
     }
 
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
@@ -67,6 +75,7 @@ impl Options {
             sender: None,
             receiver: String::new(),
             system: Vec::new(),
+            settings: Settings::new(options_of("rfluxmtx")),
         };
         let words = CommandWords::new(words, trust.origin());
         let (_, files) = options_before_scenes(words, &mut options)?;
@@ -129,7 +138,8 @@ impl Options {
     /// Passes an option on with its values.
     fn pass(&mut self, words: &[String]) -> Result<usize, Failure> {
         let word = words[0].as_str();
-        let unknown = || Failure::usage(format!("rfluxmtx: option \"{word}\" is not supported"));
+        let program = self.settings.program();
+        let unknown = || unknown_option(program, word);
         if let Some(letters) = word.strip_prefix("-f").filter(|letters| !letters.is_empty()) {
             let letters: Vec<char> = letters.chars().collect();
             self.formats = match letters[..] {
@@ -139,7 +149,7 @@ impl Options {
             };
             return Ok(1);
         }
-        let values = values_of(word).ok_or_else(unknown)?;
+        let values = program.recognise(word).ok_or_else(unknown)?.option.value_count();
         let Some(taken) = words.get(..=values) else {
             return Err(Failure::usage(format!(
                 "rfluxmtx: option \"{word}\" ends the command line, expected {values} words after it"
@@ -209,20 +219,4 @@ impl Options {
             say(&format!("rfluxmtx: warning - {what}\n"));
         }
     }
-}
-
-/// How many words follow an option of `rcontrib`; `None` for those that it does not get from here.
-fn values_of(word: &str) -> Option<usize> {
-    Some(match word {
-        "-f" | "-e" | "-o" | "-n" | "-t" | "--samples" | "--seed" => 1,
-        "-cs" => 1,
-        "-cw" => 2,
-        "-av" | "-me" | "-ma" => 3,
-        "-mg" | "-ms" | "-ss" | "-st" | "-lr" | "-lw" => 1,
-        _ => match word.as_bytes() {
-            [b'-', b'w' | b'V' | b'u' | b'h' | b'r', ..] | [b'-', b'b' | b'd', b'v', ..] => 0,
-            [b'-', b'd' | b'a', _] => 1,
-            _ => return None,
-        },
-    })
 }

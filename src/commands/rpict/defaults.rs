@@ -1,53 +1,55 @@
 //! What `rpict -defaults` prints.
 
 use super::options::Options;
-use crate::shown_options::warning_line;
+use crate::listed_options::{color_line, seed_line};
+use glam::DVec3;
 use radsight_film::SamplingBudget;
 use radsight_picture::ViewKind;
 
 /// The options as they stand, a line each, as Radiance prints them, and after them our own.
 pub(super) fn text(options: &Options) -> String {
-    let view = options.view;
-    let mut lines = vec![format!("-vt{}\t\t\t\t# view type {}", view.kind.letter(), name_of(view.kind))];
-    for (name, vector, what) in
-        [("vp", view.point, "view point"), ("vd", view.direction, "view direction"), ("vu", view.up, "view up")]
-    {
-        lines.push(format!("-{name} {:.6} {:.6} {:.6}\t# {what}", vector.x, vector.y, vector.z));
-    }
-    for (name, value, what) in [
-        ("vh", view.horizontal, "view horizontal size"),
-        ("vv", view.vertical, "view vertical size"),
-        ("vo", view.fore, "view fore clipping plane"),
-        ("va", view.aft, "view aft clipping plane"),
-        ("vs", view.shift, "view shift"),
-        ("vl", view.lift, "view lift"),
-    ] {
-        lines.push(format!("-{name} {value:.6}\t\t\t# {what}"));
-    }
-    lines.push(format!("-x  {:<9}\t\t\t# x resolution", options.size[0]));
-    lines.push(format!("-y  {:<9}\t\t\t# y resolution", options.size[1]));
-    lines.push(options.shown.color_line());
-    for (name, value, what) in [
-        ("pa", options.pixel_aspect, "pixel aspect ratio"),
-        ("pj", options.jitter(), "pixel jitter"),
-        ("pm", options.motion, "pixel motion"),
-        ("pd", options.aperture, "pixel depth-of-field"),
-    ] {
-        lines.push(format!("-{name} {value:.6}\t\t\t# {what}"));
-    }
-    lines.extend(options.shown.pixel_lines());
-    lines.push(format!("-t  {:<9}\t\t\t# time between reports", options.report));
-    lines.push(warning_line(options.reading.no_warnings));
-    lines.extend(options.shown.lines());
-    match options.effort {
-        Some(SamplingBudget::Samples(samples)) => lines.push(format!("--samples {samples}\t\t\t# rays a pixel")),
-        Some(SamplingBudget::Error { error, .. }) => {
-            lines.push(format!("--error {error}\t\t\t# estimated error of the picture"));
-        }
-        Some(SamplingBudget::Interpolated(_)) | None => {}
-    }
-    lines.push(format!("--seed {:<6}\t\t\t# sample sequence", options.render.seed));
+    let lines = options.settings.lines(&|option| match option.name {
+        "-x" => Some(format!("-x  {:<9}\t\t\t# x resolution", options.size[0])),
+        "-y" => Some(format!("-y  {:<9}\t\t\t# y resolution", options.size[1])),
+        "-t" => Some(format!("-t  {:<9}\t\t\t# time between reports", options.report)),
+        "-pj" => Some(format!("-pj {:.6}\t\t\t# pixel jitter", options.jitter())),
+        "-pRGB" => Some(color_line(&options.settings)),
+        "--seed" => Some(seed_line(options.render.seed)),
+        "--samples" | "--error" => effort_line(options, option.name),
+        name => view_line(options, name),
+    });
     lines.join("\n") + "\n"
+}
+
+fn effort_line(options: &Options, name: &str) -> Option<String> {
+    match (options.effort?, name) {
+        (SamplingBudget::Samples(samples), "--samples") => Some(format!("--samples {samples}\t\t\t# rays a pixel")),
+        (SamplingBudget::Error { error, .. }, "--error") => {
+            Some(format!("--error {error}\t\t\t# estimated error of the picture"))
+        }
+        _ => None,
+    }
+}
+
+/// The view may come of a file.
+fn view_line(options: &Options, name: &str) -> Option<String> {
+    let view = options.view;
+    let vector =
+        |vector: DVec3, what: &str| format!("{name} {:.6} {:.6} {:.6}\t# view {what}", vector.x, vector.y, vector.z);
+    let number = |value: f64, what: &str| format!("{name} {value:.6}\t\t\t# view {what}");
+    Some(match name {
+        "-vt" => format!("-vt{}\t\t\t\t# view type {}", view.kind.letter(), name_of(view.kind)),
+        "-vp" => vector(view.point, "point"),
+        "-vd" => vector(view.direction, "direction"),
+        "-vu" => vector(view.up, "up"),
+        "-vh" => number(view.horizontal, "horizontal size"),
+        "-vv" => number(view.vertical, "vertical size"),
+        "-vo" => number(view.fore, "fore clipping plane"),
+        "-va" => number(view.aft, "aft clipping plane"),
+        "-vs" => number(view.shift, "shift"),
+        "-vl" => number(view.lift, "lift"),
+        _ => return None,
+    })
 }
 
 fn name_of(kind: ViewKind) -> &'static str {

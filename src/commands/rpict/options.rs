@@ -8,14 +8,15 @@ use crate::control_file;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
+use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
-use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
 use radsight::{ErrorBudget, Interpolation, SamplingBudget};
+use radsight_options::Settings;
 use radsight_picture::ViewOptions;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::RenderOptions;
@@ -66,7 +67,7 @@ pub(super) struct Options {
     /// The words up to the scenes, as the picture's header has them.
     pub(super) command: Vec<String>,
     /// What `-defaults` shows.
-    pub(super) shown: ShownOptions,
+    pub(super) settings: Settings,
 }
 
 impl Default for Options {
@@ -98,7 +99,7 @@ impl Default for Options {
             accounts: Accounts::default(),
             scenes: Vec::new(),
             command: Vec::new(),
-            shown: ShownOptions::new(Program::Rpict),
+            settings: Settings::new(options_of("rpict")),
         }
     }
 }
@@ -108,8 +109,11 @@ impl TakesOptions for Options {
         &mut self.reading.trust
     }
 
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.shown.note(words);
         self.take_option(words)
     }
 }
@@ -204,12 +208,12 @@ impl Options {
                 self.color = color;
                 return Ok(used);
             }
-            "-co" | "-co+" => {
+            "-co" | "-co+" | "-co1" => {
                 return Err(Failure::usage(format!(
                     "rpict: option \"{word}\" is not supported, as in Radiance: spectral pictures come from vwrays and rtrace -co -fac"
                 )));
             }
-            "-co-" => return Ok(1),
+            "-co-" | "-co0" => return Ok(1),
             "-ff" => {
                 self.format = OutputFormat::Numbers(NumberFormat::Float);
                 return Ok(1);
@@ -219,7 +223,7 @@ impl Options {
                     self.reading.no_warnings = !shown;
                     return Ok(1);
                 }
-                return Err(Failure::usage(format!("rpict: option \"{word}\" is not supported")));
+                return Ok(0);
             }
         }
         Ok(2)

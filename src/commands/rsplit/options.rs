@@ -8,8 +8,6 @@ use radsight_picture::Resolution;
 /// Numbers of one part take no more bytes.
 const LARGEST_PART: usize = 1 << 14;
 
-const EXPECTED: &str = "-ih -iH -on -f -a -x -y -oh -oH -oa -of -od -oi -ow -ob -t";
-
 /// How the fields of a part are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
@@ -109,6 +107,9 @@ impl Options {
         };
         let mut size = [0usize; 2];
         while let Some(word) = words.next_if(|_| true) {
+            if word.len() > 1 && word.starts_with('-') {
+                words.meant(word)?;
+            }
             let count = |words: &mut Words<'_>| words.integer(word).map(|count| usize::try_from(count).unwrap_or(0));
             match word {
                 "-ih" => options.input_header = !options.input_header,
@@ -122,7 +123,7 @@ impl Options {
                 "-oH" => now.resolution = !now.resolution,
                 _ if word.starts_with("-t") => now.separator = word.as_bytes().get(2).copied().unwrap_or(b'\n'),
                 _ if word.starts_with("-o") => {
-                    let unknown = || words.unknown(word, EXPECTED);
+                    let unknown = || words.unknown(word);
                     let letter = word[2..].chars().next().ok_or_else(unknown)?;
                     now.form = Form::of_letter(letter).ok_or_else(unknown)?;
                     now.count = match &word[3..] {
@@ -135,7 +136,7 @@ impl Options {
                         return Err(Failure::usage(message));
                     }
                 }
-                _ if word.len() > 1 && word.starts_with('-') => return Err(words.unknown(word, EXPECTED)),
+                _ if word.len() > 1 && word.starts_with('-') => return Err(words.unknown(word)),
                 name if name.starts_with('!') || name == "." => {
                     options.add(Part { name: name.to_owned(), ..now.clone() })?
                 }

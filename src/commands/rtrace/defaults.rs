@@ -1,39 +1,34 @@
 //! What `rtrace -defaults` prints.
 
 use super::options::Options;
+use crate::listed_options::{color_line, format_line, process_line, seed_line, size_line};
 use crate::output_color::OutputColor;
-use crate::shown_options::{format_line, process_line, size_lines, warning_line};
-use radsight_render::Quantity;
 
 /// The options as they stand, a line each, as Radiance prints them, and after them our own.
 pub(super) fn text(options: &Options) -> String {
-    let mut lines = vec![warning_line(options.reading.no_warnings)];
-    if options.render.quantity == Quantity::Irradiance {
-        lines.push("-I+\t\t\t\t# immediate irradiance on".to_owned());
-    }
-    lines.push(process_line(options.threads));
-    lines.extend(size_lines(options.size));
-    lines.push(if options.limits_distance {
-        "-ld+\t\t\t\t# limit distance on".to_owned()
-    } else {
-        "-ld-\t\t\t\t# limit distance off".to_owned()
+    let lines = options.settings.lines(&|option| match option.name {
+        "-n" => Some(process_line(options.threads)),
+        "-x" | "-y" => Some(size_line(option.name, options.size)),
+        "-f" => Some(format_line(options.input_format, options.output_format)),
+        "-o" => {
+            let names: Vec<&str> = options.letters.chars().map(name_of).collect();
+            Some(format!("-o{:<9}\t\t\t# output{}", options.letters, names.concat()))
+        }
+        "-pRGB" => (options.color != OutputColor::Bands).then(|| color_line(&options.settings)),
+        "-co" => spectral_line(options),
+        "--seed" => Some(seed_line(options.render.seed)),
+        _ => None,
     });
-    lines.push(if options.header { "-h+\t\t\t\t# output header" } else { "-h-\t\t\t\t# no header" }.to_owned());
-    lines.push(format_line(options.input_format, options.output_format));
-    let names: Vec<&str> = options.letters.chars().map(name_of).collect();
-    lines.push(format!("-o{:<9}\t\t\t# output{}", options.letters, names.concat()));
-    let has_bands = options.color == OutputColor::Bands;
-    if !has_bands {
-        lines.push(options.shown.color_line());
-    }
-    if options.components() > 3 {
-        lines.push("-co+\t\t\t\t# output spectral values".to_owned());
-    } else if options.render.sampling.bands() > 3 && options.components() == 3 {
-        lines.push("-co-\t\t\t\t# output tristimulus colors".to_owned());
-    }
-    lines.extend(options.shown.lines());
-    lines.push(format!("--seed {:<6}\t\t\t# sample sequence", options.render.seed));
     lines.join("\n") + "\n"
+}
+
+fn spectral_line(options: &Options) -> Option<String> {
+    let components = options.components();
+    match components {
+        4.. => Some("-co+\t\t\t\t# output spectral values".to_owned()),
+        3 if options.render.sampling.bands() > 3 => Some("-co-\t\t\t\t# output tristimulus colors".to_owned()),
+        _ => None,
+    }
 }
 
 /// What a letter of `-o` is called.

@@ -8,13 +8,14 @@ use crate::control_file;
 use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
+use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
-use crate::shown_options::{Program, ShownOptions};
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use radsight_film::SamplingBudget;
+use radsight_options::Settings;
 use radsight_pinhole::stream::NumberFormat;
 use radsight_render::{BareSurfaces, Gathering, Quantity, RayTreeOutput, RenderOptions, Uncached};
 
@@ -44,7 +45,7 @@ pub(super) struct Options {
     /// The words up to the scenes, as the header has them.
     pub(super) command: Vec<String>,
     /// What `-defaults` shows.
-    pub(super) shown: ShownOptions,
+    pub(super) settings: Settings,
     /// The letters after `-o`.
     pub(super) letters: String,
 }
@@ -154,7 +155,7 @@ impl Default for Options {
             control_file: None,
             scenes: Vec::new(),
             command: Vec::new(),
-            shown: ShownOptions::new(Program::Rtrace),
+            settings: Settings::new(options_of("rtrace")),
             letters: "v".to_owned(),
         }
     }
@@ -165,8 +166,11 @@ impl TakesOptions for Options {
         &mut self.reading.trust
     }
 
+    fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
     fn take(&mut self, words: &[String]) -> Result<usize, Failure> {
-        self.shown.note(words);
         self.take_option(words)
     }
 }
@@ -284,7 +288,7 @@ impl Options {
                     self.color = color;
                     return Ok(used);
                 }
-                return Err(Failure::usage(format!("rtrace: option \"{word}\" is not supported")));
+                return Ok(0);
             }
         }
         Ok(2)

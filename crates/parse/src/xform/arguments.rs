@@ -13,9 +13,6 @@ pub(crate) const MAX_COPIES: usize = 10_000_000;
 /// Argument files refer to each other no deeper than this.
 const MAX_DEPTH: usize = 32;
 
-const USAGE: &str = "xform [-m modifier] [-n name] [-I] [-c|-e] [-a count] [-f file] \
-                     [-t x y z] [-rx|-ry|-rz degrees] [-s factor] [-mx|-my|-mz] [-i count] [file …]";
-
 /// What happens next.
 pub(crate) enum Event<'a> {
     /// A comment or an empty line of an argument file.
@@ -213,7 +210,8 @@ impl Expansion<'_> {
     /// An error about a word; about a missing one where there is none.
     fn wrong(&self, word: Option<&Argument>, mistake: impl Into<String>) -> Error {
         let argument = word.map_or(self.words, |word| word.origin);
-        Error::Argument { program: "xform".to_owned(), mistake: mistake.into(), usage: USAGE, argument }
+        let usage = radsight_options::program("xform").map_or("", |program| program.synopsis);
+        Error::Argument { program: "xform".to_owned(), mistake: mistake.into(), usage, argument }
     }
 }
 

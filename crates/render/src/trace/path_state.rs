@@ -1,7 +1,6 @@
 //! A ray of a path, with what the path has brought along.
 
-use crate::caustic::CausticPath;
-use crate::mis::MisState;
+use crate::mis::{CausticPath, MisState};
 use crate::ray_tree::NodeId;
 use crate::specular_chain::SpecularChain;
 use crate::subtraction::SubtractionId;

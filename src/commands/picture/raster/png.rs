@@ -14,12 +14,12 @@ const MOST_PIXELS: usize = 1 << 28;
 /// Runs the program.
 pub(crate) fn run(mut words: Words<'_>) -> Outcome {
     let (mut colors, mut gamma, mut brighter) = (Colors::Color, GAMMA, 0);
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-b" => colors = Colors::Grey,
             "-g" => gamma = words.number(option)?,
             "-e" => brighter = stops(&mut words, option)?,
-            _ => return Err(words.unknown(option, "-b -g or -e")),
+            _ => return Err(words.unknown(option)),
         }
     }
     let (path, target) = words.input_and_output()?;

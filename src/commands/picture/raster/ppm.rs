@@ -29,7 +29,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
         gamma: GAMMA,
         stops: 0,
     };
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-s" => options.largest = words.integer(option)?.clamp(1, 0xffff) as u32,
             "-b" => options.colors = Colors::Grey,
@@ -37,7 +37,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
             "-e" => options.stops = stops(&mut words, option)?,
             "-a" => options.is_text = true,
             "-r" => options.direction = Direction::ToRadiance,
-            _ => return Err(words.unknown(option, "-r -a -b -s -g or -e")),
+            _ => return Err(words.unknown(option)),
         }
     }
     match options.direction {

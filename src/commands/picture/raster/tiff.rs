@@ -43,7 +43,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
         stops: 0,
         encoding: Encoding::Rgbe,
     };
-    while let Some(option) = words.option() {
+    while let Some(option) = words.option()? {
         match option {
             "-b" => options.colors = Colors::Grey,
             "-w" => options.depth = Depth::Words,
@@ -64,7 +64,7 @@ pub(crate) fn run(mut words: Words<'_>) -> Outcome {
                     "ra_tiff: option \"-l\" (24 bit LogLuv) is not supported, expected -L or -f for all of the range",
                 ));
             }
-            _ => return Err(words.unknown(option, "-r -x -b -w -f -L -z -g or -e")),
+            _ => return Err(words.unknown(option)),
         }
     }
     match options.direction {
