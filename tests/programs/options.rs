@@ -1,12 +1,9 @@
 //! The table of options and the programs: each option of the table is one of its program, with as many values, and no
 //! others are; help, `-defaults`, manual pages and completions come of the same table.
 
-mod program;
-mod real_radiance;
-
-use program::{Folder, ROOM, Run, command, radsight, run_with};
+use crate::program::{Folder, ROOM, Run, command, radsight, run_with};
 use radsight_options::{OptionForm, Program, ProgramOption, programs};
-use real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::process::Command;
 
 /// No program has it: who complains of it has used all words before it.
