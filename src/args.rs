@@ -136,6 +136,10 @@ pub(crate) struct Capture {
     pub(crate) exposure: Option<String>,
     #[command(flatten)]
     pub(crate) accounts: Accounts,
+    /// Exposes a picture for each line of a table, which says what of camera file and scene is other than usual (docs/series.md); {} in the
+    /// names of -o and --exposure stands for the picture's name
+    #[arg(long, value_name = "TABLE.csv")]
+    pub(crate) variants: Option<String>,
     /// Stop when the estimated rms error over the pixels is this share of the mean exposure [default: 0.005]
     #[arg(long, value_name = "E", conflicts_with = "samples")]
     pub(crate) error: Option<f64>,

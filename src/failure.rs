@@ -2,6 +2,7 @@
 
 use crate::output::{append, write_standard_output};
 use radsight_diag::{Diagnostic, Severity, SourceMap};
+use radsight_picture::Header;
 use std::fs::File;
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -113,6 +114,19 @@ impl Failure {
     }
 }
 
+/// What the library says of an input.
+impl From<radsight::Error> for Failure {
+    fn from(error: radsight::Error) -> Failure {
+        match error {
+            radsight::Error::Scene(report)
+            | radsight::Error::Camera(report)
+            | radsight::Error::Material(report)
+            | radsight::Error::Series(report) => Failure { kind: FailureKind::Input, message: report.to_string() },
+            error => Failure::input(error.to_string()),
+        }
+    }
+}
+
 fn with_prefix(message: &str) -> String {
     format!("radsight: {}\n", message.trim_end())
 }
@@ -138,9 +152,17 @@ pub(crate) fn say(text: &str) {
 /// The file that messages go to instead of standard error.
 static ELSEWHERE: OnceLock<File> = OnceLock::new();
 
-/// Sends all messages from now on to the end of a file (Radiance's `-e`).
-pub(crate) fn say_in(path: &str) -> Outcome {
-    let _ = ELSEWHERE.set(append(path)?);
+/// What stands before the messages of each run in a file, as Radiance writes it.
+pub(crate) const MESSAGES_MARK: &str = "**************";
+
+/// Sends all messages from now on to the end of a file (Radiance's `-e`), after the command line.
+pub(crate) fn say_in(path: &str, words: &[String]) -> Outcome {
+    if ELSEWHERE.set(append(path)?).is_ok() {
+        let mut command = Header::default();
+        command.push_command(words.iter().map(String::as_str));
+        let command = String::from_utf8_lossy(&command.to_bytes()).into_owned();
+        say(&format!("{MESSAGES_MARK}\n*** PID {:5}: {command}", std::process::id()));
+    }
     Ok(())
 }
 

@@ -93,10 +93,14 @@ pub(crate) fn scene_inputs(
         let name = if path == "-" { "<standard input>" } else { path };
         inputs.push(Input::Text { name: name.to_owned(), text: bytes });
     }
-    if let Some(rig) = camera.and_then(|file| file.rig.as_ref()) {
-        inputs.push(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() });
-    }
+    inputs.extend(camera.and_then(ring_input));
     Ok(inputs)
+}
+
+/// The light ring of a camera file.
+pub(crate) fn ring_input(camera: &CameraFile) -> Option<Input> {
+    let rig = camera.rig.as_ref()?;
+    Some(Input::Text { name: "<light ring>".to_owned(), text: rig.scene_text().into_bytes().into() })
 }
 
 /// The text of a source of [`read_source`] with that of its commands, which `xform` puts in; comments stay.
@@ -301,7 +305,8 @@ impl<'s> Planner<'s> {
     }
 }
 
-fn valid_scene(
+/// Reads and validates a scene that is changed after it was read. Warnings are printed, errors end the work.
+pub(crate) fn valid_scene(
     inputs: Vec<Input>,
     reading: &Reading,
     change: impl FnOnce(&mut Scene) -> Outcome,

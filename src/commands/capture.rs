@@ -3,6 +3,7 @@
 mod accounts;
 mod lamps;
 mod resume;
+mod series;
 
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
@@ -30,6 +31,9 @@ const DIFFRACTION_MATTERS: f64 = 3.0;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
+    if let Some(table) = &arguments.variants {
+        return series::run(arguments, table, render);
+    }
     let mut stopwatch = Stopwatch::start();
     check_budget(arguments)?;
     use_threads(arguments.threads)?;

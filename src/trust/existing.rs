@@ -2,6 +2,7 @@
 //! made before.
 
 use crate::ambient_file;
+use crate::failure::MESSAGES_MARK;
 use radsight_picture::Header;
 use std::f64::consts::TAU;
 use std::fs::File;
@@ -117,7 +118,7 @@ fn are_options(start: &[u8]) -> bool {
 }
 
 fn are_messages(start: &[u8]) -> bool {
-    let ours = ["rpict:", "mkillum:", "radsight:"];
+    let ours = [MESSAGES_MARK, "rpict:", "mkillum:", "radsight:"];
     is_text(start) && lines(start).next().is_some_and(|line| ours.iter().any(|name| line.starts_with(name)))
 }
 

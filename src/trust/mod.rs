@@ -17,8 +17,9 @@ pub(crate) use outputs::{OutputName, Refusal};
 use crate::failure::Failure;
 use radsight_parse::BrdfReplacement;
 use std::ffi::OsStr;
+use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// This program once more, with words that a file gives, and no more allowed than here.
@@ -65,6 +66,8 @@ struct Grants {
     all_outputs: bool,
     /// `--allow-output`: what a program that calls this one has looked at already.
     outputs: Vec<String>,
+    /// Folders of files on the command line that may name outputs beside them.
+    folders: Vec<PathBuf>,
     /// `--project`: the file of `rad` or the receiver for which something is made.
     project: Option<String>,
 }
@@ -119,11 +122,30 @@ impl Trust {
         Trust { process: Origin::File, word: Origin::File, grants: self.grants.clone() }
     }
 
+    /// Lets a file on the command line name new files in its own folder, which need not be below the current one.
+    pub(crate) fn allow_outputs_beside(&mut self, file: &str) {
+        let folder = Path::new(file).parent().map(|folder| match folder.as_os_str().is_empty() {
+            true => PathBuf::from("."),
+            false => folder.to_owned(),
+        });
+        if let Some(folder) = folder.and_then(|folder| fs::canonicalize(folder).ok()) {
+            add(&mut self.grants.folders, folder);
+        }
+    }
+
     /// The options that give another process of radsight the same trust, and say that the words
     /// after them are those of a file.
     pub(crate) fn words_for_file(&self) -> Vec<String> {
-        let Grants { commands, plugins_of_scenes, plugin_folders, replacements, all_outputs, outputs, project } =
-            &self.grants;
+        let Grants {
+            commands,
+            plugins_of_scenes,
+            plugin_folders,
+            replacements,
+            all_outputs,
+            outputs,
+            folders: _,
+            project,
+        } = &self.grants;
         let mut words = Vec::new();
         let mut flag = |name: &str, is_set: bool| words.extend(is_set.then(|| name.to_owned()));
         flag("--allow-commands", *commands != Commands::Refused);

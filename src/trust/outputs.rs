@@ -98,8 +98,10 @@ impl Trust {
             return Ok(OutputName(name.to_owned()));
         }
         let refused = |why: &str| refused(name, why);
-        check_parts(name).map_err(refused)?;
-        check_folder(Path::new(name)).map_err(|why| refused(&why))?;
+        if !self.is_beside_its_file(Path::new(name)) {
+            check_parts(name).map_err(refused)?;
+            check_folder(Path::new(name)).map_err(|why| refused(&why))?;
+        }
         match fs::symlink_metadata(name) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(OutputName(name.to_owned())),
             Err(error) => Err(refused(&reason(&error))),
@@ -162,6 +164,15 @@ impl Trust {
         Err(Failure::input(format!(
             "option \"{option}\" comes from a file and is not obeyed\nhint: the command line itself may give it, or --allow-outputs"
         )))
+    }
+
+    /// Whether a file is in the folder of a file on the command line that may name outputs there.
+    fn is_beside_its_file(&self, path: &Path) -> bool {
+        let name = path.file_name().and_then(|name| name.to_str());
+        let folder = path.parent().filter(|_| path.is_absolute()).and_then(|folder| fs::canonicalize(folder).ok());
+        // `..` as the last part is no name.
+        name.is_some_and(|name| check_parts(name).is_ok())
+            && folder.is_some_and(|folder| self.grants.folders.contains(&folder))
     }
 
     /// Whether the command line allows this file, whatever it is.
@@ -250,6 +261,21 @@ mod tests {
         }
         for name in ["new.mtx", "./new.mtx", "src/new.mtx", "/dev/null"] {
             assert_eq!(Trust::default().output_of_file(name, Existing::Kept).as_deref(), Ok(name));
+        }
+    }
+
+    #[test]
+    fn a_file_names_new_ones_in_its_own_folder_and_no_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name).display().to_string();
+        fs::write(at("precious"), "years of work").unwrap();
+        fs::create_dir(at("inner")).unwrap();
+        let mut trust = Trust::default();
+        assert!(trust.output_of_file(&at("new.mtx"), Existing::Kept).is_err());
+        trust.allow_outputs_beside(&at("receiver.rad"));
+        assert_eq!(trust.output_of_file(&at("new.mtx"), Existing::Kept).as_deref(), Ok(at("new.mtx").as_str()));
+        for name in ["precious", ".hidden", "-rf", "a;b", "inner/new.mtx", "../new.mtx", "inner/../../x"] {
+            assert!(trust.output_of_file(&at(name), Existing::Kept).is_err(), "{name}");
         }
     }
 

@@ -10,6 +10,7 @@ mod camera_models;
 mod chain;
 mod flicker;
 mod gripps_files;
+mod job;
 mod library_and_program;
 mod opencv_calibration;
 mod parts;

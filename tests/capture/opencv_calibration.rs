@@ -49,8 +49,20 @@ fn camera_text([x, y, z]: [f64; 3], [at_x, at_y]: [f64; 2], [up_x, up_y]: [f64; 
     )
 }
 
+/// Python, where it has OpenCV. Asked before any picture is made.
+fn python_with_opencv() -> Option<Command> {
+    let python = std::env::var_os("RADSIGHT_PYTHON").unwrap_or_else(|| "python3".into());
+    let has_opencv = Command::new(&python).args(["-c", "import cv2, numpy"]).output();
+    if !has_opencv.is_ok_and(|output| output.status.success()) {
+        eprintln!("no Python with OpenCV: not tested (set RADSIGHT_PYTHON)");
+        return None;
+    }
+    Some(Command::new(python))
+}
+
 /// Value and standard deviation of each number, the rms error and the number of pictures; `None` without OpenCV.
 fn calibrated(pattern: &str) -> Option<(Vec<[f64; 2]>, f64, f64)> {
+    let mut python = python_with_opencv()?;
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let write = |name: &str, text: &[u8]| std::fs::write(folder.join(name), text).unwrap();
@@ -61,7 +73,6 @@ fn calibrated(pattern: &str) -> Option<(Vec<[f64; 2]>, f64, f64)> {
     write("target.rad", &target.stdout);
     write("camera.yaml", MATRIX.as_bytes());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/opencv/calibrate.py");
-    let mut python = Command::new(std::env::var_os("RADSIGHT_PYTHON").unwrap_or_else(|| "python3".into()));
     python.current_dir(folder).arg(script).arg(pattern).args(&counts);
     for (number, (position, at, up)) in POSES.into_iter().enumerate() {
         let (camera, picture) = (format!("{number}.toml"), format!("{number}.png"));
@@ -69,13 +80,7 @@ fn calibrated(pattern: &str) -> Option<(Vec<[f64; 2]>, f64, f64)> {
         radsight(folder, &["capture", &camera, "target.rad", "--samples", "16", "-o", &picture]);
         python.arg(picture);
     }
-    let found = match python.output() {
-        Ok(output) if output.status.code() != Some(3) => output,
-        _ => {
-            eprintln!("no Python with OpenCV: not tested (set RADSIGHT_PYTHON)");
-            return None;
-        }
-    };
+    let found = python.output().unwrap();
     assert!(found.status.success(), "{}", String::from_utf8_lossy(&found.stderr));
     let text = String::from_utf8(found.stdout).unwrap();
     let number = |word: &str| word.parse::<f64>().unwrap();
@@ -104,14 +109,14 @@ fn opencv_finds_the_camera_that_made_pictures_of_a_chessboard() {
     }
 }
 
-/// Centres of perspective ellipses are not the images of the dots' centres, which OpenCV leaves out: within one pixel.
+/// Centres of perspective ellipses are not the images of the dots' centres, which OpenCV leaves out: at this size less than its deviations.
 #[test]
 fn opencv_finds_the_camera_that_made_pictures_of_dots() {
     let Some((found, error, pictures)) = calibrated("dots") else { return };
     println!("{found:?}, rms {error} of {pictures} pictures");
     assert!(pictures >= 9.0, "the dots were found in {pictures} pictures");
     assert!(error < 0.1, "rms reprojection error {error} pixels");
-    for (name, ([value, _], truth)) in ["fx", "fy", "cx", "cy"].into_iter().zip(found.into_iter().zip(CAMERA)) {
-        assert!((value - truth).abs() < 1.5, "{name} is {value}, expected {truth}");
+    for (name, ([value, deviation], truth)) in ["fx", "fy", "cx", "cy"].into_iter().zip(found.into_iter().zip(CAMERA)) {
+        assert!((value - truth).abs() < 3.0 * deviation, "{name} is {value} ± {deviation}, expected {truth}");
     }
 }

@@ -16,9 +16,9 @@
 use crate::blocks::{Agreement, Noise};
 use crate::commands::radiance_values;
 use crate::program::{Folder, command, finish_command, root, run_with};
-use crate::real_radiance::Radiance;
 use crate::{pictures_folder, side_by_side};
 use radsight_picture::{Header, Image, Picture};
+use radsight_test_support::Radiance;
 use rayon::prelude::*;
 use std::fs;
 use std::path::PathBuf;

@@ -6,8 +6,8 @@
 
 use crate::pictures_folder;
 use crate::program::{Folder, Run, finish_command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Image, Picture};
+use radsight_test_support::Radiance;
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};

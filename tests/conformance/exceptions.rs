@@ -5,8 +5,8 @@
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, radiance_values};
-use crate::real_radiance::Radiance;
 use crate::shared;
+use radsight_test_support::Radiance;
 use std::fs;
 
 /// What shows that ours is right.

@@ -11,8 +11,6 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../real_radiance/mod.rs"]
-mod real_radiance;
 
 mod blocks;
 mod cases;

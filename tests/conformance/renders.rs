@@ -2,8 +2,8 @@
 
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{Reference, Scenes, oracle, radiance_values, repeats};
-use crate::real_radiance::Radiance;
 use crate::{exceptions, pictures_folder, shared, side_by_side};
+use radsight_test_support::Radiance;
 use std::fs;
 use std::path::{Path, PathBuf};
 

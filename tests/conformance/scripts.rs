@@ -6,9 +6,9 @@
 use crate::blocks::{Agreement, Noise};
 use crate::commands::{oracle, radiance_values};
 use crate::program::{Folder, Run, finish_command, radsight};
-use crate::real_radiance::Radiance;
 use crate::{pictures_folder, shared, side_by_side};
 use radsight_picture::Image;
+use radsight_test_support::Radiance;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -7,9 +7,9 @@
 use crate::blocks::{Block, Noise, is_near, outside};
 use crate::commands::{Reference, Scenes, Tracer, oracle, radiance_values, repeats};
 use crate::exceptions::{self, Shown};
-use crate::real_radiance::Radiance;
 use crate::shared;
 use radsight_picture::Image;
+use radsight_test_support::Radiance;
 use std::collections::HashSet;
 use std::fmt;
 use std::fs;

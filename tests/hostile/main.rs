@@ -2,14 +2,13 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../../crates/brdf-host/tests/support/mod.rs"]
-mod support;
 #[path = "../trap/mod.rs"]
 mod trap;
 
 mod bad_input;
 mod bad_input_programs;
 mod function_faults;
+mod hostile_files;
 #[cfg(target_os = "linux")]
 mod plugin_faults;
 mod trust;

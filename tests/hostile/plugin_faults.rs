@@ -1,7 +1,7 @@
 //! Whatever a plugin does, the program ends with code 3 and says which plugin it was, or goes on;
 //! standard output holds data alone; nothing of the plugin is left.
 
-use crate::support;
+use radsight_test_support::plugins;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -31,7 +31,7 @@ const RUN_VARIABLE: &str = "RADSIGHT_TEST_RUN";
 impl Bench {
     fn new() -> Option<Bench> {
         let folder = tempfile::tempdir().unwrap();
-        support::c_plugin(folder.path(), "evil.c", "evil", &["-pthread"])?;
+        plugins::c_plugin(folder.path(), "evil.c", "evil", &["-pthread"])?;
         let bench = Bench { folder };
         bench.write("s.rad", &scene("2 evil lambert 0 3 .5 .4 .3"));
         Some(bench)
@@ -335,7 +335,7 @@ fn a_picture_that_was_not_finished_is_not_a_success() {
 #[test]
 fn an_isolated_plugin_gives_the_same_bits() {
     let Some(bench) = Bench::new() else { return };
-    let phong = support::c_plugin(bench.folder.path(), "../../../../plugins/phong/phong.c", "phong", &[]);
+    let phong = plugins::c_plugin(bench.folder.path(), "../../../../plugins/phong/phong.c", "phong", &[]);
     assert!(phong.is_some());
     bench.write("p.rad", &scene("2 phong phong 0 7 .3 .2 .1 .4 .5 .6 20"));
     for file in ["s.rad", "p.rad"] {
@@ -456,7 +456,7 @@ fn what_a_plugin_prints_is_not_in_the_report_of_its_check() {
 #[test]
 fn a_panic_is_told_and_not_the_end_wherever_the_plugin_runs() {
     let Some(bench) = Bench::new() else { return };
-    let library = support::sdk_example("panics");
+    let library = plugins::sdk_example("panics");
     let folder = library.parent().expect("the library is in a folder").to_str().expect("its name is text");
     let trace = |material: &str, options: &[&str]| {
         bench.write("panics.rad", &scene(material));
@@ -502,7 +502,7 @@ fn limits_are_options_and_variables() {
 fn an_isolated_plugin_is_refused_as_any_other() {
     let Some(bench) = Bench::new() else { return };
     let folder: &Path = bench.folder.path();
-    assert!(support::c_plugin(folder, "lambert.c", "chalk", &[]).is_some());
+    assert!(plugins::c_plugin(folder, "lambert.c", "chalk", &[]).is_some());
     for material in
         ["2 chalk lambert 0 3 .125 .5 .5", "2 chalk lambert 0 3 .5 .5 1.5", "2 chalk velvet 0 0", "2 no m 0 0"]
     {

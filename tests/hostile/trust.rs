@@ -3,8 +3,8 @@
 //! scenes is tried here on files that break them.
 
 use crate::program::{Folder, command, root, run_with};
-use crate::support;
 use crate::trap::{Trap, evil_library};
+use radsight_test_support::plugins;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -122,7 +122,7 @@ fn the_command_line_allows_libraries() {
 fn an_installed_plugin_works_without_a_word() {
     let folder = Folder::new();
     let installed = Folder::new();
-    if support::c_plugin(&installed.path(""), "lambert.c", "chalk", &[]).is_none() {
+    if plugins::c_plugin(&installed.path(""), "lambert.c", "chalk", &[]).is_none() {
         return;
     }
     folder.file(

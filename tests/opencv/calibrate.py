@@ -1,14 +1,11 @@
 """Calibrates a camera with OpenCV from pictures of a target: PATTERN COLUMNS ROWS SPACING PICTURE...
 
 Prints a line for each of fx fy cx cy k1 k2: value and OpenCV's own standard deviation; then the rms reprojection error and
-how many pictures the target was found in. Exit code 3: OpenCV is not installed."""
+how many pictures the target was found in."""
 import sys
 
-try:
-    import cv2
-    import numpy as np
-except ImportError:
-    sys.exit(3)
+import cv2
+import numpy as np
 
 pattern, columns, rows, spacing = sys.argv[1], int(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
 grid = np.zeros((rows * columns, 3), np.float32)

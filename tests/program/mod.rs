@@ -118,6 +118,12 @@ fn finish(child: Child) -> Run {
 /// A folder that is removed at the end, with files of given text.
 pub(crate) struct Folder(tempfile::TempDir);
 
+impl AsRef<Path> for Folder {
+    fn as_ref(&self) -> &Path {
+        self.0.path()
+    }
+}
+
 impl Folder {
     pub(crate) fn new() -> Folder {
         Folder(tempfile::tempdir().expect("a temporary folder"))

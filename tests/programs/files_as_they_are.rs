@@ -1,7 +1,7 @@
 //! Files and command lines that real Radiance takes as they are.
 
 use crate::program::{Folder, Run, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 
 /// A room that a quick picture can be made of.
 const ROOM: &str = "void plastic white 0 0 5 .5 .5 .5 0 0\nvoid light lamp 0 0 3 10 10 10\n!genbox white box 2 2 2 -i\n\

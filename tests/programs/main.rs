@@ -2,10 +2,6 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../real_radiance/mod.rs"]
-mod real_radiance;
-#[path = "../../crates/brdf-host/tests/support/mod.rs"]
-mod support;
 
 mod commands;
 mod files_as_they_are;

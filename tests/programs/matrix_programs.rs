@@ -1,8 +1,8 @@
 //! `gendaymtx`, `genskyvec`, `rmtxop`, `rcomb` and `dctimestep` beside the real ones.
 
 use crate::program::{Folder, command, root, run_with};
-use crate::real_radiance::Radiance;
 use radsight_matrix::{Matrix, Stored};
+use radsight_test_support::Radiance;
 use std::env;
 use std::path::PathBuf;
 

@@ -1,9 +1,9 @@
 //! `mkillum`: windows as lights of their own, against real `mkillum`.
 
 use crate::program::{Folder, Run, command, run_with};
-use crate::real_radiance::Radiance;
-use crate::support;
 use radsight_flux::{IllumDetail, IllumSurface, Shape};
+use radsight_test_support::Radiance;
+use radsight_test_support::plugins;
 
 /// A sky, ground, and a wall that hides a part of both.
 const OUTSIDE: &str = "\
@@ -194,7 +194,7 @@ fn a_scene_on_standard_input_is_read_once() {
 #[test]
 fn faults_of_plugins_are_told_where_lights_are_looked_for() {
     let folder = folder();
-    if support::c_plugin(&folder.path(""), "lambert.c", "torn", &["-DBROKEN_STATUS"]).is_none() {
+    if plugins::c_plugin(&folder.path(""), "lambert.c", "torn", &["-DBROKEN_STATUS"]).is_none() {
         return;
     }
     folder.file(

@@ -1,7 +1,7 @@
 //! `obj2mesh` beside the real one: both meshes, seen by both renderers.
 
 use crate::program::{Folder, command, radsight, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::fmt::Write;
 
 const MATERIALS: &str = "\

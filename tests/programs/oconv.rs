@@ -1,7 +1,7 @@
 //! `radsight oconv`: real Radiance reads what it writes, and sees the same scene as with its own octrees.
 
 use crate::program::{Folder, command, radsight, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::process::Command;
 
 const SCENE: &str = "void plastic red 0 0 5 .7 .2 .1 .05 .1\ninherit alias same red\nvoid light lamp 0 0 3 9 9 9\n\

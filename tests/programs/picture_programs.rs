@@ -1,8 +1,8 @@
 //! Radiance's picture programs beside the real ones: the same bytes, for pictures of all kinds.
 
 use crate::program::{Folder, Run, command, radsight_with, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Header, Image, Picture};
+use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
 /// Pictures of others that are small enough for many runs, and one of a single line.
@@ -308,6 +308,43 @@ fn bitmaps_and_tiff_go_to_the_real_programs_and_back() {
             pictures.push(Picture::read(&folder.read("back.hdr")).expect("a picture").pixels().clone());
         }
         assert!(pictures.windows(2).all(|pair| pair[0] == pair[1]), "{forward}");
+    }
+}
+
+/// A bitmap of 4 x 2 pixels with 8 bits and a palette of red and white, whose rows are packed in this way.
+fn packed_bitmap(rows: &[u8]) -> Vec<u8> {
+    let mut bytes = b"BM".to_vec();
+    for number in [62 + rows.len() as u32, 0, 62, 40, 4, 2, 8 << 16 | 1, 1, rows.len() as u32, 0, 0, 2, 0] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([0, 0, 255, 0, 255, 255, 255, 0]);
+    bytes.extend(rows);
+    bytes
+}
+
+#[test]
+fn packed_bitmaps_are_read() {
+    // Rows from below: four of the second colour; three of the first and one of the second.
+    let bitmap = packed_bitmap(&[4, 1, 0, 0, 3, 0, 1, 1, 0, 1]);
+    let picture = Picture::read(&radsight_with(&["ra_bmp", "-r"], &bitmap).done()).expect("a picture");
+    let values = picture.values();
+    let is_white = |column: usize, row: usize| values.pixel(column, row)[1] > 0.9;
+    assert_eq!((picture.width(), picture.height()), (4, 2));
+    let white: Vec<bool> = (0..8).map(|at| is_white(at % 4, at / 4)).collect();
+    assert_eq!(white, [false, false, false, true, true, true, true, true]);
+}
+
+#[test]
+fn bitmaps_that_end_early_are_told() {
+    let mut huge = packed_bitmap(&[4, 1, 0, 1]);
+    huge[18..22].copy_from_slice(&60_000u32.to_le_bytes());
+    huge[22..26].copy_from_slice(&60_000u32.to_le_bytes());
+    let short = &packed_bitmap(&[4, 1])[..40];
+    for (bytes, message) in [(&huge[..], "ends before 60000 x 60000 pixels"), (short, "not a bitmap that can be read")]
+    {
+        let run = radsight_with(&["ra_bmp", "-r"], bytes);
+        assert_eq!(run.code, 1);
+        assert!(run.messages.contains(message), "{}", run.messages);
     }
 }
 

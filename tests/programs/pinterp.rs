@@ -1,8 +1,8 @@
 //! `pinterp` beside the real one.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Header, Picture};
+use radsight_test_support::Radiance;
 
 const SCENE: &str = "
 void light lamp 0 0 3 20 20 20

@@ -1,8 +1,8 @@
 //! `rad`: the commands that real `rad` would run, and the pictures that come of them.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::Picture;
+use radsight_test_support::Radiance;
 
 const ROOM: &str = "
 void plastic wall 0 0 5 .5 .4 .3 0 0

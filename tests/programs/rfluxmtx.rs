@@ -1,8 +1,8 @@
 //! `rfluxmtx`: what receivers get of what senders send, against real `rfluxmtx` with real `rcontrib`.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_matrix::Matrix;
+use radsight_test_support::Radiance;
 
 /// What stands before a window: ground, and a canopy that hides a part.
 const OUTSIDE: &str = "\

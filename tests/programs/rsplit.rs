@@ -1,7 +1,7 @@
 //! `rsplit` beside the real one.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 
 /// Runs a shell command in a folder of its own and gives its output and the files that it made.
 fn made(program: &mut std::process::Command, folder: &Folder, input: &[u8]) -> (Vec<u8>, Vec<(String, Vec<u8>)>) {

@@ -1,8 +1,8 @@
 //! `pcond` and the tone mapping of `ra_bmp`, beside the real ones and by themselves.
 
 use crate::program::{Folder, command, radsight, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Header, Image, Picture};
+use radsight_test_support::Radiance;
 use std::path::PathBuf;
 
 /// Bright spots over seven decades of luminance, seen as wide as a room.

@@ -1,8 +1,8 @@
 //! The materials `BSDF` and `aBSDF` against real Radiance's, and against what must be.
 
-use crate::bsdf_files::{all_forms, clear};
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
+use radsight_test_support::bsdf_files::{all_forms, clear};
 use std::fmt::Write;
 
 /// A ray: origin and direction.

@@ -5,11 +5,11 @@
 //! begins with `values` have what the rays brought (green). `make_references` writes the file again, with real Radiance.
 
 use crate::program::{Folder, finish_command, radsight, root, run_with};
-use crate::real_radiance::Radiance;
 use glam::DVec3;
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, read_scene};
 use radsight_render::{BareSurfaces, NoModels, Ray, RenderOptions, RenderPlan, Renderer};
+use radsight_test_support::Radiance;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -5,7 +5,7 @@
 //! differ (`tolerance`; what is far below the brightest value is compared less strictly).
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::path::Path;
 
 /// Real `rtrace` told to integrate: lights in small pieces with a random place in each, all of them tested, highlights sampled; with

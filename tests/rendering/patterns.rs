@@ -3,7 +3,7 @@
 //! A pattern on a `glow` shows its values; a mirror under a coloured sky shows where a texture turns the normal.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::fmt::Write as _;
 
 /// A scene with the files that it needs.

@@ -1,13 +1,14 @@
 //! The same reflectance model in the program and in a plugin gives the same picture, bit for bit.
 
-use crate::support;
 use glam::DVec3;
 use radsight_brdf::{Brdf, Lambert, WardIsotropic};
+use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Label, Registry, Request, SearchPath, SelfCheck};
 use radsight_diag::Diagnostic;
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, read_scene};
 use radsight_render::{ModelRequest, ModelSource, Ray, RenderOptions, RenderPlan, Renderer};
+use radsight_test_support::plugins;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -37,7 +38,7 @@ struct InPlugin {
 impl ModelSource for InPlugin {
     fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
         let library = self.registry.library_file(&self.library).expect("the plugin loads");
-        let bands = &support::RGB[..request.bands];
+        let bands = &CHECK_BANDS[..request.bands];
         let (label, words) = (Label::default(), request.words);
         let asked = Request {
             library: "",
@@ -87,7 +88,7 @@ fn scene(materials: &str) -> String {
 
 #[test]
 fn a_plugin_gives_the_picture_of_the_built_in_model() {
-    let library = support::workspace_plugin("radsight-plugin-builtin");
+    let library = plugins::workspace_plugin("radsight-plugin-builtin");
     let plugin = InPlugin { registry: Registry::new(SearchPath::default(), SelfCheck::Off), library };
     for material in ["ward 0 4 .9 .5 .1 .15", "lambert 0 3 .9 .5 .1", "ward 0 4 .5 .5 .5 .05", "lambert 0 3 .5 .5 .5"] {
         let scene = scene(&format!("void brdfplugin painted 2 builtin {material}\n"));

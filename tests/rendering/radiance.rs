@@ -2,7 +2,7 @@
 
 use crate::pictures::{Difference, exposure, exposure_file, greys};
 use crate::program::{self, Folder, command, gripps, pipeline, radsight, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 
 /// A ray: origin and direction.
 type Ray = [f64; 6];

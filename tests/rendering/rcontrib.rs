@@ -1,8 +1,8 @@
 //! `rcontrib`: coefficients and contributions, beside what can be computed by hand and beside the real one.
 
 use crate::program::{self, Folder, command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::Header;
+use radsight_test_support::Radiance;
 use std::f64::consts::PI;
 
 const SKY: &str = "\

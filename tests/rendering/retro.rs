@@ -1,7 +1,7 @@
 //! Retroreflectors in scenes and by `radsight retro`: coefficients through the renderer, beads against real Radiance.
 
 use crate::program::{self, Folder, command, radsight, radsight_with, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
 //! `rpict` and `vwrays`: headers, sizes, views and values against real Radiance's, and pictures that go on where they were interrupted.
 
 use crate::program::{Folder, Run, command, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::{Header, Picture, Resolution, read_image};
+use radsight_test_support::Radiance;
 
 const ROOM: &str = "
 void plastic wall 0 0 5 .5 .4 .3 0 0

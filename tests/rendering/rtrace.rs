@@ -1,7 +1,7 @@
 //! `rtrace`: what it says of rays, in which form, against real Radiance's.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 
 const SCENE: &str = "
 void brightfunc stripes 2 if(Px,1,.5) . 0 0

@@ -1,7 +1,7 @@
 //! Every scattering material against real Radiance's, from both sides, near grazing, smooth and rough, plain and textured.
 
 use crate::program::{Folder, command, run_with};
-use crate::real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::fmt::Write;
 
 /// A material called `m`, to which a modifier may be added.

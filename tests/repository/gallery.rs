@@ -1,8 +1,8 @@
 //! The gallery: its scenes are right, for real Radiance too, and its pictures are there and small.
 
 use crate::program::{Folder, command, root, run_with};
-use crate::real_radiance::Radiance;
 use radsight_picture::read_png;
+use radsight_test_support::Radiance;
 
 const SCENES: [&str; 5] = ["materials", "daylight", "prisms", "mist", "spectra"];
 

@@ -2,10 +2,9 @@
 
 #[path = "../program/mod.rs"]
 mod program;
-#[path = "../real_radiance/mod.rs"]
-mod real_radiance;
 
 mod book;
 mod crate_edges;
+mod dependencies;
 mod gallery;
 mod import_cycles;

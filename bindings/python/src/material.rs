@@ -57,8 +57,9 @@ impl PythonMaterial {
         }
         let given = self.object.bind(py).call_method1("pdf", (vector(py, outgoing), rows(py, incident)?))?;
         let given: PyReadonlyArray1<'_, f64> = as_array(py, &given)?.extract()?;
-        check_length("pdf", given.len()?, incident.len())?;
-        pdfs.iter_mut().zip(&given.as_array()).for_each(|(pdf, given)| *pdf = *given);
+        let given = given.as_array();
+        check_length("pdf", given.len(), incident.len())?;
+        pdfs.iter_mut().zip(&given).for_each(|(pdf, given)| *pdf = *given);
         Ok(())
     }
 
@@ -74,8 +75,8 @@ impl PythonMaterial {
             return Ok(None);
         }
         let given: PyReadonlyArray1<'_, f64> = as_array(py, &given)?.extract()?;
-        check_length("sample", given.len()?, 3)?;
         let given = given.as_array();
+        check_length("sample", given.len(), 3)?;
         Ok(DVec3::new(given[0], given[1], given[2]).try_normalize())
     }
 

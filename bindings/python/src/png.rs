@@ -32,7 +32,7 @@ pub(crate) fn false_color(columns: usize, values: &[f64], unit: &str) -> Option<
     // Small pictures are shown larger, so that the numbers have room.
     let zoom = 160_usize.div_ceil(columns.max(rows).max(1)).max(1);
     let (width, height) = (zoom * columns + 2 + BAR + 2 + NUMBERS, (zoom * rows).max(3 * NUMBER_STEP));
-    let mut page = Page { width, bytes: [WHITE; 1].repeat(width * height) };
+    let mut page = Page { width, bytes: vec![WHITE; width * height] };
     for row in 0..zoom * rows {
         for column in 0..zoom * columns {
             let value = values[row / zoom * columns + column / zoom];

@@ -1,7 +1,7 @@
 //! Sensors and their calibration.
 
 use crate::errors::{RadsightError, exception, wrong};
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use radsight_sensor::{Estimate, ExposureUnit, calibrate as fitted};
 
@@ -31,8 +31,9 @@ impl Sensor {
         exposure_j_per_m2: PyReadonlyArrayDyn<'py, f64>,
         seed: u64,
     ) -> PyResult<Bound<'py, PyArrayDyn<u16>>> {
-        let shape = exposure_j_per_m2.shape().to_vec();
-        let exposures: Vec<f64> = exposure_j_per_m2.as_array().iter().copied().collect();
+        let exposures = exposure_j_per_m2.as_array();
+        let shape = exposures.shape().to_vec();
+        let exposures: Vec<f64> = exposures.iter().copied().collect();
         let greys = py.detach(|| self.0.greys(&exposures, seed));
         PyArray1::from_vec(py, greys).reshape(shape)
     }
@@ -108,10 +109,10 @@ pub(crate) fn calibrate(
     unit: &str,
 ) -> PyResult<Calibration> {
     let of_unit = ExposureUnit::from_name(unit).ok_or_else(|| wrong("unit", unit, "uJ/cm2, J/m2, …"))?;
+    let (exposure, grey) = (exposure.as_array(), grey.as_array());
     if exposure.len() != grey.len() {
         return Err(wrong("the number of grey values", grey.len(), &exposure.len().to_string()));
     }
-    let (exposure, grey) = (exposure.as_array(), grey.as_array());
     let pair = |(exposure, grey): (&f64, &f64)| fitted::Measurement { exposure: *exposure, grey: *grey };
     let pairs: Vec<fitted::Measurement> = exposure.iter().zip(grey).map(pair).collect();
     let fit = fitted::calibrate(&pairs, of_unit).map_err(|error| RadsightError::new_err(error.to_string()))?;

@@ -39,6 +39,8 @@ def test_mistakes_have_line_and_caret():
     with pytest.raises(radsight.SceneError, match=r"<text>:1:1: error: undefined modifier \"chrome\"") as raised:
         radsight.Scene.from_text("chrome sphere ball 0 0 4 0 0 0 1")
     assert "^" in str(raised.value)
+    file, line, column, message = raised.value.mistakes[0]
+    assert (file, line, column) == ("<text>", 1, 1) and "chrome" in message
     with pytest.raises(radsight.RadsightError):
         radsight.View("-vp 1 2")
     with pytest.raises(radsight.RadsightError, match="expected 6"):
@@ -116,9 +118,15 @@ def test_no_memory_is_lost_over_many_calls():
     resource = pytest.importorskip("resource")
     renderer = radsight.Renderer(radsight.Scene.from_text(TABLE), threads=1)
     rays = np.tile(np.array([[0, 0, 1, 0, 0, -1.0]]), (1000, 1))
-    for _ in range(50):
-        renderer.trace(rays)
+    view = radsight.View("-vp 0 -4 3 -vd 0 4 -3")
+
+    def work():
+        renderer.trace(rays).radiance_w_per_sr_m2.sum()
+        renderer.render(view, 8, 8)._repr_png_()
+
+    for _ in range(100):
+        work()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for _ in range(500):
-        renderer.trace(rays)
+    for _ in range(1000):
+        work()
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 8 * 1024

@@ -24,6 +24,8 @@ pub(crate) enum Command {
     Commands(Commands),
     /// Random rooms: whether rpict --error ends at the asked error, by references of single paths
     Rooms(Rooms),
+    /// Few sensor points: mean, deviation over seeds and time of rtrace -I beside real Radiance's
+    Sensors(Sensors),
     /// Rays without any order against a million triangles: first and any hits a second, beside Embree and real rtrace
     Rays(Rays),
     /// How time and memory grow with triangles, lights, pixels and threads, beside the other programs
@@ -79,12 +81,40 @@ pub(crate) struct Rooms {
     /// Seconds of processor time that may be spent on a room's references; what is there already is kept and made better
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) reference_budget: f64,
+    /// Also renders every room with real Radiance at ever better settings, for the time to the same error
+    #[arg(long)]
+    pub(crate) beside: bool,
+    /// Seconds of processor time that one of its pictures may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 30)]
+    pub(crate) beside_limit: u64,
     /// Writes scenes, views and options, names their folders, and ends
     #[arg(long)]
     pub(crate) scenes_only: bool,
     /// Where rooms and references go [default: bench in the folder above this program's]
     #[arg(long, value_name = "DIR")]
     pub(crate) folder: Option<PathBuf>,
+}
+
+/// `radsight-bench sensors`.
+#[derive(Debug, Args)]
+pub(crate) struct Sensors {
+    /// Runs of each program, each with random numbers of its own
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..))]
+    pub(crate) repeat: u32,
+    /// Runs of single paths whose mean is the truth
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(2..))]
+    pub(crate) truth: u32,
+    /// Options of both programs
+    #[arg(
+        long,
+        value_name = "OPTIONS",
+        allow_hyphen_values = true,
+        default_value = "-ab 2 -aa .1 -ar 256 -ad 2048 -as 256"
+    )]
+    pub(crate) options: String,
+    /// Leaves real Radiance out
+    #[arg(long)]
+    pub(crate) alone: bool,
 }
 
 /// `radsight-bench race`.

@@ -12,6 +12,7 @@ use crate::radsight::Radsight;
 use crate::table::Table;
 use crate::taken::{Taken, taken};
 use radsight_picture::read_image;
+use radsight_units::color::LUMINANCE_WEIGHTS;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -186,7 +187,7 @@ fn rpict(command: &mut Command, call: &Call, radiance: &Radiance, output: &Path)
 fn luminances(path: &Path) -> Result<(usize, Vec<f64>), BenchError> {
     let image = read_image(&read(path)?).map_err(|error| read_error(path, error.to_string()))?.image;
     let luminance =
-        |pixel: &[f32]| [0.265, 0.670, 0.065].iter().zip(pixel).map(|(weight, value)| weight * f64::from(*value)).sum();
+        |pixel: &[f32]| LUMINANCE_WEIGHTS.iter().zip(pixel).map(|(weight, value)| weight * f64::from(*value)).sum();
     Ok((image.width(), image.data().chunks(image.components()).map(luminance).collect()))
 }
 

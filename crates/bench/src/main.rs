@@ -10,6 +10,8 @@
 //!
 //! `radsight-bench rooms` asks for errors in random rooms, and says which are reached and whether what is reported is true.
 //!
+//! `radsight-bench sensors` reads few points in rooms and outdoors again and again: mean, deviation and time beside real `rtrace`.
+//!
 //! `radsight-bench rays` sends rays without any order against a million triangles, beside Embree and real `rtrace`.
 //!
 //! `radsight-bench scaling` says how time and memory grow with triangles, lights, pixels and threads.
@@ -42,6 +44,7 @@ mod rays;
 mod rooms;
 mod run;
 mod scaling;
+mod sensors;
 mod table;
 mod taken;
 
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         args::Command::Plugin(arguments) => plugin::run(&arguments),
         args::Command::Load(arguments) => load::run(&arguments),
         args::Command::Rooms(arguments) => rooms::run(&arguments),
+        args::Command::Sensors(arguments) => sensors::run(&arguments),
         args::Command::Rays(arguments) => rays::run(&arguments),
         args::Command::Scaling(arguments) => scaling::run(&arguments),
         args::Command::Race(arguments) => race::run(&arguments),

@@ -1,11 +1,9 @@
 //! Honest plugins pass; each kind of bad one is caught with the right message.
 
-mod support;
-
 use radsight_brdf_host::check::{self, ChildCommand, Example, Report, Stage, Verdict};
+use radsight_test_support::plugins::{c_plugin, sdk_example, workspace_plugin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use support::{c_plugin, sdk_example, workspace_plugin};
 
 /// Not a test: what the children of the tests below run.
 #[test]

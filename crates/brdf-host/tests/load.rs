@@ -1,13 +1,12 @@
 //! Loading plugins, good and bad, and using them.
 
-mod support;
-
 use glam::DVec3;
 use radsight_brdf::{Brdf, Lambert, WardIsotropic};
+use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Error, Instantiated, Label, Library, Registry, Request, SearchPath, SelfCheck, Token};
+use radsight_test_support::plugins::{c_plugin, workspace_plugin};
 use std::path::Path;
 use std::sync::Arc;
-use support::{RGB, c_plugin, workspace_plugin};
 
 fn label() -> Label {
     Label { material: "sheeting".to_owned(), place: "scene.rad:3:1".to_owned() }
@@ -18,7 +17,15 @@ fn instantiate(path: &Path, model: &str, numbers: &[f64], bands: usize) -> Resul
     let library = registry.library_file(path)?;
     registry.instantiate_from(
         library,
-        &Request { library: "", model, words: &[], numbers, bands: &RGB[..bands], label: &label(), folder: None },
+        &Request {
+            library: "",
+            model,
+            words: &[],
+            numbers,
+            bands: &CHECK_BANDS[..bands],
+            label: &label(),
+            folder: None,
+        },
     )
 }
 
@@ -215,7 +222,7 @@ fn a_library_is_loaded_once_and_counts_are_kept_for_the_end() {
         model: "lambert",
         words: &[],
         numbers: &[0.5; 3],
-        bands: &RGB,
+        bands: &CHECK_BANDS,
         label: &label,
         folder: None,
     };

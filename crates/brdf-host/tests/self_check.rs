@@ -1,11 +1,10 @@
 //! The quick check of every instance before it is used, and the last words of a crash while rendering.
 
-mod support;
-
 use radsight_brdf::Brdf;
+use radsight_brdf_host::check::CHECK_BANDS;
 use radsight_brdf_host::{Error, Label, Registry, Request, SearchPath, SelfCheck};
+use radsight_test_support::plugins::{c_plugin, workspace_plugin};
 use std::path::Path;
-use support::{RGB, c_plugin, workspace_plugin};
 
 fn instantiate(
     path: &Path,
@@ -16,7 +15,7 @@ fn instantiate(
     let label = Label { material: "paint".to_owned(), place: "room.rad:7:1".to_owned() };
     let registry = Registry::new(SearchPath::default(), mode);
     let library = registry.library_file(path)?;
-    let request = Request { library: "", model, words: &[], numbers, bands: &RGB, label: &label, folder: None };
+    let request = Request { library: "", model, words: &[], numbers, bands: &CHECK_BANDS, label: &label, folder: None };
     registry.instantiate_from(library, &request)
 }
 

@@ -37,6 +37,7 @@ mod flicker_section;
 mod lobe_pattern;
 mod matrix_file;
 mod number_table;
+mod replaced_keys;
 mod rig;
 mod rig_section;
 mod section;
@@ -47,6 +48,7 @@ mod summary;
 pub use alignment::{Alignment, LedAlignment, Tolerances};
 pub use angular_table::AngularTable;
 pub use number_table::{NumberTable, NumberTableRow, read_measurements};
+pub use replaced_keys::{KeyError, with_key};
 pub use rig::{LedEmission, Rig};
 pub use shutter::{Flicker, FlickeringLamp, Shutter, Waveform};
 

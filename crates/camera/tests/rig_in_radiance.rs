@@ -4,72 +4,21 @@ use glam::DVec3;
 use radsight_camera::{CameraFile, LedEmission, Rig};
 use radsight_diag::SourceMap;
 use radsight_loader::MemoryLoader;
-use std::env;
+use radsight_test_support::Radiance;
 use std::fmt::Write as _;
-use std::io::Write as _;
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
-/// Real Radiance's programs, and its library where it is known.
-struct Radiance {
-    programs: Option<PathBuf>,
-    library: Option<PathBuf>,
-}
-
-impl Radiance {
-    /// From `RADSIGHT_RADIANCE` (a folder with `bin` and `lib`), else on `PATH`.
-    fn find() -> Option<Self> {
-        let radiance = match env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from) {
-            Some(home) => Radiance { programs: Some(home.join("bin")), library: Some(home.join("lib")) },
-            None => Radiance { programs: None, library: None },
-        };
-        let answers = radiance.command("rtrace").arg("-version").output().is_ok_and(|output| output.status.success());
-        if !answers {
-            println!("skipped: real Radiance not found");
-        }
-        answers.then_some(radiance)
+/// The first band of what `rtrace` answers for rays of origin and direction.
+fn trace(radiance: &Radiance, scene: &str, options: &[&str], rays: &[(DVec3, DVec3)]) -> Vec<f64> {
+    let folder = tempfile::tempdir().unwrap();
+    let octree = folder.path().join("scene.oct");
+    std::fs::write(&octree, radiance.run(folder.path(), "oconv", &["-"], scene.as_bytes())).unwrap();
+    let mut input = String::new();
+    for (o, d) in rays {
+        writeln!(input, "{} {} {} {} {} {}", o.x, o.y, o.z, d.x, d.y, d.z).unwrap();
     }
-
-    fn command(&self, name: &str) -> Command {
-        let program = self.programs.as_ref().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
-        let mut command = Command::new(program);
-        if let Some(library) = &self.library {
-            command.env("RAYPATH", library);
-        }
-        command
-    }
-
-    fn run(&self, name: &str, arguments: &[&str], input: &[u8]) -> Vec<u8> {
-        let mut child = self
-            .command(name)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut stdin = child.stdin.take().unwrap();
-        let input = input.to_vec();
-        let writer = std::thread::spawn(move || stdin.write_all(&input));
-        let output = child.wait_with_output().unwrap();
-        writer.join().unwrap().unwrap();
-        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
-        output.stdout
-    }
-
-    /// The first band of what `rtrace` answers for rays of origin and direction.
-    fn trace(&self, scene: &str, options: &[&str], rays: &[(DVec3, DVec3)]) -> Vec<f64> {
-        let folder = tempfile::tempdir().unwrap();
-        let octree = folder.path().join("scene.oct");
-        std::fs::write(&octree, self.run("oconv", &["-"], scene.as_bytes())).unwrap();
-        let mut input = String::new();
-        for (o, d) in rays {
-            writeln!(input, "{} {} {} {} {} {}", o.x, o.y, o.z, d.x, d.y, d.z).unwrap();
-        }
-        let arguments = [&["-h", "-w", "-ab", "0"], options, &[octree.to_str().unwrap()]].concat();
-        let answer = String::from_utf8(self.run("rtrace", &arguments, input.as_bytes())).unwrap();
-        answer.lines().map(|line| line.split_whitespace().next().unwrap().parse().unwrap()).collect()
-    }
+    let arguments = [&["-h", "-w", "-ab", "0"], options, &[octree.to_str().unwrap()]].concat();
+    let answer = String::from_utf8(radiance.run(folder.path(), "rtrace", &arguments, input.as_bytes())).unwrap();
+    answer.lines().map(|line| line.split_whitespace().next().unwrap().parse().unwrap()).collect()
 }
 
 const HLMP_8104: &str = "angle_deg,relative_intensity\n0,1.0\n1,0.96\n2,0.84\n3,0.62\n3.5,0.5\n4,0.39\n5,0.22\n6,0.13\n7,0.08\n\
@@ -125,7 +74,8 @@ fn a_table_gives_the_stated_radiance_at_every_angle() {
             let rig = rig(camera, "led_table = \"led.csv\"", table);
             let LedEmission::Table(lobe) = &rig.emission else { panic!("a table was asked for") };
             let rays = rays_at_led(&rig, &angles);
-            let traced = radiance.trace(
+            let traced = trace(
+                &radiance,
                 &rig.scene_text(),
                 &[],
                 &rays.iter().map(|&(_, origin, direction)| (origin, direction)).collect::<Vec<_>>(),
@@ -151,7 +101,7 @@ fn a_cone_has_uniform_radiance_inside_and_none_outside() {
         let rig = rig(camera, "led_cone_deg = 7.0", "");
         let rays = rays_at_led(&rig, &[0.0, 1.0, 3.0, 3.4999, 3.5001, 4.0, 20.0, 80.0]);
         let rays: Vec<_> = rays.into_iter().map(|(_, origin, direction)| (origin, direction)).collect();
-        let traced = radiance.trace(&rig.scene_text(), &[], &rays);
+        let traced = trace(&radiance, &rig.scene_text(), &[], &rays);
         for (index, traced) in traced.iter().enumerate() {
             let expected = if index < 4 { rig.axial_radiance() } else { 0.0 };
             assert!((traced - expected).abs() <= 1e-6 * rig.axial_radiance(), "{camera:?}, ray {index}: {traced}");
@@ -196,7 +146,7 @@ fn the_ring_gives_the_stated_irradiance_on_a_facing_plane() {
                 .to_vec();
             let rays: Vec<_> = points.iter().map(|&p| (p / frame.scene_unit_m(), -frame.direction())).collect();
             let options = ["-I", "-ds", "0.0005", "-dj", "0", "-dt", "0", "-dc", "1"];
-            let traced = radiance.trace(&rig.scene_text(), &options, &rays);
+            let traced = trace(&radiance, &rig.scene_text(), &options, &rays);
             for (&point, traced) in points.iter().zip(traced) {
                 let expected = irradiance(&rig, point);
                 assert!(

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// No pixel gets more samples: what one scramble of the sequence holds.
 pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
 
-const SEQUENCE_LOG2: u32 = 16;
+pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
 /// Samples of every pixel before anything is decided.
 const FIRST_SAMPLES: u32 = 4;

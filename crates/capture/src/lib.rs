@@ -5,12 +5,16 @@
 #![forbid(unsafe_code)]
 
 mod adaptive;
+mod background;
 mod checkpoint;
 mod fixed;
 mod mirrored_lights;
+mod region;
 
 pub use adaptive::MAX_SAMPLES;
+pub use background::Background;
 pub use checkpoint::{Checkpoint, CheckpointError};
+pub use region::{LitRegion, Region};
 
 use radsight_pinhole::{BandWeights, Rays};
 use radsight_render::{RayWorker, Renderer};

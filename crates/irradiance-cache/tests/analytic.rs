@@ -1,7 +1,7 @@
 //! Records against scenes whose irradiance is known.
 
 use glam::DVec3;
-use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, STRATA};
+use radsight_irradiance_cache::{Cache, GatheredRadiance, Hemisphere, Limits, Record, STRATA, StoredBytes};
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::PI;
 
@@ -264,4 +264,68 @@ fn rare_bright_rays_leave_the_mean_as_it_is() {
         }
     }
     assert!((sum / own - 1.0).abs() < 0.05, "the mean is {} where places found {}", sum / count, own / count);
+}
+
+/// Irradiance at many places of the plane.
+fn everywhere(cache: &Cache<1>) -> Vec<Option<[f64; 1]>> {
+    let place = |index: i32| DVec3::new(0.017 * f64::from(index % 64 - 32), 0.019 * f64::from(index / 64 - 32), 0.0);
+    (0..4096).map(|index| cache.irradiance(place(index), DVec3::Z, DVec3::Z)).collect()
+}
+
+#[test]
+fn a_saved_cache_gives_the_same_bits() {
+    let cache = field(48, disk);
+    let mut bytes = Vec::new();
+    cache.save(&mut bytes);
+    let mut stored = StoredBytes::new(&bytes);
+    let restored = Cache::restored(&mut stored, LIMITS).unwrap();
+    assert!(stored.is_empty() && restored.stale().is_empty());
+    assert_eq!(everywhere(&restored), everywhere(&cache));
+    let mut again = Vec::new();
+    restored.save(&mut again);
+    assert_eq!(again, bytes);
+}
+
+#[test]
+fn a_cache_for_other_limits_is_fitted_anew() {
+    let cache = field(48, disk);
+    let mut bytes = Vec::new();
+    cache.save(&mut bytes);
+    let finer = Limits { accuracy: 0.5 * LIMITS.accuracy, ..LIMITS };
+    let mut restored = Cache::restored(&mut StoredBytes::new(&bytes), finer).unwrap();
+    let fits: Vec<_> = restored.stale().into_iter().map(|index| (index, restored.fit(index))).collect();
+    assert_eq!(fits.len(), cache.len());
+    fits.into_iter().for_each(|(index, fit)| restored.adopt(index, fit));
+    let pairs = everywhere(&restored).into_iter().zip(everywhere(&cache));
+    let both: Vec<_> = pairs.filter_map(|(one, two)| Some((one?[0], two?[0]))).collect();
+    assert!(both.len() > 100 && both.iter().all(|(one, two)| (one / two - 1.0).abs() < 0.2), "{both:?}");
+}
+
+#[test]
+fn bytes_that_no_cache_was_saved_to_are_refused() {
+    let mut bytes = Vec::new();
+    field(48, disk).save(&mut bytes);
+    let restored = |bytes: &[u8]| Cache::<1>::restored(&mut StoredBytes::new(bytes), LIMITS);
+    assert!((0..bytes.len()).step_by(97).all(|length| restored(&bytes[..length]).is_none()));
+    // Numbers that are none, a reach without end, a count without end.
+    let first_record = 4 * 8 + 8;
+    for (offset, number) in [(first_record, f64::NAN), (first_record + 3 * 8, 2.0), (0, 0.0), (16, f64::INFINITY)] {
+        let mut changed = bytes.clone();
+        changed[offset..offset + 8].copy_from_slice(&number.to_le_bytes());
+        assert!(restored(&changed).is_none(), "{number} at {offset}");
+    }
+    bytes[4 * 8..5 * 8].copy_from_slice(&u64::MAX.to_le_bytes());
+    assert!(restored(&bytes).is_none());
+}
+
+#[test]
+fn what_another_cache_knows_is_taken_over_where_nothing_is() {
+    let far = |x: f64| record(DVec3::new(x, 0.0, 0.0), DVec3::Z, 256, |_, _| (1.0, 1.0));
+    let [mut one, mut two] = [Cache::new(LIMITS), Cache::new(LIMITS)];
+    one.insert(far(0.0), 0);
+    two.insert(far(0.01), 0);
+    two.insert(far(5.0), 0);
+    assert_eq!(one.take_over(&two, 0), 1);
+    let knows = |x: f64| one.irradiance(DVec3::new(x, 0.0, 0.0), DVec3::Z, DVec3::Z).is_some();
+    assert!(one.len() == 2 && knows(0.0) && knows(5.0));
 }

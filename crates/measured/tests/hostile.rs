@@ -1,10 +1,8 @@
 //! No input makes the reader panic, hang or take memory that its bytes do not justify; and what is wrong is said.
 
-mod support;
-
 use proptest::prelude::*;
 use radsight_measured::{MeasuredBsdf, Mistake};
-use support::{DIRECTIONS, Recipe, block, file, tensor};
+use radsight_test_support::bsdf_files::{DIRECTIONS, Recipe, block, file, tensor};
 
 fn mistake(text: &str) -> String {
     MeasuredBsdf::read(text.as_bytes()).unwrap_err().to_string()

@@ -2,15 +2,12 @@
 //!
 //! Skipped where `RADSIGHT_RADIANCE` names no folder with `bin` and `lib` and no `oconv` is on the path.
 
-mod support;
-
 use glam::DVec3;
 use radsight_measured::MeasuredBsdf;
+use radsight_test_support::bsdf_files::all_forms;
+use radsight_test_support::{Radiance, Random};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use support::{Random, all_forms};
 
 /// Radiance marks each cell of a matrix by changing its value by up to 3 parts in 10⁴, and each of a tree by up to 2.
 const MARKS: f64 = 4e-4;
@@ -21,61 +18,25 @@ const COLORS: f64 = 0.2;
 const LIGHTS: usize = 4;
 const RAYS: usize = 300;
 
-struct Radiance {
-    folder: Option<PathBuf>,
-}
-
-impl Radiance {
-    fn find() -> Option<Radiance> {
-        let folder = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
-        let radiance = Radiance { folder };
-        radiance.command("oconv").arg("-version").output().is_ok().then_some(radiance)
+/// Value times cosine for each given direction and each light, up to one factor: π for white plastic.
+fn real_values(radiance: &Radiance, folder: &Path, material: &str, light: DVec3, given: &[DVec3]) -> Vec<[f64; 3]> {
+    let [x, y, z] = light.to_array();
+    let scene = format!(
+        "void light sun 0 0 3 1e6 1e6 1e6\nsun source s 0 0 4 {x} {y} {z} .05\n{material}\n\
+         m polygon p 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
+    );
+    let octree = radiance.run(folder, "oconv", &["-"], scene.as_bytes());
+    std::fs::write(folder.join("scene.oct"), octree).expect("a file is written");
+    let mut rays = String::new();
+    for direction in given {
+        let [x, y, z] = direction.to_array();
+        writeln!(rays, "{x} {y} {z} {} {} {}", -x, -y, -z).expect("a string is written");
     }
-
-    fn command(&self, program: &str) -> Command {
-        match &self.folder {
-            None => Command::new(program),
-            Some(folder) => {
-                let mut command = Command::new(folder.join("bin").join(program));
-                command.env("RAYPATH", format!(".:{}", folder.join("lib").display()));
-                command
-            }
-        }
-    }
-
-    fn run(&self, folder: &Path, program: &str, arguments: &[&str], input: &[u8]) -> Vec<u8> {
-        let mut command = self.command(program);
-        command.args(arguments).current_dir(folder).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut child = command.spawn().expect("real Radiance runs");
-        let mut standard_input = child.stdin.take().expect("it is piped");
-        let input = input.to_owned();
-        let writer = std::thread::spawn(move || standard_input.write_all(&input));
-        let output = child.wait_with_output().expect("it ends");
-        let _ = writer.join().expect("the writer does not panic");
-        assert!(output.status.success(), "{program}");
-        output.stdout
-    }
-
-    /// Value times cosine for each given direction and each light, up to one factor: π for white plastic.
-    fn lit(&self, folder: &Path, material: &str, light: DVec3, given: &[DVec3]) -> Vec<[f64; 3]> {
-        let [x, y, z] = light.to_array();
-        let scene = format!(
-            "void light sun 0 0 3 1e6 1e6 1e6\nsun source s 0 0 4 {x} {y} {z} .05\n{material}\n\
-             m polygon p 0 0 12 -1 -1 0 1 -1 0 1 1 0 -1 1 0\n"
-        );
-        let octree = self.run(folder, "oconv", &["-"], scene.as_bytes());
-        std::fs::write(folder.join("scene.oct"), octree).expect("a file is written");
-        let mut rays = String::new();
-        for direction in given {
-            let [x, y, z] = direction.to_array();
-            writeln!(rays, "{x} {y} {z} {} {} {}", -x, -y, -z).expect("a string is written");
-        }
-        let arguments = ["-h", "-ss", "0", "-dj", "0", "-dt", "0", "-ab", "0", "scene.oct"];
-        let output = self.run(folder, "rtrace", &arguments, rays.as_bytes());
-        let text = String::from_utf8(output).expect("numbers");
-        let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
-        numbers.chunks(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect()
-    }
+    let arguments = ["-h", "-ss", "0", "-dj", "0", "-dt", "0", "-ab", "0", "scene.oct"];
+    let output = radiance.run(folder, "rtrace", &arguments, rays.as_bytes());
+    let text = String::from_utf8(output).expect("numbers");
+    let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    numbers.chunks(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect()
 }
 
 /// The file's values agree, at all but the few pairs of directions that lie on the edge between two cells.
@@ -98,8 +59,9 @@ fn agrees(radiance: &Radiance, name: &str, xml: &[u8]) {
         }
         let white = "void plastic m 0 0 5 1 1 1 0 0";
         let up = DVec3::new(light.x, light.y, light.z.signum()).normalize();
-        let scale = radiance.lit(folder.path(), white, light, &[up])[0][1] * std::f64::consts::PI / light.z.abs();
-        for (direction, real) in given.iter().zip(radiance.lit(folder.path(), material, light, &given)) {
+        let scale =
+            real_values(radiance, folder.path(), white, light, &[up])[0][1] * std::f64::consts::PI / light.z.abs();
+        for (direction, real) in given.iter().zip(real_values(radiance, folder.path(), material, light, &given)) {
             let real = real.map(|band| band / scale / light.z.abs());
             let ours = bsdf.value(*direction, light);
             let size = ours.iter().chain(&real).copied().fold(0.02, f64::max);
@@ -115,7 +77,7 @@ fn agrees(radiance: &Radiance, name: &str, xml: &[u8]) {
 
 #[test]
 fn values_are_those_of_radiance() {
-    let Some(radiance) = Radiance::find() else { return println!("skipped: no real Radiance") };
+    let Some(radiance) = Radiance::find() else { return };
     // Radiance loses the colour of isotropic trees when it takes off their Lambertian part, and shows them in red.
     for (name, text) in all_forms().into_iter().filter(|(name, _)| *name != "coloured isotropic tree") {
         agrees(&radiance, name, text.as_bytes());
@@ -124,7 +86,7 @@ fn values_are_those_of_radiance() {
 
 #[test]
 fn values_of_the_files_of_others_are_those_of_radiance() {
-    let Some(radiance) = Radiance::find() else { return println!("skipped: no real Radiance") };
+    let Some(radiance) = Radiance::find() else { return };
     let Some(shared) = std::env::var_os("RADSIGHT_SHARED").map(PathBuf::from) else {
         return println!("skipped: no RADSIGHT_SHARED");
     };

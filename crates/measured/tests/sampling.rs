@@ -1,11 +1,10 @@
 //! Drawing directions: densities, weights and totals agree with each other and with the values.
 
-mod support;
-
 use glam::DVec3;
 use radsight_measured::{MeasuredBsdf, Scattering, Side};
+use radsight_test_support::Random;
+use radsight_test_support::bsdf_files::all_forms;
 use std::f64::consts::{PI, TAU};
-use support::{Random, all_forms};
 
 /// Given directions on both sides, one near the horizon.
 fn given() -> Vec<DVec3> {

@@ -1,7 +1,7 @@
 //! The box around a scene, as Radiance computes it.
 
 use glam::DVec3;
-use radsight_ir::{Cone, Cube, Ring, Scene, Shape, Sphere, Transform};
+use radsight_ir::{Cone, Cube, Ring, Scene, Shape, Sphere, Surface, Transform};
 
 /// How much larger than the scene the cube of `oconv` is, on each side: Radiance's own margin.
 const CUBE_MARGIN: f64 = 1e-5;
@@ -21,28 +21,16 @@ pub struct Bounds {
 #[must_use]
 pub fn bounds(scene: &Scene) -> Option<Bounds> {
     let mut all = Bounds::EMPTY;
-    for surface in scene.surfaces.items() {
-        match surface.shape {
-            Shape::Polygon { start, count } => {
-                let range = start as usize..start as usize + count as usize;
-                let vertices = scene.vertices.get(range).unwrap_or_default();
-                vertices.iter().for_each(|vertex| all.add(*vertex));
-            }
-            Shape::Sphere(handle) => all.add_sphere(&scene.spheres[handle]),
-            Shape::Cone(handle) => all.add_cone(&scene.cones[handle]),
-            Shape::Ring(handle) => all.add_ring(&scene.rings[handle]),
-            Shape::Source(_) => {}
-            Shape::Mesh(handle) => {
-                let placed = &scene.mesh_instances[handle];
-                all.add_cube(&scene.meshes[placed.mesh].cube, &placed.to_scene);
-            }
-            Shape::Instance(handle) => {
-                let placed = &scene.instances[handle];
-                all.add_cube(&scene.octrees[placed.octree].cube, &placed.to_scene);
-            }
-        }
-    }
-    all.low.cmple(all.high).all().then_some(all)
+    scene.surfaces.items().iter().for_each(|surface| all.add_shape(scene, &surface.shape));
+    all.checked()
+}
+
+/// The box around one surface, as [`bounds`] has it; `None` for a distant one.
+#[must_use]
+pub fn surface_bounds(scene: &Scene, surface: &Surface) -> Option<Bounds> {
+    let mut own = Bounds::EMPTY;
+    own.add_shape(scene, &surface.shape);
+    own.checked()
 }
 
 /// The cube that real `oconv` builds its octree in; `None` for a scene without local surfaces.
@@ -53,6 +41,33 @@ pub fn cube(scene: &Scene) -> Option<Cube> {
 
 impl Bounds {
     const EMPTY: Bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    /// Itself, if it has a point.
+    fn checked(self) -> Option<Bounds> {
+        self.low.cmple(self.high).all().then_some(self)
+    }
+
+    fn add_shape(&mut self, scene: &Scene, shape: &Shape) {
+        match *shape {
+            Shape::Polygon { start, count } => {
+                let range = start as usize..start as usize + count as usize;
+                let vertices = scene.vertices.get(range).unwrap_or_default();
+                vertices.iter().for_each(|vertex| self.add(*vertex));
+            }
+            Shape::Sphere(handle) => self.add_sphere(&scene.spheres[handle]),
+            Shape::Cone(handle) => self.add_cone(&scene.cones[handle]),
+            Shape::Ring(handle) => self.add_ring(&scene.rings[handle]),
+            Shape::Source(_) => {}
+            Shape::Mesh(handle) => {
+                let placed = &scene.mesh_instances[handle];
+                self.add_cube(&scene.meshes[placed.mesh].cube, &placed.to_scene);
+            }
+            Shape::Instance(handle) => {
+                let placed = &scene.instances[handle];
+                self.add_cube(&scene.octrees[placed.octree].cube, &placed.to_scene);
+            }
+        }
+    }
 
     fn add(&mut self, point: DVec3) {
         self.low = self.low.min(point);

@@ -36,11 +36,12 @@ mod transform_words;
 mod write;
 mod xform;
 
-pub use bounds::{Bounds, bounds, cube};
+pub use bounds::{Bounds, bounds, cube, surface_bounds};
 pub use kind::{Kind, Role};
 pub use lower::{
     BrdfReplacement, Input, KeepPrimitives, Numbering, Purpose, Read, ReadOptions, Tolerance, UnusedModifiers,
     read_scene,
 };
+pub use transform_words::transform;
 pub use write::write_scene;
 pub use xform::xform;

@@ -24,6 +24,22 @@ pub(crate) struct Stopped {
     pub(crate) mistake: String,
 }
 
+/// The transform that words describe as those of `xform` do, such as `-rz 30 -t 1 0 0`; they apply from left to right.
+///
+/// # Errors
+/// Which word is wrong, by its number, and why.
+pub fn transform<W: AsRef<str>>(words: &[W]) -> Result<Transform, (usize, String)> {
+    let read = read(words);
+    match (read.stopped, words.get(read.taken)) {
+        (Some(stopped), _) => Err((stopped.index, stopped.mistake)),
+        (None, Some(word)) => {
+            let mistake = format!("\"{}\" is no part of a transform, expected such as -t or -rz", word.as_ref());
+            Err((read.taken, mistake))
+        }
+        (None, None) => Ok(read.transform),
+    }
+}
+
 /// Whether a word begins a transform.
 pub(crate) fn begins_transform(word: &str) -> bool {
     matches!(word, "-t" | "-s" | "-i" | "-rx" | "-ry" | "-rz" | "-mx" | "-my" | "-mz")

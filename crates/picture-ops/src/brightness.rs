@@ -1,12 +1,7 @@
 //! The one number that stands for a pixel.
 
 use radsight_picture::Encoding;
-
-/// Chromaticities of Radiance's primaries and its white, as (x, y).
-const RED: [f64; 2] = [0.640, 0.330];
-const GREEN: [f64; 2] = [0.290, 0.600];
-const BLUE: [f64; 2] = [0.150, 0.060];
-const WHITE: [f64; 2] = [1.0 / 3.0, 1.0 / 3.0];
+use radsight_units::color::{BLUE, GREEN, RED, WHITE};
 
 /// The parts of red, green and blue in the brightness. Their sum is 1.
 ///

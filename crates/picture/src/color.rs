@@ -1,10 +1,7 @@
 //! Colour: primaries, and the way from and to CIE tristimulus values.
 
 use glam::{DMat3, DVec3};
-
-/// Lumens a watt of white light of equal energy at all visible wavelengths: what Radiance multiplies Y by to have
-/// luminance in cd/m² from radiance in W/(sr·m²).
-pub const WHITE_EFFICACY: f64 = 179.0;
+use radsight_units::color;
 
 /// Chromaticities (x, y) of red, green, blue and white.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +27,8 @@ const SHARP_INVERSE: DMat3 =
 
 impl RgbPrimaries {
     /// Radiance's own, with equal-energy white; what an RGBE picture without `PRIMARIES=` has.
-    pub const STANDARD: RgbPrimaries = RgbPrimaries {
-        red: [0.640, 0.330],
-        green: [0.290, 0.600],
-        blue: [0.150, 0.060],
-        white: [1.0 / 3.0, 1.0 / 3.0],
-    };
+    pub const STANDARD: RgbPrimaries =
+        RgbPrimaries { red: color::RED, green: color::GREEN, blue: color::BLUE, white: color::WHITE };
 
     /// Those that make the components X, Y and Z.
     pub const XYZ: RgbPrimaries =

@@ -1,8 +1,8 @@
 //! The information header: what a file is and how it came to be.
 
 use crate::error::shown;
-use crate::number::{self, trimmed};
 use crate::{PictureError, RgbPrimaries};
+use radsight_units::number::{self, trimmed};
 use std::borrow::Cow;
 
 /// The lines of a Radiance header, in order, each as it stood (without its line end).

@@ -6,9 +6,9 @@
 //! significant byte first. A matrix with `NCOLS=` but without `NROWS=` goes on to the end of the file.
 
 use crate::error::shown;
-use crate::number::{is_space, leading_number, scientific};
 use crate::pfm::binary_values;
 use crate::{Header, Image, PictureError, Resolution};
+use radsight_units::number::{is_space, leading_number, scientific};
 
 /// How the numbers of a matrix are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

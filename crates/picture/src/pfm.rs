@@ -4,8 +4,8 @@
 //! significant byte first) and whose magnitude multiplies the values; then single-precision values, the bottom row first.
 
 use crate::error::shown;
-use crate::number::{integer_or_zero, is_space, leading_number};
 use crate::{Image, PictureError};
+use radsight_units::number::{integer_or_zero, is_space, leading_number};
 
 /// Reads a float map; its first row in memory is the top.
 ///

@@ -1,8 +1,9 @@
 //! Radiance pictures: RGBE, XYZE and spectra with a common exponent.
 
-use crate::color::{WHITE_EFFICACY, xyz_to_rgb};
+use crate::color::xyz_to_rgb;
 use crate::rgbe::{decode_spectrum, encode_rgbe, encode_spectrum, mantissa_step};
 use crate::{Header, Image, PictureError, Resolution, RgbPrimaries, scanline};
+use radsight_units::photometry::WHITE_EFFICACY;
 
 /// What the values of a pixel are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,8 @@
 //! The resolution line, and the eight orders in which a file may hold its pixels.
 
 use crate::error::shown;
-use crate::{Image, PictureError, number};
+use crate::{Image, PictureError};
+use radsight_units::number;
 use std::borrow::Cow;
 
 /// The order of the pixels in a file. Left, right, top and bottom are those of the picture as one looks at it.

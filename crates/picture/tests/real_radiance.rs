@@ -6,27 +6,15 @@ use radsight_picture::{
     Encoding, FloatMatrix, Header, Image, MatrixFormat, Orientation, Picture, Resolution, RgbPrimaries, View,
     ViewOptions, decode_rgbe, encode_rgbe, mantissa_step, read_pfm, xyz_to_rgb,
 };
+use radsight_test_support::Radiance;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// A program of real Radiance, or nothing with a word about it.
 fn real(program: &str) -> Option<Command> {
-    let mut command = match std::env::var_os("RADSIGHT_RADIANCE") {
-        Some(folder) => {
-            let folder = PathBuf::from(folder);
-            let mut command = Command::new(folder.join("bin").join(program));
-            command.env("RAYPATH", format!(".:{}", folder.join("lib").display()));
-            command
-        }
-        None => Command::new(program),
-    };
+    let mut command = Radiance::find()?.command(program, &[]);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let found = command.get_program().to_owned();
-    if Command::new(&found).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_err() {
-        println!("skipped: real Radiance not found");
-        return None;
-    }
     Some(command)
 }
 

@@ -399,6 +399,15 @@ impl PinholeCamera {
         self
     }
 
+    /// The same camera with another exposure time in seconds.
+    ///
+    /// # Errors
+    /// When it is not positive.
+    pub fn with_exposure(mut self, exposure_s: f64) -> Result<Self, CameraError> {
+        self.exposure_s = exposure_s;
+        positive("exposure time", exposure_s).map(|()| self)
+    }
+
     /// Exposure time, seconds.
     #[must_use]
     pub fn exposure_s(&self) -> f64 {

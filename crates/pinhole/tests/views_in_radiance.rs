@@ -2,20 +2,7 @@
 
 use radsight_pinhole::shift::ShiftPattern;
 use radsight_pinhole::{CameraDescription, PinholeCamera, PinholeModel, Rays, View};
-use std::env;
-use std::path::PathBuf;
-use std::process::Command;
-
-/// `vwrays`, from `RADSIGHT_RADIANCE` (a folder with `bin`), else from `PATH`.
-fn vwrays() -> Option<PathBuf> {
-    let name = PathBuf::from("vwrays");
-    let program = env::var_os("RADSIGHT_RADIANCE").map_or(name, |home| PathBuf::from(home).join("bin/vwrays"));
-    let found = Command::new(&program).args(["-d", "-vtv"]).output().is_ok_and(|output| output.status.success());
-    if !found {
-        println!("skipped: real Radiance not found");
-    }
-    found.then_some(program)
-}
+use radsight_test_support::Radiance;
 
 fn camera() -> PinholeCamera {
     PinholeCamera::new(&CameraDescription {
@@ -35,10 +22,10 @@ fn camera() -> PinholeCamera {
 }
 
 /// Origin and direction of each pixel's middle, from the top left.
-fn rays_of_view(program: &PathBuf, view: &View) -> Vec<[f64; 6]> {
+fn rays_of_view(radiance: &Radiance, view: &View) -> Vec<[f64; 6]> {
     let [columns, rows] = view.pixels.map(|count| count.to_string());
-    let output = Command::new(program)
-        .args(["-fd", "-pa", "0", "-x", &columns, "-y", &rows])
+    let output = radiance
+        .command("vwrays", &["-fd", "-pa", "0", "-x", &columns, "-y", &rows])
         .args(view.to_string().split(' '))
         .output()
         .unwrap();
@@ -54,10 +41,10 @@ fn largest_difference(a: [f64; 6], b: [f64; 6]) -> f64 {
 
 #[test]
 fn the_cameras_view_has_the_rays_of_its_pixels_middles() {
-    let Some(program) = vwrays() else { return };
+    let Some(radiance) = Radiance::find() else { return };
     let camera = camera().with_pinhole_model(PinholeModel::Point);
     let rays = Rays::new(&camera, 1, 0);
-    let of_view = rays_of_view(&program, &View::through_pinhole(&camera, [0.0, 0.0], [0, 0]));
+    let of_view = rays_of_view(&radiance, &View::through_pinhole(&camera, [0.0, 0.0], [0, 0]));
     assert_eq!(of_view.len(), 48 * 33);
     for (pixel, of_view) in (0..).zip(of_view) {
         let ray = rays.ray(pixel, [0.5; 4]);
@@ -69,14 +56,14 @@ fn the_cameras_view_has_the_rays_of_its_pixels_middles() {
 
 #[test]
 fn a_shifted_picture_shows_what_the_sensor_pixel_sees_through_that_point_of_the_hole() {
-    let Some(program) = vwrays() else { return };
+    let Some(radiance) = Radiance::find() else { return };
     let camera = camera();
     let pattern = ShiftPattern::new(&camera, 2).unwrap();
     assert!(pattern.samples().len() >= 9, "{} points", pattern.samples().len());
     let (margin, focal) = (pattern.margin().map(i64::from), camera.focal_distance_m());
     for sample in pattern.samples() {
         let view = pattern.view(&camera, sample);
-        let of_view = rays_of_view(&program, &view);
+        let of_view = rays_of_view(&radiance, &view);
         let hole = camera.position_m() + camera.right() * sample.offset_m[0] + camera.up() * sample.offset_m[1];
         for row in 0..33i64 {
             for column in 0..48i64 {

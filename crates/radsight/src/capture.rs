@@ -4,7 +4,7 @@ use crate::error::{Error, Report};
 use crate::file_loader::FileLoader;
 use crate::renderer::check_materials;
 use crate::report_page;
-use crate::scene::Scene;
+use crate::scene::{LIGHT_RING, Scene};
 use radsight_camera::CameraFile;
 use radsight_capture::{Exposer, Exposure, PixelStatistics, Progress, Silent};
 use radsight_diag::{Diagnostic, SourceMap};
@@ -68,6 +68,35 @@ impl Capture {
         Capture::from_text(&name, &bytes, &loader)
     }
 
+    /// Reads a camera file with some of its keys replaced, as [`with_keys`](Capture::with_keys) does.
+    ///
+    /// # Errors
+    /// As [`Capture::load`] and [`Capture::with_keys`].
+    pub fn load_with_keys<K: AsRef<str>>(path: impl AsRef<Path>, keys: &[(K, K)]) -> Result<Capture, Error> {
+        let name = path.as_ref().display().to_string();
+        let loader = FileLoader::default();
+        let bytes = loader.load(&name, FileKind::Other)?.bytes;
+        Capture::with_keys(&name, &bytes, keys, &loader)
+    }
+
+    /// Reads the text of a camera file with some of its keys, written as `table.key`, replaced or added.
+    ///
+    /// # Errors
+    /// [`Error::Key`] for what is no key, and [`Error::Camera`] with every mistake in the changed text.
+    pub fn with_keys<K: AsRef<str>>(
+        name: &str,
+        text: &[u8],
+        keys: &[(K, K)],
+        loader: &dyn Loader,
+    ) -> Result<Capture, Error> {
+        let Ok(mut text) = String::from_utf8(text.to_vec()) else { return Capture::from_text(name, text, loader) };
+        for (key, value) in keys {
+            text = radsight_camera::with_key(&text, key.as_ref(), value.as_ref())
+                .map_err(|error| Error::Key { key: key.as_ref().to_owned(), expected: error.to_string() })?;
+        }
+        Capture::from_text(name, text.as_bytes(), loader)
+    }
+
     /// Reads the text of a camera file, of this name in messages.
     ///
     /// # Errors
@@ -114,7 +143,7 @@ impl Capture {
     #[must_use]
     pub fn with_ring<'l>(&self, scene: crate::SceneBuilder<'l>) -> crate::SceneBuilder<'l> {
         match &self.file.rig {
-            Some(rig) => scene.text("<light ring>", rig.scene_text()),
+            Some(rig) => scene.text(LIGHT_RING, rig.scene_text()),
             None => scene,
         }
     }
@@ -132,13 +161,7 @@ impl Capture {
     /// # Errors
     /// As [`Capture::expose`].
     pub fn expose_with_progress(&self, scene: &Scene, progress: &dyn Progress) -> Result<CapturedImage, Error> {
-        let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
-        if self.samples == Some(0) {
-            return wrong("samples", "0".to_owned(), "at least 1");
-        }
-        if !(self.error > 0.0 && self.error.is_finite()) {
-            return wrong("error", self.error.to_string(), "a share above 0, such as 0.005");
-        }
+        self.check()?;
         let plan = RenderPlan::new(scene.scene.clone(), self.options.clone(), &scene.materials)
             .map_err(|errors| Error::Scene(Report::new(errors, scene.sources.clone())))?;
         let weights = self.file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
@@ -153,13 +176,37 @@ impl Capture {
         Ok(self.image(exposure, report_page::record(&renderer, &self.options)))
     }
 
+    /// Whether what is asked for can be had.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let wrong = |option, value: String, expected| Err(Error::Option { option, value, expected });
+        if self.samples == Some(0) {
+            return wrong("samples", "0".to_owned(), "at least 1");
+        }
+        if !(self.error > 0.0 && self.error.is_finite()) {
+            return wrong("error", self.error.to_string(), "a share above 0, such as 0.005");
+        }
+        Ok(())
+    }
+
     /// What the camera file says.
     #[must_use]
     pub fn camera_file(&self) -> &CameraFile {
         &self.file
     }
 
-    fn image(&self, exposure: Exposure, mut record: RunRecord) -> CapturedImage {
+    pub(crate) fn options(&self) -> &RenderOptions {
+        &self.options
+    }
+
+    pub(crate) fn asked_error(&self) -> f64 {
+        self.error
+    }
+
+    pub(crate) fn fixed_samples(&self) -> Option<u32> {
+        self.samples
+    }
+
+    pub(crate) fn image(&self, exposure: Exposure, mut record: RunRecord) -> CapturedImage {
         let asked = self.samples.is_none().then_some(self.error);
         record.error = report_page::reached(exposure.estimated_error, None, asked);
         record.rays = Some(exposure.rays);

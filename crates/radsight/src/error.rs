@@ -49,6 +49,17 @@ pub enum Error {
     /// A camera file is wrong.
     #[error("the camera file is wrong:\n{0}")]
     Camera(Box<Report>),
+    /// The file of a series of captures is wrong.
+    #[error("the series is wrong:\n{0}")]
+    Series(Box<Report>),
+    /// Something is no key of a camera file that could be replaced.
+    #[error("key \"{key}\": {expected}")]
+    Key {
+        /// The key.
+        key: String,
+        /// What was expected.
+        expected: String,
+    },
     /// A render job is wrong.
     #[error("the job is wrong:\n{0}")]
     Job(Box<Report>),
@@ -92,6 +103,9 @@ pub enum Error {
     /// The camera has no sensor.
     #[error("the camera file has no [sensor], expected one for grey values")]
     NoSensor,
+    /// An irradiance cache that was saved cannot be used.
+    #[error("the irradiance cache: {0}")]
+    Cache(#[from] radsight_render::CacheError),
     /// Band weights do not fit the scene.
     #[error("{0}")]
     Bands(String),

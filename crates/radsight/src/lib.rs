@@ -4,8 +4,10 @@
 //! |---|---|
 //! | [`Scene`] | what scene files say, read and checked; materials of one's own can be added |
 //! | [`View`], [`Camera`] | where rays start: a view of Radiance's, or a camera of one's own |
+//! | [`Integrator`] | what is seen along a ray: the library's own [`PathIntegrator`], or one of one's own |
 //! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
+//! | [`CaptureSeries`] | many captures of nearly one scene: poses of parts, rings, exposures, sensors |
 //! | [`RenderJob`] | rows of a picture or capture as plain data, for another process or machine |
 //! | [`Error`] | what was wrong, as data: each message with file, line and column |
 //!
@@ -32,35 +34,48 @@
 
 mod camera;
 mod capture;
+mod capture_series;
 mod error;
 mod error_budget;
 mod file_loader;
 mod image;
+mod integrator;
 mod material;
+mod part_move;
 mod recording_loader;
 mod render_job;
 mod renderer;
 mod report_page;
 mod scene;
+mod series_file;
 mod view;
 
 pub use camera::{Camera, CameraRay};
 pub use capture::{Capture, CapturedImage};
+pub use capture_series::{CaptureSeries, SeriesExposure, SeriesPicture, SeriesScenes, expose_series};
 pub use error::{Error, Report};
 pub use error_budget::ErrorBudget;
 pub use file_loader::FileLoader;
 pub use image::{Image, RenderReport, png_rgb8};
+pub use integrator::{Integrator, PathIntegrator, RayQueries};
 pub use material::Material;
+pub use part_move::PartMove;
 pub use radsight_brdf::{BrdfSample, Density, Lobes};
 pub use radsight_capture::{PixelStatistics, Progress, Silent};
 pub use radsight_diag::{Diagnostic, Severity};
 pub use radsight_film::{Estimate, Interpolation, SamplingBudget};
 pub use radsight_loader::{FileKind, LoadError, Loaded, Loader, MemoryLoader};
 pub use radsight_render::Quantity as TracedQuantity;
-pub use radsight_render::{Contribution, Ray, RenderOptions, Traced};
+pub use radsight_render::{CacheError, Contribution, FirstHit, Ray, RenderOptions, Traced};
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage, viridis};
 pub use recording_loader::RecordingLoader;
 pub use render_job::{JobResult, JobTarget, MergedJob, RenderJob};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
+pub use series_file::{SeriesRow, read_series};
 pub use view::View;
+
+/// The recipes of CONTRIBUTING.md, compiled and run with the other examples of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../../CONTRIBUTING.md")]
+struct Recipes;

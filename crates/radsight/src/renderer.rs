@@ -4,6 +4,7 @@ use crate::camera::{self, Camera};
 use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
+use crate::integrator::{Integrator, PathIntegrator, RayQueries};
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
@@ -20,7 +21,7 @@ const USUAL_SAMPLES: u32 = 16;
 const CAMERA_BATCH: usize = 4096;
 
 /// Rays after which it is asked whether to go on.
-const RAYS_AT_A_TIME: usize = 1 << 15;
+const RAYS_AT_A_TIME: usize = 1 << 17;
 
 /// Bits of a ray's number that tell the samples of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
@@ -47,6 +48,8 @@ pub struct Renderer {
     jitter: Option<f64>,
     /// What answers rays, for the options with which it was made.
     ready: Option<(RenderOptions, radsight_render::Renderer)>,
+    /// An irradiance cache that was loaded, for each `ready` that is made.
+    loaded: Option<Vec<u8>>,
 }
 
 /// What a ray owes to one of the modifiers that were asked for.
@@ -87,7 +90,7 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn with_options(scene: &Scene, options: RenderOptions) -> Result<Renderer, Error> {
         let budget = ErrorBudget::default();
-        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None };
+        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None, loaded: None };
         let options = renderer.options.clone();
         renderer.prepare(options)?;
         Ok(renderer)
@@ -190,6 +193,14 @@ impl Renderer {
         let mut row = 0;
         while row < rows {
             let block = film.block_of(row);
+            // Pixels of so many samples each do not depend on each other: the answer to whether to go on need not wait for a block.
+            let block = match pixels {
+                SamplingBudget::Samples(samples) => {
+                    let at_a_time = (RAYS_AT_A_TIME / (columns * samples as usize)).max(1);
+                    row..block.end.min(row + at_a_time)
+                }
+                _ => block,
+            };
             image.extend(film.finish_block(block.clone()));
             row = block.end;
             if !progress(row as f64 / rows as f64) {
@@ -208,6 +219,20 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn render_camera(&mut self, camera: &dyn Camera, columns: usize, rows: usize) -> Result<Image, Error> {
+        self.render_with(&PathIntegrator, camera, columns, rows)
+    }
+
+    /// The same with an integrator of one's own.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with(
+        &mut self,
+        integrator: &dyn Integrator,
+        camera: &dyn Camera,
+        columns: usize,
+        rows: usize,
+    ) -> Result<Image, Error> {
         Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
@@ -251,7 +276,7 @@ impl Renderer {
                     let mut sums = vec![[0.0; 3]; range.len()];
                     for (index, ray) in numbers.iter().zip(camera.rays(&film, &aperture)) {
                         let Some((ray, weight)) = ray.and_then(camera::checked) else { continue };
-                        let value = worker.trace(*index, &ray).value;
+                        let value = integrator.radiance(&mut RayQueries::new(worker, seed, *index), &ray);
                         let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
                         *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
@@ -356,13 +381,60 @@ impl Renderer {
         self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
+    /// The irradiance that pictures and rays have cached so far, as bytes for [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    ///
+    /// ```
+    /// use radsight::{Renderer, Scene, View};
+    /// # fn main() -> Result<(), radsight::Error> {
+    /// let text = "void plastic grey 0 0 5 .5 .5 .5 0 0 grey sphere ball 0 0 4 0 9 0 2 void glow sky 0 0 4 1 1 1 0 sky source dome 0 0 4 0 0 1 360";
+    /// let scene = Scene::from_text(text)?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+    /// let mut first = Renderer::new(&scene)?.ambient_bounces(1);
+    /// let image = first.render(&view, 16, 16)?;
+    /// let cache = first.save_irradiance_cache().expect("a bounce fills it");
+    /// // In another process:
+    /// let mut second = Renderer::new(&scene)?.ambient_bounces(1).seed(7);
+    /// assert!(second.load_irradiance_cache(cache)? > 0);
+    /// # let _ = (image, second.render(&view, 16, 16)?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn save_irradiance_cache(&mut self) -> Option<Vec<u8>> {
+        let scene = self.scene.scene.fingerprint();
+        let cached = self.ready.as_mut().and_then(|(_, renderer)| renderer.save_irradiance_cache(scene));
+        cached.or_else(|| self.loaded.clone())
+    }
+
+    /// Takes over irradiance that was saved for the same scene and for options that count the same light, and says from how many points it is. Rays for which it was
+    /// gathered get the same answers, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
+    pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
+        let (before, options) = (self.loaded.take(), self.options.clone());
+        let scene = self.scene.scene.fingerprint();
+        let records = match self.prepare(options)?.load_irradiance_cache(&bytes, scene) {
+            Ok(records) => records,
+            Err(error) => {
+                self.loaded = before;
+                return Err(error.into());
+            }
+        };
+        self.loaded = Some(bytes);
+        Ok(records)
+    }
+
     /// What answers rays with these options; made anew where they are others than before.
     fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
         if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
             self.ready = None;
             let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
                 .map_err(|errors| Error::Scene(Report::new(errors, self.scene.sources.clone())))?;
-            self.ready = Some((options, radsight_render::Renderer::new(plan)));
+            let mut renderer = radsight_render::Renderer::new(plan);
+            if let Some(cache) = &self.loaded {
+                renderer.load_irradiance_cache(cache, self.scene.scene.fingerprint())?;
+            }
+            self.ready = Some((options, renderer));
         }
         Ok(&mut self.ready.as_mut().expect("it was just made").1)
     }

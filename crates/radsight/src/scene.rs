@@ -72,6 +72,9 @@ impl Scene {
     }
 }
 
+/// The name of a camera file's light ring in messages.
+pub(crate) const LIGHT_RING: &str = "<light ring>";
+
 /// Collects what a scene is read from.
 ///
 /// ```
@@ -131,8 +134,15 @@ impl<'l> SceneBuilder<'l> {
     /// # Errors
     /// [`Error::Scene`] with every mistake in it.
     pub fn build(self) -> Result<Scene, Error> {
-        let options = ReadOptions { brdf: self.materials.replacements(), ..self.options };
-        let read = read_scene(&self.inputs, &*self.loader, &options);
+        self.read(None)
+    }
+
+    /// Reads and checks the scene with a light ring.
+    pub(crate) fn read(&self, ring: Option<&str>) -> Result<Scene, Error> {
+        let options = ReadOptions { brdf: self.materials.replacements(), ..self.options.clone() };
+        let ring = ring.map(|text| Input::Text { name: LIGHT_RING.to_owned(), text: text.as_bytes().into() });
+        let inputs: Vec<Input> = self.inputs.iter().cloned().chain(ring).collect();
+        let read = read_scene(&inputs, &*self.loader, &options);
         if read.has_errors() {
             return Err(Error::Scene(Report::new(read.diagnostics, read.sources)));
         }
@@ -140,7 +150,7 @@ impl<'l> SceneBuilder<'l> {
         match scene.validate() {
             Ok(valid) => {
                 let warnings = diagnostics.into_iter().chain(valid.warnings).collect();
-                Ok(Scene { scene: valid.scene, sources, materials: self.materials, warnings })
+                Ok(Scene { scene: valid.scene, sources, materials: self.materials.clone(), warnings })
             }
             Err(errors) => Err(Error::Scene(Report::new(errors, sources))),
         }

@@ -8,6 +8,8 @@ mod error_budget;
 mod minimal;
 #[path = "../examples/own_camera.rs"]
 mod own_camera;
+#[path = "../examples/own_integrator.rs"]
+mod own_integrator;
 #[path = "../examples/own_material.rs"]
 mod own_material;
 #[path = "../examples/rays.rs"]
@@ -36,6 +38,11 @@ fn own_material_is_rendered() {
 #[test]
 fn own_camera_sees() {
     own_camera::main().unwrap();
+}
+
+#[test]
+fn own_integrator_sees_the_open_share_of_the_sky() {
+    own_integrator::main().unwrap();
 }
 
 #[test]

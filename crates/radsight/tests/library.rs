@@ -1,7 +1,7 @@
 //! What the library promises: units, errors as data, and results that do not depend on who asks.
 
 use glam::DVec3;
-use radsight::{Capture, Error, ErrorBudget, FileLoader, Ray, Renderer, SamplingBudget, Scene, View};
+use radsight::{CacheError, Capture, Error, ErrorBudget, FileLoader, Ray, Renderer, SamplingBudget, Scene, View};
 use std::f64::consts::PI;
 
 const TABLE: &str = "void light lamp 0 0 3 100 100 100  void plastic grey 0 0 5 .5 .4 .3 0 0
@@ -93,4 +93,27 @@ fn a_preview_is_interpolated_and_an_error_is_not() {
     let mut options = radsight::RenderOptions::default();
     assert!(matches!(ErrorBudget::default().apply(&mut options), SamplingBudget::Interpolated(_)));
     assert!(matches!(ErrorBudget::samples(4).apply(&mut options), SamplingBudget::Samples(4)));
+}
+
+#[test]
+fn a_saved_irradiance_cache_gives_the_same_picture() {
+    let text = format!("{TABLE} grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6");
+    let scene = Scene::from_text(text.clone()).unwrap();
+    let view = View::from_args("-vp 3 0 2 -vd -1 0 -.2 -vh 60 -vv 60").unwrap();
+    let renderer = || Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_divisions(64, 0);
+    let mut first = renderer();
+    assert!(first.save_irradiance_cache().is_none(), "nothing is cached yet");
+    let image = first.render(&view, 24, 24).unwrap();
+    let cache = first.save_irradiance_cache().unwrap();
+    let mut second = renderer().ambient_divisions(300, 0);
+    assert!(second.load_irradiance_cache(cache.clone()).unwrap() > 0);
+    let pixels = |image: &radsight::Image| (0..24).map(|x| image.pixel(x, 12)).collect::<Vec<_>>();
+    assert_eq!(pixels(&second.render(&view, 24, 24).unwrap()), pixels(&image));
+    let alone = renderer().ambient_divisions(300, 0).render(&view, 24, 24).unwrap();
+    assert_ne!(pixels(&alone), pixels(&image), "more rays make another picture");
+    let more = Scene::from_text(format!("{text} grey sphere ball 0 0 4 0 0 1 .5")).unwrap();
+    let other_scene = Renderer::new(&more).unwrap().ambient_bounces(1).load_irradiance_cache(cache.clone());
+    assert!(matches!(other_scene, Err(Error::Cache(CacheError::OtherScene))), "{other_scene:?}");
+    let other_options = renderer().ambient_bounces(2).load_irradiance_cache(cache);
+    assert!(matches!(other_options, Err(Error::Cache(CacheError::OtherOptions { .. }))), "{other_options:?}");
 }

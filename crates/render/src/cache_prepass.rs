@@ -2,10 +2,10 @@
 
 use crate::cache_query::{CachePoint, CacheQuery, Caches, HemisphereGather};
 use crate::caching::gathering_limits;
+use crate::checksum::ray_set;
 use crate::guiding::GuidingRecords;
 use crate::hemisphere_sampling::HemisphereSamples;
 use crate::ray_spacing::RaySpacing;
-use crate::saved_cache::ray_set;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
 use radsight_compile::RenderPlan;

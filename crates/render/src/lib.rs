@@ -11,6 +11,7 @@ mod cache_prepass;
 mod cache_query;
 mod caching;
 mod caustic;
+mod checksum;
 mod contribution;
 mod direct;
 mod gather;

@@ -5,8 +5,7 @@
 //! `-aa`, `-ar`, `-lw` and their kin) may differ, as in Radiance: what is cached is as good as it was made.
 
 use crate::cache_prepass::GatheredIrradiance;
-use crate::ray_spacing::RaySpacing;
-use radsight_accel::Ray;
+use crate::checksum::checksum;
 use radsight_compile::{RenderOptions, RenderPlan};
 use radsight_irradiance_cache::{Stored, StoredBytes};
 use std::fmt;
@@ -116,7 +115,6 @@ fn settings(options: &RenderOptions) -> String {
         format!("-mg {}", medium.eccentricity),
         format!("-ae/-ai {:?}", options.ambient_surfaces),
         format!("-bv {:?}", options.back_faces),
-        format!("-dr {}", options.mirror_sources),
         format!("-dv {:?}", options.lights),
         format!("-cs {} -cw {splits}", sampling.bands()),
     ]
@@ -130,46 +128,6 @@ fn check_settings(saved: &str, here: &str) -> Result<(), CacheError> {
         Some((saved, here)) => Err(CacheError::OtherOptions { saved: saved.to_owned(), here: here.to_owned() }),
         None if saved == here => Ok(()),
         None => Err(CacheError::Damaged),
-    }
-}
-
-/// A number by which rays that were asked for are known again.
-pub(crate) fn ray_set(rays: &[Option<Ray>], spread: RaySpacing) -> u64 {
-    let mut hash = Checksum::default();
-    hash.add(rays.len() as u64);
-    [spread.width, spread.angle].iter().for_each(|number| hash.add(number.to_bits()));
-    for ray in rays {
-        match ray {
-            None => hash.add(0),
-            Some(ray) => {
-                let numbers = [ray.origin.to_array(), ray.direction.to_array()];
-                numbers.as_flattened().iter().for_each(|number| hash.add(number.to_bits()));
-            }
-        }
-    }
-    hash.0
-}
-
-fn checksum(bytes: &[u8]) -> u64 {
-    let mut sum = Checksum::default();
-    let (words, rest) = bytes.as_chunks::<8>();
-    words.iter().for_each(|word| sum.add(u64::from_le_bytes(*word)));
-    rest.iter().for_each(|byte| sum.add(u64::from(*byte)));
-    sum.0
-}
-
-/// FNV-1a over words: it guards against accidents, not against anybody's will.
-struct Checksum(u64);
-
-impl Default for Checksum {
-    fn default() -> Self {
-        Checksum(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Checksum {
-    fn add(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(23) ^ word).wrapping_mul(0x0000_0100_0000_01b3);
     }
 }
 

@@ -17,11 +17,12 @@ use crate::gaussian::{Paper1991, ReciprocalGaussian, draw, observation_angle};
 use crate::ggx::Ggx;
 use crate::glass_bead::GlassBead;
 use crate::mrm::Mrm;
-use crate::prism::CubeCornerSheeting;
+use crate::prism::{CubeCornerSheeting, Spots};
 use crate::sharp::SharpLobe;
 use crate::table::RetroTable;
 use glam::DVec3;
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
+use std::cell::OnceCell;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// The part that sends light back.
@@ -64,7 +65,18 @@ pub struct Sheeting {
     choice: [f64; 2],
 }
 
+/// A core seen from one direction, unit. What that direction decides is found once, where it is needed.
+struct CoreFrom<'a> {
+    core: &'a Core,
+    outgoing: DVec3,
+    spots: OnceCell<Spots>,
+}
+
 impl Core {
+    fn seen_from(&self, outgoing: DVec3) -> CoreFrom<'_> {
+        CoreFrom { core: self, outgoing, spots: OnceCell::new() }
+    }
+
     /// Roughly, for the choice of a lobe.
     fn strength(&self) -> f64 {
         match self {
@@ -82,12 +94,19 @@ impl Core {
     fn is_below_film(&self) -> bool {
         matches!(self, Core::Paper(_) | Core::Gaussian(_) | Core::Sharp { .. } | Core::Mrm(_))
     }
+}
+
+impl CoreFrom<'_> {
+    fn spots(&self, sheet: &CubeCornerSheeting) -> &Spots {
+        self.spots.get_or_init(|| sheet.targets(self.outgoing))
+    }
 
     /// f and density in 1/sr, for directions above the surface.
-    fn value_and_pdf(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+    fn value_and_pdf(&self, incident: DVec3) -> (f64, f64) {
+        let outgoing = self.outgoing;
         let angle = || observation_angle(outgoing, incident);
         let chord_squared = || outgoing.distance_squared(incident);
-        match self {
+        match self.core {
             Core::Paper(lobe) => {
                 let angle = angle();
                 (lobe.reflectance[0] * lobe.reflected_density(angle) / incident.z, lobe.sampling_density(angle))
@@ -103,21 +122,25 @@ impl Core {
             }
             Core::Bead(lobe) => (lobe.value(angle(), incident.z), lobe.density().at_chord(chord_squared())),
             Core::Mrm(lobe) => lobe.value_and_pdf(outgoing, incident),
-            Core::CubeCorner(sheet) => (sheet.value(outgoing, incident), sheet.pdf(outgoing, incident)),
+            Core::CubeCorner(sheet) => {
+                let pdf = sheet.pdf_among(outgoing, incident, || self.spots(sheet));
+                (sheet.value(outgoing, incident), pdf)
+            }
             Core::Table(table) => (table.value(outgoing, incident), table.pdf(outgoing, incident)),
         }
     }
 
-    fn sample(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
+    fn sample(&self, u: [f64; 3]) -> Option<DVec3> {
+        let outgoing = self.outgoing;
         let place = [u[0], u[1]];
-        match self {
+        match self.core {
             Core::Paper(Paper1991 { spread, .. }) | Core::Gaussian(ReciprocalGaussian { spread, .. }) => {
                 draw(*spread, outgoing, u[0], u[1]).map(|(direction, _)| direction)
             }
             Core::Sharp { lobe, .. } => Some(lobe.density().sample(outgoing, place)),
             Core::Bead(lobe) => Some(lobe.density().sample(outgoing, place)),
             Core::Mrm(lobe) => Some(lobe.sample(outgoing, place, u[2])),
-            Core::CubeCorner(sheet) => sheet.sample(outgoing, u),
+            Core::CubeCorner(sheet) => sheet.sample_among(outgoing, self.spots(sheet), u),
             Core::Table(table) => Some(table.sample(outgoing, place)),
         }
     }
@@ -140,10 +163,15 @@ impl Sheeting {
     /// f and density in 1/sr; both are zero where a direction is not above the surface.
     #[must_use]
     pub fn value_and_pdf(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
+        self.value_and_pdf_of(&self.core.seen_from(outgoing), incident)
+    }
+
+    fn value_and_pdf_of(&self, core: &CoreFrom<'_>, incident: DVec3) -> (f64, f64) {
+        let outgoing = core.outgoing;
         if outgoing.z <= 0.0 || incident.z <= 0.0 {
             return (0.0, 0.0);
         }
-        let (retro, retro_pdf) = self.core.value_and_pdf(outgoing, incident);
+        let (retro, retro_pdf) = core.value_and_pdf(incident);
         let Some((index, facets)) = &self.film else {
             let matte_choice = 1.0 - self.choice[0];
             let pdf = self.choice[0] * retro_pdf + matte_choice * incident.z * FRAC_1_PI;
@@ -160,13 +188,13 @@ impl Sheeting {
         (value, core_choice * retro_pdf + film_choice * sheen.pdf + matte_pdf)
     }
 
-    fn sample_direction(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
+    fn sample_direction(&self, core: &CoreFrom<'_>, u: [f64; 3]) -> Option<DVec3> {
         let [core_choice, film_choice] = self.choice;
         if u[2] < core_choice {
-            return self.core.sample(outgoing, [u[0], u[1], u[2] / core_choice]);
+            return core.sample([u[0], u[1], u[2] / core_choice]);
         }
         match &self.film {
-            Some((_, facets)) if u[2] < core_choice + film_choice => Some(facets.sample(outgoing, [u[0], u[1]])),
+            Some((_, facets)) if u[2] < core_choice + film_choice => Some(facets.sample(core.outgoing, [u[0], u[1]])),
             _ => {
                 let (radius, (sin, cos)) = (u[0].sqrt(), (TAU * u[1]).sin_cos());
                 Some(DVec3::new(radius * cos, radius * sin, (1.0 - u[0]).max(0.0).sqrt()))
@@ -185,8 +213,9 @@ impl Brdf for Sheeting {
             return;
         }
         let bands = values.len() / incident.len();
+        let core = self.core.seen_from(outgoing);
         for ((direction, values), pdf) in incident.iter().zip(values.chunks_exact_mut(bands)).zip(pdfs) {
-            let (value, density) = self.value_and_pdf(outgoing, *direction);
+            let (value, density) = self.value_and_pdf_of(&core, *direction);
             values.fill(value);
             *pdf = density;
         }
@@ -196,8 +225,9 @@ impl Brdf for Sheeting {
         if outgoing.z <= 0.0 {
             return None;
         }
-        let incident = self.sample_direction(outgoing, u)?;
-        let (value, pdf) = self.value_and_pdf(outgoing, incident);
+        let core = self.core.seen_from(outgoing);
+        let incident = self.sample_direction(&core, u)?;
+        let (value, pdf) = self.value_and_pdf_of(&core, incident);
         if pdf <= 0.0 {
             return None;
         }

@@ -105,6 +105,22 @@ fn of_each_kind() -> Vec<(&'static str, Sheeting)> {
     kinds
 }
 
+/// What a batch finds once for all its directions changes none of them.
+#[test]
+fn a_batch_is_its_directions_one_by_one() {
+    for (name, sheet) in of_each_kind() {
+        let outgoing = Geometry::from_degrees(0.0, 20.0, 35.0).directions().0;
+        let near = [(0.1, 35.0), (0.7, 30.0), (3.0, 0.0), (60.0, 90.0)];
+        let incident = near.map(|(angle, turn)| Geometry::from_degrees(0.0, 20.0 + angle, turn).directions().0);
+        let (mut values, mut pdfs) = ([0.0; 4], [0.0; 4]);
+        sheet.eval_pdf(outgoing, &incident, &mut values, &mut pdfs);
+        for (index, direction) in incident.into_iter().enumerate() {
+            assert_eq!((values[index], pdfs[index]), sheet.value_and_pdf(outgoing, direction), "{name} {direction}");
+        }
+        assert!(values[0] > 0.0, "{name}");
+    }
+}
+
 /// Coefficients of a model, made a table, come back out of the table's BRDF.
 #[test]
 fn the_coefficients_of_each_model_survive_the_way_by_a_brdf() {

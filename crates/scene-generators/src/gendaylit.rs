@@ -21,10 +21,9 @@ use crate::perez::{self, Conditions};
 use crate::sun::{Moment, Site, direction, simple_declination, sky_normalization};
 use crate::text::{Exponential, Text};
 use crate::{Error, Invocation, Output};
+use radsight_units::photometry::WHITE_EFFICACY;
 
 const DEGREE: f64 = PI / 180.0;
-/// Lumens per watt by which Radiance turns luminance into radiance.
-const WHITE_EFFICACY: f64 = 179.0;
 /// Half of the sun's angle across, in radians.
 const HALF_SUN: f64 = 0.2665 * DEGREE;
 /// Extraterrestrial illuminance, lux.

@@ -11,12 +11,14 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use crate::arguments::Arguments;
-use crate::sky_patches::{Light, Sky, SkyPatches, WHITE_EFFICACY, towards};
+use crate::sky_patches::{Light, Sky, SkyPatches, towards};
 use crate::sun::{Site, Sun, day_of_year, simple_declination, simple_time_adjustment};
 use crate::text::{Exponential, MAX_OUTPUT_BYTES, Quoted, Text, general};
 use crate::weather::{Quantity, Record, Weather};
 use crate::{Error, Invocation, Output, source_name};
 use radsight_loader::FileKind;
+use radsight_units::color::LUMINANCE_WEIGHTS;
+use radsight_units::photometry::WHITE_EFFICACY;
 
 /// The sun's angle across, degrees.
 const SUN_DEGREES: f64 = 0.533;
@@ -298,7 +300,8 @@ impl<'o> Year<'o> {
     /// Radiances of ground and sky, and the sun's on the patches around it, W/(sr·m²).
     fn fill(&self, column: &mut [f32], sky: &Sky, sun: (f64, f64)) {
         let options = self.options;
-        let is_black = |color: &[f64; 3]| 0.265 * color[0] + 0.670 * color[1] + 0.065 * color[2] <= NIGHT;
+        let [red, green, blue] = LUMINANCE_WEIGHTS;
+        let is_black = |color: &[f64; 3]| red * color[0] + green * color[1] + blue * color[2] <= NIGHT;
         let level_sun = sky.direct_illuminance * sun.0.sin().max(0.0);
         let ground = (sky.diffuse_illuminance + level_sun) / (PI * WHITE_EFFICACY);
         let mut add = |patch: usize, radiance: f64, color: &[f64; 3]| {

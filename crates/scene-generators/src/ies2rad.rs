@@ -21,11 +21,10 @@ use crate::text::{Text, general};
 use crate::{Error, Invocation, Output};
 use luminaire::{Luminaire, Photometry, Tilt};
 use opening::{Opening, Shape};
+use radsight_units::photometry::WHITE_EFFICACY;
 
 /// Metres in a foot.
 const FOOT: f64 = 0.3048;
-/// Lumens per watt of white light in Radiance.
-const WHITE_EFFICACY: f64 = 179.0;
 const TINY: f64 = 1e-6;
 
 struct Options {

@@ -1,29 +1,15 @@
 //! Numbers at the start of a word, as C's `atof` and `atoi` find them.
 
+use radsight_units::number::decimal_length;
+
 /// The number that starts `word`, after white space, and how many bytes it takes with that white space.
 ///
 /// Takes what `strtod` takes in decimal: a sign, digits with at most one point, an exponent. Not `inf`, `nan` or hexadecimal.
 pub(crate) fn leading_number(word: &str) -> Option<(f64, usize)> {
     let bytes = word.as_bytes();
     let start = skip(bytes, 0, |byte| crate::text::is_space(byte as char));
-    let digits_start = if matches!(bytes.get(start), Some(b'+' | b'-')) { start + 1 } else { start };
-    let whole_end = skip(bytes, digits_start, |byte| byte.is_ascii_digit());
-    let (mut end, mut count) = (whole_end, whole_end - digits_start);
-    if bytes.get(end) == Some(&b'.') {
-        let fraction_end = skip(bytes, end + 1, |byte| byte.is_ascii_digit());
-        count += fraction_end - end - 1;
-        end = fraction_end;
-    }
-    if count == 0 {
-        return None;
-    }
-    if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-        let exponent_end = skip(bytes, end + 1 + sign, |byte| byte.is_ascii_digit());
-        if exponent_end > end + 1 + sign {
-            end = exponent_end;
-        }
-    }
+    let length = decimal_length(bytes.get(start..).unwrap_or_default());
+    let end = start + length;
     Some((word[start..end].parse().ok()?, end))
 }
 

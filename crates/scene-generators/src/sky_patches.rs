@@ -8,9 +8,8 @@ use crate::facets::dot;
 use crate::perez::{Conditions, SOLAR_CONSTANT, air_mass, clearness, eccentricity, relative_luminance};
 use crate::weather::Quantity;
 use radsight_sky::SkyDivision;
+use radsight_units::photometry::WHITE_EFFICACY;
 
-/// Lumens per watt by which Radiance turns luminance into radiance.
-pub(crate) const WHITE_EFFICACY: f64 = 179.0;
 /// Extraterrestrial illuminance, lux.
 const SOLAR_CONSTANT_LUX: f64 = 127_500.0;
 /// The model's range: clearness from irradiance, from illuminance; and brightness.

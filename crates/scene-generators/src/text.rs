@@ -1,5 +1,6 @@
 //! Text output with a size limit, and the forms of numbers that C's `printf` writes.
 
+use radsight_units::number;
 use std::cell::RefCell;
 use std::fmt::{self, Display, Formatter, Write};
 use std::io;
@@ -173,10 +174,8 @@ impl Display for General {
             // The buffer holds digits, a sign and a point only.
             return formatter.write_str(std::str::from_utf8(&buffer[start..]).unwrap_or_default());
         }
-        let mut digits = Digits::default();
-        write_general(&mut digits, self.value, self.precision)?;
         let width = self.width;
-        write!(formatter, "{:>width$}", digits.as_str())
+        write!(formatter, "{:>width$}", number::general(self.value, self.precision))
     }
 }
 
@@ -264,81 +263,7 @@ pub(crate) struct Exponential(pub(crate) f64, pub(crate) usize);
 
 impl Display for Exponential {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
-        if !self.0.is_finite() {
-            return write_not_finite(formatter, self.0);
-        }
-        let mut scientific = Digits::default();
-        write!(scientific, "{:.*e}", self.1, self.0)?;
-        let (mantissa, exponent) = scientific.parts();
-        write!(formatter, "{mantissa}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
-    }
-}
-
-fn write_not_finite(out: &mut dyn Write, value: f64) -> fmt::Result {
-    let sign = if value.is_sign_negative() { "-" } else { "" };
-    write!(out, "{sign}{}", if value.is_nan() { "nan" } else { "inf" })
-}
-
-/// C's `%g`: `precision` significant digits, no trailing zeros, an exponent only below 1e-4 and from 10^precision on.
-fn write_general(out: &mut dyn Write, value: f64, precision: usize) -> fmt::Result {
-    if !value.is_finite() {
-        return write_not_finite(out, value);
-    }
-    if value == value.trunc() && value.abs() < 1e6 && precision >= 6 && (value != 0.0 || value.is_sign_positive()) {
-        return write!(out, "{}", value as i64);
-    }
-    let precision = precision.max(1);
-    let mut scientific = Digits::default();
-    write!(scientific, "{:.*e}", precision - 1, value)?;
-    let (mantissa, exponent) = scientific.parts();
-    let (sign, mantissa) = match mantissa.strip_prefix('-') {
-        Some(rest) => ("-", rest),
-        None => ("", mantissa),
-    };
-    let (first, rest) = mantissa.split_at(1);
-    let rest = rest.trim_start_matches('.').trim_end_matches('0');
-    out.write_str(sign)?;
-    if exponent < -4 || exponent >= precision as i32 {
-        let point = if rest.is_empty() { "" } else { "." };
-        return write!(out, "{first}{point}{rest}e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs());
-    }
-    if exponent < 0 {
-        out.write_str("0")?;
-        if first == "0" {
-            return Ok(());
-        }
-        let zeros = (-exponent - 1) as usize;
-        return write!(out, ".{:0<zeros$}{first}{rest}", "");
-    }
-    let whole = exponent as usize;
-    if rest.len() <= whole {
-        return write!(out, "{first}{rest:0<whole$}");
-    }
-    write!(out, "{first}{}.{}", &rest[..whole], &rest[whole..])
-}
-
-/// A small buffer for one number's text.
-#[derive(Default)]
-struct Digits {
-    text: String,
-}
-
-impl Digits {
-    fn as_str(&self) -> &str {
-        &self.text
-    }
-
-    /// Mantissa and exponent of Rust's `e` form.
-    fn parts(&self) -> (&str, i32) {
-        let (mantissa, exponent) = self.text.split_once('e').unwrap_or((&self.text, "0"));
-        (mantissa, exponent.parse().unwrap_or(0))
-    }
-}
-
-impl Write for Digits {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.text.push_str(text);
-        Ok(())
+        formatter.write_str(&number::scientific(self.0, self.1))
     }
 }
 
@@ -386,9 +311,8 @@ mod tests {
                 _ => (fraction * 1e4).round() / 1e3,
             };
             for precision in [6, 9, 12, 15] {
-                let mut slow = Digits::default();
-                write_general(&mut slow, value, precision).unwrap();
-                assert_eq!(general(value, precision).to_string(), slow.text, "{value:e}");
+                let slow = number::general(value, precision);
+                assert_eq!(general(value, precision).to_string(), slow, "{value:e}");
                 fast += usize::from(write_fast(&mut [b' '; FAST_WIDTH], value, precision).is_some());
             }
         }

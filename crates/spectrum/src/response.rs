@@ -1,5 +1,6 @@
 //! Responses of the eye beside that of the standard observer.
 
+use radsight_units::photometry::{WHITE_MELANOPIC_EFFICACY, WHITE_SCOTOPIC_EFFICACY};
 use std::sync::LazyLock;
 
 /// What light does to the eye.
@@ -58,8 +59,8 @@ impl Response {
     #[must_use]
     pub fn white_efficacy(self) -> f64 {
         match self {
-            Response::Scotopic => 412.0,
-            Response::Melanopic => 179.0,
+            Response::Scotopic => WHITE_SCOTOPIC_EFFICACY,
+            Response::Melanopic => WHITE_MELANOPIC_EFFICACY,
         }
     }
 

@@ -1,18 +1,8 @@
 //! From spectra by way of CIE 1931 colours to Radiance's red, green and blue.
 
 use crate::observer::cumulative;
-use std::sync::LazyLock;
-
-/// Chromaticities of Radiance's red, green and blue (`color.h`). White is that of equal energy.
-const PRIMARIES: [[f64; 2]; 3] = [[0.640, 0.330], [0.290, 0.600], [0.150, 0.060]];
-
-/// From XYZ to red, green and blue: the inverse of the matrix whose columns are the primaries, each scaled so that together they make
-/// X = Y = Z = 1.
-static FROM_XYZ: LazyLock<[[f64; 3]; 3]> = LazyLock::new(|| {
-    let unscaled = invert(std::array::from_fn(|row| PRIMARIES.map(|[x, y]| [x, y, 1.0 - x - y][row])));
-    // The inverse of M·diag(s) is diag(1/s)·M⁻¹, and s = M⁻¹·(1, 1, 1).
-    unscaled.map(|row| row.map(|value| value / row.iter().sum::<f64>()))
-});
+use glam::DVec3;
+use radsight_units::color::XYZ_TO_RGB;
 
 /// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
 /// with 412 lm/W for white: CIE 1951 V'(λ).
@@ -20,17 +10,6 @@ pub const SCOTOPIC_OF_RGB: [f64; 3] = [4.652_171, 292.074_6, 115.273_2];
 
 /// The same for melanopic response with 179 lm/W for white: CIE S 026.
 pub const MELANOPIC_OF_RGB: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
-
-/// The inverse by cofactors; the matrix here is regular.
-fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let cofactor = |row: usize, column: usize| {
-        let (r1, r2) = ((row + 1) % 3, (row + 2) % 3);
-        let (c1, c2) = ((column + 1) % 3, (column + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|column| m[0][column] * cofactor(0, column)).sum();
-    std::array::from_fn(|row| std::array::from_fn(|column| cofactor(column, row) / determinant))
-}
 
 /// X, Y and Z of values in equal bands from a first wavelength to a last, nm; 1 everywhere gives 1, 1, 1.
 #[must_use]
@@ -68,7 +47,7 @@ pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     if grey < 0.0 {
         return [0.0; 3];
     }
-    let rgb = FROM_XYZ.map(|row| row.iter().zip(xyz).map(|(a, b)| a * b).sum::<f64>());
+    let rgb = (XYZ_TO_RGB * DVec3::from(xyz)).to_array();
     let lowest = rgb.into_iter().fold(0.0, f64::min);
     if lowest == 0.0 {
         return rgb;

@@ -6,6 +6,7 @@
 
 use radsight_ir::Rgb;
 use radsight_spectrum::Sampling;
+use radsight_units::color::LUMINANCE_WEIGHTS;
 
 /// Red, green and blue in the places of a tracer; the first alone where the scene is grey.
 #[inline]
@@ -190,7 +191,8 @@ pub fn strongest<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
 /// Brightness of a colour, with Radiance's weights of its primaries.
 pub fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     let [red, green, blue] = gathered(bands);
-    0.265 * red + 0.670 * green + 0.065 * blue
+    let [of_red, of_green, of_blue] = LUMINANCE_WEIGHTS;
+    of_red * red + of_green * green + of_blue * blue
 }
 
 #[cfg(test)]

@@ -16,7 +16,10 @@ use std::io::{self, Read};
 
 /// Runs the program; `words[0]` is its name.
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
-    let options = Options::parse(words, trust)?;
+    let mut options = Options::parse(words, trust)?;
+    if !options.receiver.starts_with(['-', '!']) {
+        options.trust.allow_outputs_beside(&options.receiver);
+    }
     let receivers = surfaces::receivers(&options)?;
     if receivers.is_empty() {
         return Err(wrong(&options.receiver, &FluxError::Nothing));

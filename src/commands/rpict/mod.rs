@@ -30,7 +30,7 @@ pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let mut stopwatch = Stopwatch::start();
     let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
-        say_in(path)?;
+        say_in(path, words)?;
     }
     use_threads(options.threads)?;
     if options.first_frame <= 0 {

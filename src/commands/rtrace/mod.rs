@@ -33,7 +33,7 @@ const RECORDS_AT_A_TIME: usize = 1 << 10;
 pub(crate) fn run(words: &[String], trust: &Trust) -> Outcome {
     let options = Options::parse(words, trust)?;
     if let Some(path) = &options.error_file {
-        say_in(path)?;
+        say_in(path, words)?;
     }
     use_threads(options.threads)?;
     let planned = plan(&options.scenes, None, &options.reading, options.render.clone())?;

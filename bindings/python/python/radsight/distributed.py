@@ -291,7 +291,7 @@ def pickle_of(thing: object) -> bytes:
     """Pickled with `cloudpickle`, which takes materials of a notebook's own classes too."""
     from distributed.protocol.pickle import dumps
 
-    return dumps(thing)
+    return bytes(dumps(thing))
 
 
 class _Sent:

@@ -22,13 +22,13 @@ use accuracy::Accuracy;
 use catalog::{Places, SCENES, chosen};
 use mitsuba::{Mitsuba, VARIANTS};
 use own::Own;
-pub(crate) use program::read_picture;
-use program::{Program, Team, reading};
-use real::{Real, RealKind};
+pub(crate) use program::{Program, read_picture};
+use program::{Team, reading};
+pub(crate) use real::{Real, RealKind};
 pub(crate) use reference::put;
 use reference::{Reference, Wanted};
 use result::{CSV_HEADING, Clock, Entrant, Run, SceneResult, Summary};
-use scene::Scene;
+pub(crate) use scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -16,7 +16,7 @@ const DAZZLING: f64 = 10.0;
 const BLOCK: usize = 4;
 
 /// Standard errors within which a normally distributed number is in 95 % of all cases.
-const CONFIDENCE: f64 = 1.96;
+pub(super) const CONFIDENCE: f64 = 1.96;
 
 /// A squared error and its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,24 +6,29 @@
 mod chance;
 mod judge;
 mod reference;
+mod rival;
 mod room;
-mod text;
+mod summary;
+pub(crate) mod text;
 
 use crate::args::Rooms;
 use crate::capture::print;
 use crate::error::BenchError;
-use crate::race::{beside_this_program, put, read_picture};
+use crate::race::{Scene, beside_this_program, put, read_picture};
+use crate::radiance::Radiance;
 use crate::radsight::Radsight;
 use crate::table::Table;
 use crate::taken::taken;
 use judge::Judgement;
 use reference::Reference;
+use rival::{Rival, TimesAsLong};
 use room::Room;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use summary::{Standing, summary};
 
-/// A reference tells an error if it knows its square to this share.
+/// References are good enough once they know the square of the least asked error to this share.
 const TOLD: f64 = 1.0 / 9.0;
 
 /// Shares by which a reported error may differ from the true one beyond both intervals.
@@ -35,6 +40,12 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
         return Err(BenchError::AskedError { value });
     }
     let folder = arguments.folder.clone().unwrap_or_else(beside_this_program).join("rooms");
+    let radiance = if arguments.beside {
+        let missing = |reason| BenchError::Read { path: PathBuf::from("Radiance"), reason };
+        Some(Radiance::find().map_err(missing)?)
+    } else {
+        None
+    };
     let mut rows = Vec::new();
     let mut table = Table::new(&HEADING, 2);
     for seed in arguments.seeds.0..=arguments.seeds.1 {
@@ -43,7 +54,7 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
             print(&format!("{}\n", place.folder.display()));
             continue;
         }
-        for row in place.measure(arguments)? {
+        for row in place.measure(arguments, radiance.as_ref())? {
             table.push(row.cells());
             print(&format!("{}\n", row.cells().join("  ")));
             rows.push(row);
@@ -55,8 +66,19 @@ pub(crate) fn run(arguments: &Rooms) -> Result<(), BenchError> {
     Ok(())
 }
 
-const HEADING: [&str; 10] =
-    ["room", "contents", "asked %", "true %", "±", "blocks %", "reported %", "±", "processor s", "stopped by"];
+const HEADING: [&str; 11] = [
+    "room",
+    "contents",
+    "asked %",
+    "true %",
+    "±",
+    "blocks %",
+    "reported %",
+    "±",
+    "processor s",
+    "real Radiance takes",
+    "stopped by",
+];
 
 /// A room in a folder of its own.
 struct Place {
@@ -75,6 +97,8 @@ struct Row {
     /// Error and half of its interval, as the program says.
     reported: Option<[f64; 2]>,
     seconds: f64,
+    /// Real Radiance, to the same error.
+    real: Option<TimesAsLong>,
     stopped: String,
 }
 
@@ -99,7 +123,15 @@ impl Place {
         command
     }
 
-    fn measure(&self, arguments: &Rooms) -> Result<Vec<Row>, BenchError> {
+    /// The room as real Radiance renders it.
+    fn scene(&self) -> Scene {
+        let bounces = self.room.options[1].parse().unwrap_or(1);
+        let mut scene = Scene::new("room", "", &self.folder, "room.rad", &self.room.view.join(" "), bounces);
+        scene.size = self.size.each_ref().map(|side| side.parse().unwrap_or(1));
+        scene
+    }
+
+    fn measure(&self, arguments: &Rooms, radiance: Option<&Radiance>) -> Result<Vec<Row>, BenchError> {
         let smallest = arguments.errors.iter().copied().fold(f64::INFINITY, f64::min);
         let mut reference = Reference::read(self.folder.join("reference"));
         reference.improve(&|radsight| self.command(radsight), arguments.reference_budget, &self.folder, &|halves| {
@@ -109,6 +141,10 @@ impl Place {
             (noise * noise + 2.0 * smallest.powi(2) * noise).sqrt() / pixels.sqrt() < 0.5 * TOLD * smallest.powi(2)
         })?;
         let Some(halves) = reference.halves() else { return Ok(Vec::new()) };
+        let rival = match radiance {
+            Some(radiance) => Some(Rival::new(radiance, &self.scene(), halves, (smallest, arguments.beside_limit))?),
+            None => None,
+        };
         let contents = self.room.contents.join(" ");
         let mut rows = Vec::new();
         for &asked in &arguments.errors {
@@ -123,11 +159,13 @@ impl Place {
             command.arg("room.rad");
             let took = taken(&mut command, &self.folder, None, Some(&output))?;
             let notes = fs::read_to_string(&notes).unwrap_or_default();
+            let found = Judgement::new(&read_picture(&output)?, halves);
             rows.push(Row {
                 seed: self.seed,
                 contents: format!("-ab {} {contents}", self.room.options[1]),
                 asked,
-                found: Judgement::new(&read_picture(&output)?, halves),
+                found,
+                real: rival.as_ref().and_then(|rival| rival.beside(found.pixels.error(), took.processor)),
                 reported: reported(&notes),
                 seconds: took.processor,
                 stopped: stopped(&notes),
@@ -151,13 +189,16 @@ fn stopped(notes: &str) -> String {
 }
 
 impl Row {
-    /// Whether the reference tells the error.
-    fn is_told(&self) -> bool {
-        self.found.pixels.standard_error <= TOLD * self.asked.powi(2).max(self.found.pixels.value)
-    }
-
-    fn is_reached(&self) -> bool {
-        self.found.pixels.error() <= self.asked
+    /// What the interval of the error says of the asked one.
+    fn standing(&self) -> Standing {
+        let [low, high] = self.found.pixels.interval();
+        if high <= self.asked {
+            Standing::AtOrBelow
+        } else if low > self.asked {
+            Standing::Above
+        } else {
+            Standing::Open
+        }
     }
 
     /// Whether the intervals of the true and of the reported error meet, but for a little.
@@ -172,12 +213,10 @@ impl Row {
         let [low, high] = self.found.pixels.interval();
         let reported = self.reported.map_or(["?".to_owned(), "?".to_owned()], |pair| pair.map(percent));
         let [error, half] = reported;
-        let mark = if !self.is_told() {
-            " ?"
-        } else if self.is_reached() {
-            ""
-        } else {
-            " !"
+        let mark = match self.standing() {
+            Standing::AtOrBelow => "",
+            Standing::Above => " !",
+            Standing::Open => " ?",
         };
         vec![
             self.seed.to_string(),
@@ -189,39 +228,13 @@ impl Row {
             error,
             half + if self.agrees() { "" } else { " !" },
             format!("{:.2}", self.seconds),
-            self.stopped.clone(),
+            self.real.map_or_else(String::new, |times| times.to_string()),
+            match self.standing() {
+                Standing::Above if self.stopped.is_empty() => "nothing".to_owned(),
+                _ => self.stopped.clone(),
+            },
         ]
     }
-}
-
-/// Of each asked error, and of all: how many came there and how many said so.
-fn summary(rows: &[Row], errors: &[f64]) -> String {
-    let mut text = String::new();
-    let mut line = |name: String, of: Vec<&Row>| {
-        let told: Vec<&&Row> = of.iter().filter(|row| row.is_told()).collect();
-        let stopped = told.iter().filter(|row| !row.stopped.is_empty()).count();
-        let reached = told.iter().filter(|row| row.is_reached()).count();
-        let honest = told.iter().filter(|row| row.is_reached() || !row.stopped.is_empty()).count();
-        let agreeing = told.iter().filter(|row| row.agrees()).count();
-        let mut ratios: Vec<f64> = told.iter().map(|row| row.found.pixels.error() / row.asked).collect();
-        ratios.sort_by(f64::total_cmp);
-        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
-        let mut seconds: Vec<f64> = of.iter().map(|row| row.seconds).collect();
-        seconds.sort_by(f64::total_cmp);
-        let typical = seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN);
-        text.push_str(&format!(
-            "{name}: {reached} of {} at or below what was asked (references could not tell {}), {honest} so or said to be stopped \
-             ({stopped} stopped); {agreeing} reported what is there; median error {median:.2} of the asked one, \
-             {typical:.2} s of processor time\n",
-            told.len(),
-            of.len() - told.len(),
-        ));
-    };
-    for error in errors {
-        line(format!("asked {} %", 100.0 * error), rows.iter().filter(|row| row.asked == *error).collect());
-    }
-    line("all".to_owned(), rows.iter().collect());
-    text
 }
 
 /// Tells texts apart (FNV-1a).

@@ -5,36 +5,36 @@ use std::fmt::Write as _;
 
 /// Scene text in the making; every primitive gets a name of its own.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SceneText {
+pub(crate) struct SceneText {
     text: String,
     primitives: u32,
 }
 
 impl SceneText {
     /// The text so far.
-    pub(super) fn as_str(&self) -> &str {
+    pub(crate) fn as_str(&self) -> &str {
         &self.text
     }
 
     /// A modifier: a material, pattern or light of this name.
-    pub(super) fn modifier(&mut self, under: &str, kind: &str, name: &str, numbers: &[f64]) {
+    pub(crate) fn modifier(&mut self, under: &str, kind: &str, name: &str, numbers: &[f64]) {
         self.primitive(under, kind, name, numbers);
     }
 
     /// A surface under a modifier.
-    pub(super) fn surface(&mut self, modifier: &str, kind: &str, numbers: &[f64]) {
+    pub(crate) fn surface(&mut self, modifier: &str, kind: &str, numbers: &[f64]) {
         let name = format!("{kind}{}", self.primitives);
         self.primitive(modifier, kind, &name, numbers);
     }
 
     /// A polygon that faces the side from which its corners turn left.
-    pub(super) fn polygon(&mut self, modifier: &str, corners: &[DVec3]) {
+    pub(crate) fn polygon(&mut self, modifier: &str, corners: &[DVec3]) {
         let numbers: Vec<f64> = corners.iter().flat_map(|corner| corner.to_array()).collect();
         self.surface(modifier, "polygon", &numbers);
     }
 
     /// A closed box between two corners, faces outwards, turned by an angle (radians) around the upright through its middle.
-    pub(super) fn block(&mut self, modifier: &str, low: DVec3, high: DVec3, turn: f64) {
+    pub(crate) fn block(&mut self, modifier: &str, low: DVec3, high: DVec3, turn: f64) {
         let middle = 0.5 * (low + high);
         let (sin, cos) = turn.sin_cos();
         let corner = |bits: usize| {

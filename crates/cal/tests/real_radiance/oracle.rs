@@ -15,25 +15,17 @@ pub(crate) struct Radiance {
 impl Radiance {
     /// Finds it, or says that the test is skipped.
     pub(crate) fn find() -> Option<Radiance> {
-        let root = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
+        let real = radsight_test_support::Radiance::find()?;
         let raypath = std::env::var("RAYPATH").unwrap_or_default();
         let on_raypath = raypath.split(':').map(PathBuf::from).find(|folder| folder.join("rayinit.cal").exists());
         let mut found = Radiance {
-            bin: root.as_ref().map(|root| root.join("bin")),
-            lib: root.map(|root| root.join("lib")).filter(|lib| lib.exists()).or(on_raypath),
+            bin: real.programs(),
+            lib: real.library().filter(|lib| lib.exists()).or(on_raypath),
             sees_faults: false,
         };
-        let tried = found.run("rcalc", &["-n", "-e", "$1=1+acos(2)"], b"");
-        match tried {
-            Some((output, _)) => {
-                found.sees_faults = String::from_utf8_lossy(&output).trim() == "1";
-                Some(found)
-            }
-            None => {
-                println!("skipped: real Radiance not found");
-                None
-            }
-        }
+        let (output, _) = found.run("rcalc", &["-n", "-e", "$1=1+acos(2)"], b"")?;
+        found.sees_faults = String::from_utf8_lossy(&output).trim() == "1";
+        Some(found)
     }
 
     /// What a program writes, and its messages; `None` if it fails.

@@ -5,30 +5,22 @@ use radsight_loader::{FileKind, LoadError, Loaded, Loader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Real Radiance, if there is one: the folder in `RADSIGHT_RADIANCE`, else what is on the path.
-pub(crate) struct Radiance {
-    folder: Option<PathBuf>,
-}
+/// Real Radiance, whose programs also look into the folder `lib` of a scene.
+pub(crate) struct Radiance(radsight_test_support::Radiance);
 
 impl Radiance {
     /// `None`, with a note, when there is no real Radiance.
     pub(crate) fn find() -> Option<Radiance> {
-        let folder = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from);
-        let found = Radiance { folder };
-        let works = found.command("xform").stdin(Stdio::null()).output().is_ok();
-        if !works {
-            eprintln!("skipped: real Radiance not found");
-        }
-        works.then_some(found)
+        radsight_test_support::Radiance::find().map(Radiance)
     }
 
     pub(crate) fn command(&self, program: &str) -> Command {
         // Programs print their own name, so it is looked up on the path rather than spelt out.
         let mut command = Command::new(program);
-        let Some(folder) = &self.folder else { return command };
-        let path = std::env::var("PATH").unwrap_or_default();
-        command.env("PATH", format!("{}:{path}", folder.join("bin").display()));
-        command.env("RAYPATH", format!(".:lib:{}", folder.join("lib").display()));
+        command.env("PATH", self.0.path());
+        if let Some(library) = self.library() {
+            command.env("RAYPATH", format!(".:lib:{}", library.display()));
+        }
         command
     }
 
@@ -40,7 +32,7 @@ impl Radiance {
 
     /// Where real Radiance keeps its library, if known.
     pub(crate) fn library(&self) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join("lib"))
+        self.0.library()
     }
 }
 

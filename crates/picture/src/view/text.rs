@@ -2,8 +2,8 @@
 
 use super::{ViewError, ViewKind, ViewOptions};
 use crate::Header;
-use crate::number::{general, is_number, number_or_zero};
 use glam::DVec3;
+use radsight_units::number::{general, is_number, number_or_zero};
 
 /// The programs whose command lines set the view, and the variable that does.
 const VIEW_LINES: [&str; 7] = ["VIEW=", "rpict", "rvu", "rpiece", "rxpiece", "pinterp", "rview"];

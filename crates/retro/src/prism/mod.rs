@@ -21,6 +21,7 @@ pub use corner::Faces;
 use crate::radial::direction_near;
 use corner::{BEAMS, Beam, CubeCorner};
 use glam::DVec3;
+use std::borrow::Borrow;
 use std::f64::consts::TAU;
 
 /// Sheeting of cube corners.
@@ -34,6 +35,9 @@ pub struct CubeCornerSheeting {
     /// Probability of drawing from spots that are [`TAIL_WIDTH`] times as wide.
     tail_share: f64,
 }
+
+/// Middles of the spots that light comes from, and the probabilities with which they are chosen.
+pub(crate) type Spots = [(DVec3, f64); 2 * BEAMS];
 
 /// Probability of a beam without light, times the number of beams: keeps the density above zero next to where beams end.
 const LEAST_SHARE: f64 = 1e-3;
@@ -87,16 +91,27 @@ impl CubeCornerSheeting {
     /// Density of [`CubeCornerSheeting::sample`], 1/sr.
     #[must_use]
     pub fn pdf(&self, outgoing: DVec3, incident: DVec3) -> f64 {
-        if self.is_far(outgoing, incident) { 0.0 } else { self.density(&self.targets(outgoing), incident) }
+        self.pdf_among(outgoing, incident, || self.targets(outgoing))
+    }
+
+    /// The same for spots that are found only where they are needed.
+    pub(crate) fn pdf_among<S: Borrow<Spots>>(
+        &self,
+        outgoing: DVec3,
+        incident: DVec3,
+        spots: impl FnOnce() -> S,
+    ) -> f64 {
+        if self.is_far(outgoing, incident) { 0.0 } else { self.density(spots().borrow(), incident) }
     }
 
     /// An incident direction; none where the light is absorbed. `u` is uniform in [0, 1)³, the third chooses a spot.
     #[must_use]
     pub fn sample(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
-        if outgoing.z <= 0.0 {
-            return None;
-        }
-        let targets = self.targets(outgoing);
+        if outgoing.z <= 0.0 { None } else { self.sample_among(outgoing, &self.targets(outgoing), u) }
+    }
+
+    /// The same among spots that are known.
+    pub(crate) fn sample_among(&self, outgoing: DVec3, targets: &Spots, u: [f64; 3]) -> Option<DVec3> {
         let mut left = u[2];
         let chosen = targets.iter().find(|(_, probability)| {
             left -= probability;
@@ -115,7 +130,7 @@ impl CubeCornerSheeting {
     }
 
     /// Middles of the spots for light to come from, seen from `outgoing`, and the probabilities with which they are chosen.
-    fn targets(&self, outgoing: DVec3) -> [(DVec3, f64); 2 * BEAMS] {
+    pub(crate) fn targets(&self, outgoing: DVec3) -> Spots {
         let beams = self.corner.beams(outgoing);
         let total: f64 = beams.iter().map(|beam| 2.0 * (beam.share + LEAST_SHARE)).sum();
         std::array::from_fn(|index| {

@@ -1,5 +1,7 @@
 //! Colours of the Materials and Geometry Format: chromaticities, or spectra from 380 to 780 nm in steps of 10 nm.
 
+use radsight_units::photometry::LUMINOUS_EFFICACY;
+
 /// First and last wavelength, and the step, in nm.
 pub(crate) const FIRST_NM: i32 = 380;
 pub(crate) const LAST_NM: i32 = 780;
@@ -9,7 +11,7 @@ pub(crate) const SAMPLES: usize = 41;
 /// Spectra are whole numbers, the largest of which is this.
 const LARGEST: f64 = 10_000.0;
 /// Lumens per watt of one unit of a spectrum weighted by the observer's ȳ.
-const LUMENS_PER_WATT: f64 = 683.0 / 10_000.0;
+const LUMENS_PER_WATT: f64 = LUMINOUS_EFFICACY / 10_000.0;
 
 /// The CIE 1931 standard observer, times 10,000.
 #[rustfmt::skip]

@@ -6,9 +6,8 @@ use super::color::{Color, FIRST_NM, LAST_NM, SAMPLES, STEP_NM};
 use crate::Error;
 use crate::cie::{brightness, rgb_of_chromaticity};
 use crate::text::{Text, general};
+use radsight_units::photometry::WHITE_EFFICACY;
 
-/// Lumens per watt of white light in Radiance.
-const WHITE_EFFICACY: f64 = 179.0;
 /// Thickness in metres that a one-sided glass is taken to have.
 const GLASS_THICKNESS: f64 = 0.005;
 const TINY: f64 = 1e-6;

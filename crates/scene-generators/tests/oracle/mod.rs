@@ -24,16 +24,10 @@ pub struct RealOutput {
 }
 
 impl Radiance {
-    /// `RADSIGHT_RADIANCE` names a folder with `bin` and `lib`; otherwise the programs must be on PATH.
+    /// `None`, with a note, when there is no real Radiance.
     pub fn find() -> Option<Radiance> {
-        if let Some(root) = std::env::var_os("RADSIGHT_RADIANCE").map(PathBuf::from) {
-            return Some(Radiance { bin: Some(root.join("bin")), library: Some(root.join("lib")) });
-        }
-        let found = Command::new("rcalc").arg("-n").arg("-e").arg("$1=1").stdin(Stdio::null()).output().is_ok();
-        if !found {
-            println!("skipped: real Radiance not found");
-        }
-        found.then_some(Radiance { bin: None, library: None })
+        let real = radsight_test_support::Radiance::find()?;
+        Some(Radiance { bin: real.programs(), library: real.library() })
     }
 
     pub fn library(&self) -> Option<&Path> {

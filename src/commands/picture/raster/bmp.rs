@@ -1,19 +1,23 @@
 //! `ra_bmp [-r] [-b] [-g GAMMA] [-e ±STOPS|auto|human|linear] [-p rx ry gx gy bx by wx wy] [input [output]]`: Windows bitmaps, with 24 bits or grey (`-b`), for a
-//! display with these primaries (`-p`), within whose range a picture can be brought (`-e` with a word); `-r` the other way (8, 24 and 32 bits, not packed).
+//! display with these primaries (`-p`), within whose range a picture can be brought (`-e` with a word); `-r` the other way (bitmaps of every depth, packed or not).
 
 use super::{Colors, Direction, GAMMA, Made, Pixels, open_picture, put_file, stops, write_picture};
 use crate::commands::picture::files::{failed, open};
 use crate::commands::words::Words;
 use crate::failure::{Failure, Outcome, reason};
+use image::ImageDecoder;
+use image::codecs::bmp::BmpDecoder;
 use radsight_picture::{Encoding, RgbPrimaries};
 use radsight_picture_ops::gamma::{GammaTable, shifted, with_grey};
 use radsight_picture_ops::tone_map::{Display, Tones, tone_map};
-use std::io::Read;
+use std::io::{Cursor, Read};
 
 /// Bytes of the two headers.
 const HEADERS: usize = 54;
 /// Bytes of a palette of 256 colours.
 const PALETTE: usize = 1024;
+/// A run of 255 pixels takes two bytes of a packed bitmap, and each pixel three here.
+const MOST_PIXELS_A_BYTE: u64 = 3 * 255 / 2 + 1;
 /// 72 dots an inch, in dots a metre.
 const DOTS_PER_METRE: u32 = 2835;
 
@@ -150,65 +154,25 @@ fn write_bitmap(
     })
 }
 
-/// What the headers of a bitmap say.
-struct Bitmap {
-    start: usize,
-    columns: usize,
-    rows: usize,
-    is_upright: bool,
-    bits: usize,
-    palette: Vec<[u8; 4]>,
-}
-
-impl Bitmap {
-    fn read(bytes: &[u8]) -> Option<Bitmap> {
-        let number = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk::<4>()?));
-        if !bytes.starts_with(b"BM") {
-            return None;
-        }
-        let (start, header) = (number(10)? as usize, number(14)? as usize);
-        let (columns, height) = (number(18)? as i32, number(22)? as i32);
-        let bits = usize::from(u16::from_le_bytes(*bytes.get(28..)?.first_chunk::<2>()?));
-        let packing = number(30)?;
-        if columns <= 0
-            || height == 0
-            || !matches!(bits, 8 | 24 | 32)
-            || !(packing == 0 || (packing == 3 && bits == 32))
-        {
-            return None;
-        }
-        let mut palette = Vec::new();
-        if bits == 8 {
-            let entries = match number(46)? as usize {
-                0 => 256,
-                entries => entries.min(256),
-            };
-            let from = 14usize.checked_add(header)?;
-            palette.extend_from_slice(bytes.get(from..from.checked_add(4 * entries)?)?.as_chunks::<4>().0);
-        }
-        let rows = height.unsigned_abs() as usize;
-        let bitmap = Bitmap { start, columns: columns as usize, rows, is_upright: height < 0, bits, palette };
-        let end = bitmap.stride()?.checked_mul(rows)?.checked_add(start)?;
-        (end <= bytes.len()).then_some(bitmap)
+/// Reads a bitmap: columns, rows, and red, green and blue of each pixel from the top left.
+fn read_bitmap(path: &str, bytes: &[u8]) -> Result<(usize, usize, Vec<u8>), Failure> {
+    let wrong = |error: image::ImageError| Failure::input(format!("{path}: not a bitmap that can be read: {error}"));
+    let decoder = BmpDecoder::new(Cursor::new(bytes)).map_err(wrong)?;
+    let ((columns, rows), size) = (decoder.dimensions(), decoder.total_bytes());
+    // Packing makes rows of one colour short, but no pixel takes less than this part of a byte.
+    if size / MOST_PIXELS_A_BYTE > bytes.len() as u64 {
+        return Err(Failure::input(format!("{path}: ends before {columns} x {rows} pixels")));
     }
-
-    fn stride(&self) -> Option<usize> {
-        Some(self.columns.checked_mul(self.bits)?.div_ceil(32) * 4)
-    }
-
-    /// The colours of a row, from the top.
-    fn row<'a>(&'a self, bytes: &'a [u8], row: usize) -> impl Iterator<Item = [u8; 3]> + 'a {
-        let row = if self.is_upright { row } else { self.rows - 1 - row };
-        let stride = self.columns * self.bits / 8;
-        let start = self.start + row * self.stride().unwrap_or(0);
-        bytes[start..start + stride].chunks_exact(self.bits / 8).map(|pixel| match *pixel {
-            [index] => {
-                self.palette.get(usize::from(index)).map_or([0; 3], |[blue, green, red, _]| [*red, *green, *blue])
-            }
-            [blue, green, red, ..] => [red, green, blue],
-            _ => [0; 3],
-        })
-    }
+    let channels = usize::from(decoder.color_type().channel_count());
+    let mut pixels = vec![0; usize::try_from(size).unwrap_or(usize::MAX)];
+    decoder.read_image(&mut pixels).map_err(wrong)?;
+    // Radiance knows no transparency.
+    let colors = match channels {
+        1 => pixels.iter().flat_map(|grey| [*grey; 3]).collect(),
+        3 => pixels,
+        _ => pixels.chunks_exact(channels).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(),
+    };
+    Ok((columns as usize, rows as usize, colors))
 }
 
 fn to_radiance(words: &Words<'_>, exposure: i32, table: &GammaTable) -> Outcome {
@@ -216,11 +180,11 @@ fn to_radiance(words: &Words<'_>, exposure: i32, table: &GammaTable) -> Outcome 
     let mut bytes = Vec::new();
     let read = open(path)?.read_to_end(&mut bytes);
     read.map_err(|error| Failure::input(format!("{path}: {}", reason(&error))))?;
-    let bitmap = Bitmap::read(&bytes)
-        .ok_or_else(|| Failure::input(format!("{path}: not a bitmap of 8, 24 or 32 bits without packing")))?;
-    let made = Made { size: (bitmap.columns, bitmap.rows), encoding: Encoding::Rgbe, date: None };
+    let (columns, rows, colors) = read_bitmap(path, &bytes)?;
+    let made = Made { size: (columns, rows), encoding: Encoding::Rgbe, date: None };
     write_picture(words, target, &made, |row, stored| {
-        stored.extend(bitmap.row(&bytes, row).flat_map(|color| shifted(table.pixel(color), exposure)));
+        let colors = &colors[3 * columns * row..3 * columns * (row + 1)];
+        stored.extend(colors.as_chunks().0.iter().flat_map(|color| shifted(table.pixel(*color), exposure)));
         Ok(())
     })
 }

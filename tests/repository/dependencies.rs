@@ -1,8 +1,6 @@
 //! Dependencies keep to `deny.toml`: their licences, where they come from, and one version of each.
 
-mod program;
-
-use program::root;
+use crate::program::root;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;

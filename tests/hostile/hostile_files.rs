@@ -1,9 +1,7 @@
 //! Files that name commands, devices and places where they must not write, that announce more than they hold, and that nest without
 //! end, in every format that names or counts something: each ends in a message and a code, and leaves the folder as it was.
 
-mod program;
-
-use program::{Folder, Run, command, run_with};
+use crate::program::{Folder, Run, command, run_with};
 use std::fs;
 
 const SCENE: &str =

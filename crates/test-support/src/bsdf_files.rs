@@ -1,41 +1,19 @@
-//! BSDF files made for tests.
-#![allow(dead_code, reason = "each test binary uses a part")]
+//! BSDF files made for tests: matrices and tensor trees of values that look random.
 
-use glam::DVec3;
+use crate::Random;
 use std::fmt::Write;
 
-/// Numbers that look random; the same on every run.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    /// In [0,1). SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
-    pub(crate) fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ z >> 31) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A unit vector, uniform over the sphere.
-    pub(crate) fn direction(&mut self) -> DVec3 {
-        let z = 2.0 * self.number() - 1.0;
-        let (sine, cosine) = (std::f64::consts::TAU * self.number()).sin_cos();
-        let radius = (1.0 - z * z).sqrt();
-        DVec3::new(radius * cosine, radius * sine, z)
-    }
-
-    /// A scattering value: mostly small, some large.
-    fn value(&mut self) -> f64 {
-        0.02 + 0.4 * self.number().powi(3)
-    }
+/// A scattering value: mostly small, some large.
+fn value(random: &mut Random) -> f64 {
+    0.02 + 0.4 * random.number().powi(3)
 }
 
-pub(crate) const DIRECTIONS: [&str; 4] =
-    ["Reflection Front", "Reflection Back", "Transmission Front", "Transmission Back"];
+/// The four directions of scattering, as files name them.
+pub const DIRECTIONS: [&str; 4] = ["Reflection Front", "Reflection Back", "Transmission Front", "Transmission Back"];
 
 /// A file around its `<DataDefinition>` and `<WavelengthData>`.
-pub(crate) fn file(structure: &str, bases: &str, data: &str) -> String {
+#[must_use]
+pub fn file(structure: &str, bases: &str, data: &str) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<WindowElement xmlns=\"http://windows.lbl.gov\">\n\
          <FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
@@ -46,7 +24,8 @@ pub(crate) fn file(structure: &str, bases: &str, data: &str) -> String {
 }
 
 /// One block of data of one channel.
-pub(crate) fn block(channel: &str, direction: &str, bases: &str, data: &str) -> String {
+#[must_use]
+pub fn block(channel: &str, direction: &str, bases: &str, data: &str) -> String {
     format!(
         "<WavelengthData><Wavelength unit=\"Integral\">{channel}</Wavelength><WavelengthDataBlock>\
          <WavelengthDataDirection>{direction}</WavelengthDataDirection>{bases}\
@@ -55,14 +34,19 @@ pub(crate) fn block(channel: &str, direction: &str, bases: &str, data: &str) -> 
 }
 
 /// What to make a file of.
-pub(crate) struct Recipe<'a> {
-    pub(crate) directions: &'a [&'a str],
-    pub(crate) is_colored: bool,
-    pub(crate) seed: u64,
+#[derive(Clone, Copy, Debug)]
+pub struct Recipe<'a> {
+    /// Of [`DIRECTIONS`], those that have a block.
+    pub directions: &'a [&'a str],
+    /// Whether there are blocks of colour.
+    pub is_colored: bool,
+    /// The same seed gives the same file.
+    pub seed: u64,
 }
 
 /// Matrices between two bases of so many patches.
-pub(crate) fn matrix(
+#[must_use]
+pub fn matrix(
     structure: &str,
     (column, columns): (&str, usize),
     (row, rows): (&str, usize),
@@ -72,13 +56,13 @@ pub(crate) fn matrix(
     let bases = format!("<ColumnAngleBasis>{column}</ColumnAngleBasis><RowAngleBasis>{row}</RowAngleBasis>");
     let mut data = String::new();
     for direction in recipe.directions {
-        let values: Vec<f64> = (0..columns * rows).map(|_| random.value()).collect();
+        let values: Vec<f64> = (0..columns * rows).map(|_| value(&mut random)).collect();
         let channels: &[&str] = if recipe.is_colored { &["Visible", "CIE-X", "CIE-Z"] } else { &["Visible"] };
         for channel in channels {
             let mut text = String::new();
             for value in &values {
                 let tint = if *channel == "Visible" { 1.0 } else { 0.85 + 0.3 * random.number() };
-                write!(text, "{:.6}, ", value * tint).unwrap();
+                write!(text, "{:.6}, ", value * tint).expect("a string is written");
             }
             data += &block(channel, direction, &bases, &text);
         }
@@ -87,7 +71,8 @@ pub(crate) fn matrix(
 }
 
 /// A pane that transmits a share of all light straight through, as far as Klems' quarter basis can tell, and does nothing else.
-pub(crate) fn clear(transmittance: f64) -> String {
+#[must_use]
+pub fn clear(transmittance: f64) -> String {
     let rings = [(0.0_f64, 9.0_f64, 1), (9.0, 27.0, 8), (27.0, 45.0, 12), (45.0, 63.0, 12), (63.0, 90.0, 8)];
     let sine_squared = |degrees: f64| degrees.to_radians().sin().powi(2);
     let size = |(inner, outer, patches): (f64, f64, usize)| {
@@ -98,7 +83,8 @@ pub(crate) fn clear(transmittance: f64) -> String {
     let mut data = String::new();
     for (row, size) in sizes.iter().enumerate() {
         for column in 0..sizes.len() {
-            write!(data, "{:.6} ", if row == column { transmittance / size } else { 0.0 }).unwrap();
+            write!(data, "{:.6} ", if row == column { transmittance / size } else { 0.0 })
+                .expect("a string is written");
         }
     }
     let bases =
@@ -119,7 +105,8 @@ fn own_basis() -> String {
 }
 
 /// Tensor trees that are halved at most so often.
-pub(crate) fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> String {
+#[must_use]
+pub fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> String {
     let mut random = Random(recipe.seed);
     let basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>";
     let mut data = String::new();
@@ -144,10 +131,10 @@ pub(crate) fn tensor(dimensions: usize, halvings: u32, recipe: &Recipe<'_>) -> S
 fn tree(dimensions: usize, halvings: u32, random: &mut Random) -> String {
     let branches = 1 << dimensions;
     if halvings == 0 || random.number() < 0.2 {
-        return format!("{{ {:.5} }}", random.value());
+        return format!("{{ {:.5} }}", value(random));
     }
     if halvings == 1 && random.number() < 0.5 {
-        let words: Vec<String> = (0..branches).map(|_| format!("{:.5}", random.value())).collect();
+        let words: Vec<String> = (0..branches).map(|_| format!("{:.5}", value(random))).collect();
         return format!("{{ {} }}", words.join(" "));
     }
     branch(dimensions, halvings, random)
@@ -159,7 +146,8 @@ fn branch(dimensions: usize, halvings: u32, random: &mut Random) -> String {
 }
 
 /// Files of every form, by name.
-pub(crate) fn all_forms() -> Vec<(&'static str, String)> {
+#[must_use]
+pub fn all_forms() -> Vec<(&'static str, String)> {
     let all = |is_colored, seed| Recipe { directions: &DIRECTIONS, is_colored, seed };
     let one_way = |seed| Recipe { directions: &[DIRECTIONS[1], DIRECTIONS[3]], is_colored: false, seed };
     let (full, half) = (("LBNL/Klems Full", 145), ("LBNL/Klems Half", 77));

@@ -1,4 +1,4 @@
-//! Numbers as C's `atof` reads them and `printf` writes them, since headers and views are defined by both.
+//! Numbers as C's `atof` reads them and `printf` writes them.
 
 use std::fmt::Write;
 
@@ -16,12 +16,14 @@ pub fn leading_number(text: &[u8]) -> (f64, usize) {
 }
 
 /// The number at the start of the text, 0 if there is none: `atof`.
-pub(crate) fn number_or_zero(text: &[u8]) -> f64 {
+#[must_use]
+pub fn number_or_zero(text: &[u8]) -> f64 {
     leading_number(text).0
 }
 
 /// Up to `N` numbers separated by white space; `None` unless all are there.
-pub(crate) fn leading_numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
+#[must_use]
+pub fn leading_numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
     let mut rest = text;
     let mut numbers = [0.0; N];
     for number in &mut numbers {
@@ -36,7 +38,8 @@ pub(crate) fn leading_numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
 }
 
 /// The whole number at the start of the text, 0 if there is none, clamped: `atoi`.
-pub(crate) fn integer_or_zero(text: &[u8]) -> i64 {
+#[must_use]
+pub fn integer_or_zero(text: &[u8]) -> i64 {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
     let sign = usize::from(matches!(text.get(start), Some(b'+' | b'-')));
     let negative = text.get(start) == Some(&b'-');
@@ -46,24 +49,29 @@ pub(crate) fn integer_or_zero(text: &[u8]) -> i64 {
 }
 
 /// C's `isspace`.
-pub(crate) fn is_space(byte: u8) -> bool {
+#[must_use]
+pub fn is_space(byte: u8) -> bool {
     byte == b' ' || (9..=13).contains(&byte)
 }
 
 /// The text without white space at either end.
-pub(crate) fn trimmed(text: &[u8]) -> &[u8] {
+#[must_use]
+pub fn trimmed(text: &[u8]) -> &[u8] {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
     let end = text.iter().rposition(|byte| !is_space(*byte)).map_or(start, |last| last + 1);
     &text[start..end]
 }
 
 /// Whether the text is one whole number in Radiance's sense: `-.5e3` is, `1-` and `nan` are not.
-pub(crate) fn is_number(text: &[u8]) -> bool {
+#[must_use]
+pub fn is_number(text: &[u8]) -> bool {
     let text = trimmed(text);
     !text.is_empty() && decimal_length(text) == text.len()
 }
 
-fn decimal_length(text: &[u8]) -> usize {
+/// How many bytes at the start are a decimal number: a sign, digits with at most one point, an exponent; 0 where there is none.
+#[must_use]
+pub fn decimal_length(text: &[u8]) -> usize {
     let digits = |from: usize| text[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let mut at = usize::from(matches!(text.first(), Some(b'+' | b'-')));
     let whole = digits(at);

@@ -1,0 +1,127 @@
+//! Boxes in the scene, and what rays cross of them.
+
+use glam::DVec3;
+use radsight_render::Ray;
+
+/// A box along the axes, scene units. Without a point where a low coordinate is above the high one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// The corner with the smallest coordinates.
+    pub low: DVec3,
+    /// The corner with the largest coordinates.
+    pub high: DVec3,
+}
+
+/// Where a light falls by way of a plane mirror or prism: what sees the light's image through it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitRegion {
+    /// The mirror or prism.
+    pub relay: Region,
+    /// Centre of the light's image, scene units.
+    pub image: DVec3,
+    /// Radius of a sphere around the image, scene units.
+    pub radius: f64,
+}
+
+impl Region {
+    /// Without a point.
+    pub const EMPTY: Region = Region { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+
+    /// Takes in a point.
+    pub fn add(&mut self, point: DVec3) {
+        self.low = self.low.min(point);
+        self.high = self.high.max(point);
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn united(&self, other: &Region) -> Region {
+        Region { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// Whether they have a point in common.
+    #[must_use]
+    pub fn meets(&self, other: &Region) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    /// The same with a margin on each side, scene units.
+    #[must_use]
+    pub fn grown(&self, margin: f64) -> Region {
+        Region { low: self.low - margin, high: self.high + margin }
+    }
+
+    /// Takes in what a ray crosses of another box before a distance.
+    pub(crate) fn add_segment(&mut self, ray: &Ray, distance: f64, within: &Region) {
+        let [a, b] = [within.low, within.high].map(|corner| (corner - ray.origin) / ray.direction);
+        // Along an axis that the ray does not follow it stays inside or outside. In the very plane of a side 0/0 says nothing, and
+        // the comparisons leave the axis out.
+        let (near, far) = [(a.x, b.x), (a.y, b.y), (a.z, b.z)]
+            .into_iter()
+            .fold((0.0_f64, distance), |(near, far), (a, b)| (near.max(a.min(b)), far.min(a.max(b))));
+        if near <= far && far.is_finite() {
+            self.add(ray.at(near));
+            self.add(ray.at(far));
+        }
+    }
+
+    fn sphere(&self) -> (DVec3, f64) {
+        (0.5 * (self.low + self.high), 0.5 * self.low.distance(self.high))
+    }
+}
+
+impl LitRegion {
+    /// Whether a point of the region may see the image, by spheres around all three.
+    pub(crate) fn reaches(&self, region: &Region) -> bool {
+        if !region.low.cmple(region.high).all() {
+            return false;
+        }
+        let ((relay, relay_radius), (from, from_radius)) = (self.relay.sphere(), region.sphere());
+        let way = self.image - from;
+        let share = ((relay - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        let miss = (from + way * share).distance(relay);
+        // `max` takes the number where the way has no length.
+        !(miss > relay_radius + from_radius.max(self.radius))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UNIT: Region = Region { low: DVec3::ZERO, high: DVec3::ONE };
+
+    fn crossed(origin: [f64; 3], direction: [f64; 3], distance: f64) -> Region {
+        let mut region = Region::EMPTY;
+        let ray = Ray { origin: DVec3::from(origin), direction: DVec3::from(direction) };
+        region.add_segment(&ray, distance, &UNIT);
+        region
+    }
+
+    #[test]
+    fn a_segment_is_clipped_at_both_ends() {
+        let region = crossed([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], 2.25);
+        assert_eq!(region, Region { low: DVec3::new(0.5, 0.5, 0.75), high: DVec3::new(0.5, 0.5, 1.0) });
+        assert_eq!(crossed([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], f64::INFINITY).low.z, 0.0);
+        assert_eq!(crossed([0.5, 0.5, 0.5], [0.0, 0.0, 1.0], f64::INFINITY).low.z, 0.5);
+    }
+
+    #[test]
+    fn a_segment_beside_or_before_a_box_crosses_nothing_of_it() {
+        assert_eq!(crossed([1.5, 0.5, 3.0], [0.0, 0.0, -1.0], 9.0), Region::EMPTY);
+        assert_eq!(crossed([0.5, 0.5, 3.0], [0.0, 0.0, -1.0], 1.5), Region::EMPTY);
+        assert_eq!(crossed([0.5, 0.5, 3.0], [0.0, 0.0, 1.0], f64::INFINITY), Region::EMPTY);
+        assert!(!Region::EMPTY.meets(&UNIT));
+    }
+
+    #[test]
+    fn a_relayed_light_reaches_what_is_behind_the_mirror_from_it() {
+        let relay = Region { low: DVec3::new(-1.0, -1.0, 0.0), high: DVec3::new(1.0, 1.0, 0.0) };
+        let light = LitRegion { relay, image: DVec3::new(0.0, 0.0, -10.0), radius: 0.1 };
+        let at = |x: f64, z: f64| Region { low: DVec3::new(x, 0.0, z), high: DVec3::new(x + 0.1, 0.1, z) };
+        assert!(light.reaches(&at(1.0, 10.0)));
+        assert!(!light.reaches(&at(9.0, 10.0)));
+        assert!(!light.reaches(&at(0.0, -3.0)), "between the mirror and the image nothing is lit");
+        assert!(!light.reaches(&Region::EMPTY));
+    }
+}

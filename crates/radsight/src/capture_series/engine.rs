@@ -1,0 +1,281 @@
+//! What the pictures of a series have in common, and how each is exposed.
+
+use crate::capture::Capture;
+use crate::error::Error;
+use crate::part_move::{PartMove, change_only_what_meets_them, move_parts, moved_surfaces, regions, without};
+use radsight_camera::CameraFile;
+use radsight_capture::{Background, Checkpoint, Exposer, Exposure, LitRegion, Progress, Region};
+use radsight_diag::Diagnostic;
+use radsight_ir::{Scene, SurfaceHandle, ValidScene};
+use radsight_pinhole::{BandWeights, PinholeModel, Rays};
+use radsight_render::{RayTreeOutput, RenderOptions, RenderPlan, Renderer};
+
+/// For fewer poses than this a background is not worth its rays.
+const FEWEST_POSES: usize = 3;
+
+/// The error of a background of n pictures is n^−⅓ of theirs, as more pictures pay for it, and no less than this share.
+const LEAST_BACKGROUND_ERROR: f64 = 0.25;
+
+/// One picture of a series: a capture, and where the parts of the scene are in it.
+///
+/// All captures of a series have the error, the samples and the options of the first.
+#[derive(Clone, Debug)]
+pub struct SeriesPicture {
+    /// Camera, ring, sensor.
+    pub capture: Capture,
+    /// Parts that are elsewhere than the scene has them.
+    pub moves: Vec<PartMove>,
+}
+
+/// How the scenes of a series are read and planned.
+pub trait SeriesScenes {
+    /// Why that cannot be done.
+    type Failure: From<Error>;
+
+    /// The scene with the light ring of a camera file.
+    ///
+    /// # Errors
+    /// When it is wrong.
+    fn read(&self, camera: &CameraFile) -> Result<ValidScene, Self::Failure>;
+
+    /// A plan for a scene that was made of the last one read.
+    ///
+    /// # Errors
+    /// When a material cannot be had.
+    fn plan(&self, scene: ValidScene, options: RenderOptions) -> Result<RenderPlan, Self::Failure>;
+
+    /// What is to be said when the rays of a plan were traced.
+    ///
+    /// # Errors
+    /// When a ray met a material that cannot be used.
+    fn check(&self, plan: &RenderPlan) -> Result<(), Self::Failure>;
+
+    /// The error that has these messages about the last scene read.
+    fn invalid(&self, errors: Vec<Diagnostic>) -> Self::Failure;
+}
+
+/// One exposed picture of a series.
+#[derive(Debug)]
+pub struct SeriesExposure<'r> {
+    /// Its place in the list of pictures.
+    pub picture: usize,
+    /// The exposure.
+    pub exposure: Exposure,
+    /// What answered its rays.
+    pub renderer: &'r Renderer,
+}
+
+/// Exposes all pictures of a series, those that have rays in common one after the other.
+///
+/// # Errors
+/// As [`SeriesScenes`], and [`Error::Option`] for an error or samples out of range.
+pub fn expose_series<S: SeriesScenes>(
+    scenes: &S,
+    pictures: &[SeriesPicture],
+    progress: &dyn Progress,
+    visit: &mut dyn FnMut(SeriesExposure<'_>) -> Result<(), S::Failure>,
+) -> Result<(), S::Failure> {
+    let Some(first) = pictures.first() else { return Ok(()) };
+    first.capture.check()?;
+    let all: Vec<usize> = (0..pictures.len()).collect();
+    for group in grouped(&all, |a, b| have_one_light(&pictures[a].capture, &pictures[b].capture)) {
+        let lead = &pictures[group[0]].capture;
+        let scene = scenes.read(lead.camera_file())?;
+        let poses = grouped(&group, |a, b| pictures[a].moves == pictures[b].moves);
+        let series = Series { scenes, pictures, settings: &first.capture, lead, scene, progress };
+        series.expose(&poses, visit)?;
+        if progress.stops() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The items in groups of equal ones, each in the order in which it came.
+fn grouped(items: &[usize], equal: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for &item in items {
+        match groups.iter_mut().find(|group| equal(group[0], item)) {
+            Some(group) => group.push(item),
+            None => groups.push(vec![item]),
+        }
+    }
+    groups
+}
+
+/// Whether two captures of one scene differ at most in exposure time, intensity of the LEDs and sensor.
+fn have_one_light(a: &Capture, b: &Capture) -> bool {
+    let [a, b] = [a.camera_file(), b.camera_file()].map(|file| {
+        let camera = file.camera.clone().with_exposure(1.0).expect("one second is positive");
+        let rig = file.rig.clone().map(|mut rig| {
+            (rig.camera, rig.led_intensity_w_per_sr) = (camera.clone(), 1.0);
+            rig
+        });
+        (camera, rig, file.band_weights.clone())
+    });
+    a == b
+}
+
+/// How much brighter the LEDs of one ring are than those of another; 1 where there are none.
+fn brightness(a: &CameraFile, b: &CameraFile) -> f64 {
+    match (&a.rig, &b.rig) {
+        (Some(a), Some(b)) if a.led_intensity_w_per_sr != b.led_intensity_w_per_sr => {
+            a.led_intensity_w_per_sr / b.led_intensity_w_per_sr
+        }
+        _ => 1.0,
+    }
+}
+
+/// Pictures with the same light, camera and scene, but for the places of parts.
+struct Series<'s, S> {
+    scenes: &'s S,
+    pictures: &'s [SeriesPicture],
+    /// Whose error, samples and options hold for all.
+    settings: &'s Capture,
+    /// The first of the pictures: it is exposed with its own exposure time and intensity.
+    lead: &'s Capture,
+    scene: ValidScene,
+    progress: &'s dyn Progress,
+}
+
+/// What stays of a scene when its parts move.
+struct Shared {
+    background: Background,
+    moved: Vec<SurfaceHandle>,
+}
+
+impl<S: SeriesScenes> Series<'_, S> {
+    fn expose(
+        &self,
+        poses: &[Vec<usize>],
+        visit: &mut dyn FnMut(SeriesExposure<'_>) -> Result<(), S::Failure>,
+    ) -> Result<(), S::Failure> {
+        let shared = if poses.len() < FEWEST_POSES { None } else { self.shared(poses)? };
+        for pose in poses {
+            if self.progress.stops() {
+                break;
+            }
+            self.expose_pose(pose, shared.as_ref(), visit)?;
+        }
+        Ok(())
+    }
+
+    /// The exposures of the pictures that have the parts in the same places.
+    fn expose_pose(
+        &self,
+        pose: &[usize],
+        shared: Option<&Shared>,
+        visit: &mut dyn FnMut(SeriesExposure<'_>) -> Result<(), S::Failure>,
+    ) -> Result<(), S::Failure> {
+        let scene = self.placed(&self.pictures[pose[0]].moves)?;
+        let parts = shared.and_then(|shared| regions(&scene, &shared.moved));
+        let renderer = self.renderer(scene, self.settings.options().clone())?;
+        let mut start = shared.zip(parts).and_then(|(shared, parts)| {
+            let lit = relayed(renderer.plan(), &shared.moved, &parts)?;
+            Some(shared.background.with_parts(&parts, &lit))
+        });
+        for &picture in pose {
+            let capture = &self.pictures[picture].capture;
+            let exposure = self.exposure(&renderer, capture, start.take())?;
+            if exposure.is_partial {
+                return Ok(());
+            }
+            // The next picture has the same rays: it begins where this one ended.
+            start = Some(exposure.checkpoint.clone()).filter(|_| self.settings.fixed_samples().is_none());
+            visit(SeriesExposure { picture, exposure, renderer: &renderer })?;
+        }
+        self.scenes.check(renderer.plan())
+    }
+
+    fn exposure(
+        &self,
+        renderer: &Renderer,
+        capture: &Capture,
+        start: Option<Checkpoint>,
+    ) -> Result<Exposure, S::Failure> {
+        let (rays, weights) = self.rays(capture.camera_file(), renderer.plan())?;
+        let exposer = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] };
+        let mut exposure = match self.settings.fixed_samples() {
+            Some(_) => exposer.with_samples(None, self.progress),
+            None => exposer.to_error(self.settings.asked_error(), start, self.progress),
+        };
+        let brighter = brightness(capture.camera_file(), self.lead.camera_file());
+        if brighter != 1.0 {
+            let errors = exposure.pixels.iter_mut().flat_map(|pixels| &mut pixels.standard_errors);
+            exposure.values.iter_mut().chain(errors).for_each(|value| *value *= brighter);
+        }
+        Ok(exposure)
+    }
+
+    /// What all poses have in common; `None` where parts may change any pixel.
+    fn shared(&self, poses: &[Vec<usize>]) -> Result<Option<Shared>, S::Failure> {
+        let moves = poses.iter().map(|pose| &self.pictures[pose[0]].moves);
+        let moved = moved_surfaces(&self.scene, moves.clone().flatten()).map_err(|error| self.wrong(error))?;
+        let options = self.settings.options();
+        let is_local = options.ambient_bounces == 0
+            && self.settings.fixed_samples().is_none()
+            && self.lead.camera_file().camera.pinhole_model() != PinholeModel::Diffraction
+            && change_only_what_meets_them(&self.scene, &moved);
+        if !is_local || moved.is_empty() {
+            return Ok(None);
+        }
+        let mut within = Region::EMPTY;
+        for moves in moves {
+            let mut scene = Scene::clone(&self.scene);
+            move_parts(&mut scene, moves).map_err(|error| self.wrong(error))?;
+            let Some(parts) = regions(&scene, &moved) else { return Ok(None) };
+            within = parts.iter().fold(within, |within, part| within.united(part));
+        }
+        let bare = without(&self.scene, &moved).validate().map_err(|errors| self.scenes.invalid(errors))?.scene;
+        let told = RenderOptions { ray_tree: Some(RayTreeOutput::AllAndLit), ..options.clone() };
+        let told = self.renderer(bare.clone(), told)?;
+        let renderer = self.renderer(bare, options.clone())?;
+        let (rays, weights) = self.rays(self.lead.camera_file(), renderer.plan())?;
+        let exposer = Exposer { renderer: &renderer, rays: &rays, weights: &weights, by_row: &[] };
+        let share = (poses.len() as f64).cbrt().recip().max(LEAST_BACKGROUND_ERROR);
+        let error = share * self.settings.asked_error();
+        let background = Background::expose(&exposer, &told, &within, error, self.progress);
+        self.scenes.check(renderer.plan())?;
+        Ok(background.map(|background| Shared { background, moved }))
+    }
+
+    /// The scene with its parts in their places.
+    fn placed(&self, moves: &[PartMove]) -> Result<ValidScene, S::Failure> {
+        if moves.is_empty() {
+            return Ok(self.scene.clone());
+        }
+        let mut scene = Scene::clone(&self.scene);
+        move_parts(&mut scene, moves).map_err(|error| self.wrong(error))?;
+        scene.validate().map(|valid| valid.scene).map_err(|errors| self.scenes.invalid(errors))
+    }
+
+    fn renderer(&self, scene: ValidScene, options: RenderOptions) -> Result<Renderer, S::Failure> {
+        self.scenes.plan(scene, options).map(Renderer::new)
+    }
+
+    fn rays(&self, file: &CameraFile, plan: &RenderPlan) -> Result<(Rays, BandWeights), S::Failure> {
+        let weights = file.band_weights_for(plan.bands()).map_err(|error| Error::Bands(error.to_string()))?;
+        let samples = self.settings.fixed_samples().unwrap_or(1);
+        Ok((Rays::new(&file.camera, samples, self.settings.options().seed), weights))
+    }
+
+    fn wrong(&self, error: Diagnostic) -> S::Failure {
+        self.scenes.invalid(vec![error])
+    }
+}
+
+/// Where lights fall by way of mirrors among the parts; `None` where it is more than one mirror on the way, or no place is known.
+fn relayed(plan: &RenderPlan, moved: &[SurfaceHandle], parts: &[Region]) -> Option<Vec<LitRegion>> {
+    let mut lit = Vec::new();
+    for light in &plan.lights {
+        let place = |surface| moved.binary_search(&surface).ok();
+        if !light.virtual_sources.iter().any(|source| place(source.surface).is_some()) {
+            continue;
+        }
+        let [relay] = &light.virtual_sources[..] else { return None };
+        let is_near = light.radius.is_finite();
+        let relay = parts[place(relay.surface)?];
+        lit.push(is_near.then_some(LitRegion { relay, image: light.center, radius: light.radius })?);
+    }
+    Some(lit)
+}

@@ -1,0 +1,287 @@
+//! Files of series: a table of pictures, separated by commas.
+
+use crate::error::{Error, Report};
+use crate::part_move::PartMove;
+use radsight_diag::{Diagnostic, SourceId, SourceMap, Span};
+use std::collections::BTreeSet;
+
+/// The largest file of a series that is read, bytes.
+const LARGEST_FILE: usize = 64 << 20;
+
+/// Mistakes after which reading stops.
+const MOST_ERRORS: usize = 20;
+
+/// What moves a part begins so; its surfaces' name follows.
+const MOVE: &str = "move ";
+
+/// One picture of a series, as a file says it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesRow {
+    /// Its name, or its number from 1 in the file with leading zeros.
+    pub name: String,
+    /// The line of the file, from 1.
+    pub line: u32,
+    /// Keys of the camera file that are replaced (`table.key`), with their values.
+    pub keys: Vec<(String, String)>,
+    /// Parts that are elsewhere.
+    pub moves: Vec<PartMove>,
+}
+
+/// What a column says.
+enum Column {
+    Name,
+    Key(String),
+    Move(String),
+}
+
+/// Reads the text of a series: the first line names columns, each other line is a picture.
+///
+/// A column is `name`, a key of the camera file such as `rig.ring_diameter_mm`, or `move NAME` with the transform of the surfaces of that name
+/// ([`PartMove::new`]). An empty cell changes nothing. Cells with commas stand in double quotes. Empty lines and lines that begin with `#` are
+/// passed over.
+///
+/// ```
+/// let text = b"move washer_*,rig.ring_diameter_mm\n-t .01 0 0,20\n,30\n";
+/// let rows = radsight::read_series("poses.csv", text).unwrap();
+/// assert_eq!((rows.len(), rows[0].moves.len(), rows[1].moves.len()), (2, 1, 0));
+/// assert_eq!(rows[1].keys, [("rig.ring_diameter_mm".to_owned(), "30".to_owned())]);
+/// let error = radsight::read_series("poses.csv", b"move washer_*\n-t .01 0\n").unwrap_err();
+/// assert!(error.to_string().contains("poses.csv:2:1: error: missing z of -t"), "{error}");
+/// ```
+///
+/// # Errors
+/// [`Error::Series`] with the first twenty mistakes.
+pub fn read_series(name: &str, text: &[u8]) -> Result<Vec<SeriesRow>, Error> {
+    let mut sources = SourceMap::default();
+    let source = sources.add(name, text, None);
+    let mut reader = Reader { source, sources: &sources, errors: Vec::new() };
+    let rows = reader.rows(text);
+    match reader.errors.is_empty() {
+        true => Ok(rows),
+        false => Err(Error::Series(Report::new(reader.errors, sources))),
+    }
+}
+
+struct Reader<'s> {
+    source: SourceId,
+    sources: &'s SourceMap,
+    errors: Vec<Diagnostic>,
+}
+
+/// One cell of the table, without quotes and white space around it.
+struct Cell {
+    text: String,
+    span: Span,
+}
+
+impl Reader<'_> {
+    fn rows(&mut self, text: &[u8]) -> Vec<SeriesRow> {
+        let whole = self.sources.span(self.source, 0, 0);
+        if text.len() > LARGEST_FILE {
+            self.error(whole, format!("the series has {} bytes, expected at most {LARGEST_FILE}", text.len()));
+            return Vec::new();
+        }
+        let Ok(text) = std::str::from_utf8(text) else {
+            self.error(whole, "the series is not UTF-8 text".to_owned());
+            return Vec::new();
+        };
+        let mut lines = self.lines(text).into_iter();
+        let Some(head) = lines.next() else {
+            self.error(whole, "the series is empty, expected a line with the names of its columns".to_owned());
+            return Vec::new();
+        };
+        let columns = self.columns(head);
+        let rows: Vec<SeriesRow> = lines.filter_map(|cells| self.row(&columns, cells)).collect();
+        if rows.is_empty() && self.errors.is_empty() {
+            self.error(whole, "the series has no picture, expected a line for each".to_owned());
+        }
+        self.named(rows)
+    }
+
+    /// The cells of each line that has any.
+    fn lines(&mut self, text: &str) -> Vec<Vec<Cell>> {
+        let mut at = if text.starts_with('\u{feff}') { 3 } else { 0 };
+        let mut lines = Vec::new();
+        for line in text[at..].split_inclusive('\n') {
+            let start = at;
+            at += line.len();
+            let line = line.trim_end_matches(['\n', '\r']);
+            if line.trim().is_empty() || line.trim_start().starts_with('#') {
+                continue;
+            }
+            if let Some(cells) = self.cells(line, start) {
+                lines.push(cells);
+            }
+            if self.errors.len() >= MOST_ERRORS {
+                break;
+            }
+        }
+        lines
+    }
+
+    fn cells(&mut self, line: &str, start: usize) -> Option<Vec<Cell>> {
+        let (mut cells, mut at) = (Vec::new(), 0);
+        loop {
+            let rest = &line[at..];
+            let lead = rest.len() - rest.trim_start().len();
+            let (text, length) = match rest[lead..].strip_prefix('"') {
+                Some(quoted) => {
+                    let Some((text, length)) = unquoted(quoted) else {
+                        let span = self.span(start + at + lead, start + line.len());
+                        self.error(span, "the quotes are not closed".to_owned());
+                        return None;
+                    };
+                    (text, lead + 1 + length)
+                }
+                None => {
+                    let length = rest.find(',').unwrap_or(rest.len());
+                    (rest[..length].trim().to_owned(), length)
+                }
+            };
+            let between = &rest[length..rest[length..].find(',').map_or(rest.len(), |comma| length + comma)];
+            if !between.trim().is_empty() {
+                let span = self.span(start + at + length, start + at + length + between.len());
+                self.error(span, "expected a comma after the quotes".to_owned());
+                return None;
+            }
+            let end = start + at + rest[..length].trim_end().len();
+            cells.push(Cell { text, span: self.span((start + at + lead).min(end), end) });
+            at += length + between.len();
+            if at >= line.len() {
+                return Some(cells);
+            }
+            at += 1;
+        }
+    }
+
+    fn columns(&mut self, head: Vec<Cell>) -> Vec<Column> {
+        let mut seen = BTreeSet::new();
+        let mut columns = Vec::new();
+        for Cell { text, span } in head {
+            if !seen.insert(text.clone()) {
+                self.error(span, format!("a second column \"{text}\""));
+            }
+            columns.push(match text.strip_prefix(MOVE).map(str::trim) {
+                _ if text == "name" => Column::Name,
+                Some(surfaces) if !surfaces.is_empty() => Column::Move(surfaces.to_owned()),
+                None if text.contains('.') => Column::Key(text),
+                _ => {
+                    let message = format!(
+                        "unknown column \"{text}\", expected name, move NAME, or a key of the camera file such as rig.ring_diameter_mm"
+                    );
+                    self.error(span, message);
+                    Column::Name
+                }
+            });
+        }
+        columns
+    }
+
+    fn row(&mut self, columns: &[Column], cells: Vec<Cell>) -> Option<SeriesRow> {
+        let first = cells.first()?.span;
+        if cells.len() != columns.len() {
+            self.error(first, format!("{} cells, expected {}", cells.len(), columns.len()));
+            return None;
+        }
+        let line = self.sources.position(first).line;
+        let mut row = SeriesRow { name: String::new(), line, keys: Vec::new(), moves: Vec::new() };
+        for (column, cell) in columns.iter().zip(cells).filter(|(_, cell)| !cell.text.is_empty()) {
+            match column {
+                Column::Name if cell.text.contains(['/', '\\', '\0']) => {
+                    self.error(cell.span, format!("\"{}\" cannot be part of a file's name", cell.text));
+                }
+                Column::Name => row.name = cell.text,
+                Column::Key(key) => row.keys.push((key.clone(), cell.text)),
+                Column::Move(surfaces) => match PartMove::new(surfaces, &cell.text) {
+                    Ok(moved) => row.moves.push(moved),
+                    Err(mistake) => self.error(cell.span, mistake),
+                },
+            }
+        }
+        Some(row)
+    }
+
+    /// The pictures without a name get their numbers, and no two have the same.
+    fn named(&mut self, mut rows: Vec<SeriesRow>) -> Vec<SeriesRow> {
+        let digits = rows.len().to_string().len();
+        let mut seen = BTreeSet::new();
+        for (number, row) in (1..).zip(&mut rows) {
+            if row.name.is_empty() {
+                row.name = format!("{number:0digits$}");
+            }
+            if !seen.insert(row.name.clone()) {
+                let whole = self.sources.span(self.source, 0, 0);
+                self.error(whole, format!("a second picture \"{}\", in line {}", row.name, row.line));
+            }
+        }
+        rows
+    }
+
+    fn span(&self, start: usize, end: usize) -> Span {
+        self.sources.span(self.source, start, end)
+    }
+
+    fn error(&mut self, span: Span, message: String) {
+        if self.errors.len() < MOST_ERRORS {
+            self.errors.push(Diagnostic::error(message).at(span));
+        }
+    }
+}
+
+/// The text up to closing quotes, and how many bytes it takes with them; two quotes stand for one.
+fn unquoted(quoted: &str) -> Option<(String, usize)> {
+    let mut text = String::new();
+    let mut at = 0;
+    loop {
+        let end = at + quoted[at..].find('"')?;
+        text.push_str(&quoted[at..end]);
+        if !quoted[end + 1..].starts_with('"') {
+            return Some((text, end + 1));
+        }
+        text.push('"');
+        at = end + 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(text: &str) -> String {
+        read_series("s.csv", text.as_bytes()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn quotes_hold_commas_and_quotes() {
+        let text = "name,camera.position_m,camera.pinhole_model\n a , \"[0, 0, .5]\" ,\"\"\"point\"\"\"\n";
+        let rows = read_series("s.csv", text.as_bytes()).unwrap();
+        assert_eq!(rows[0].name, "a");
+        assert_eq!(rows[0].keys[0].1, "[0, 0, .5]");
+        assert_eq!(rows[0].keys[1].1, "\"point\"");
+    }
+
+    #[test]
+    fn pictures_without_a_name_are_numbered() {
+        let rows = read_series("s.csv", "rig.leds\n# a comment\n\n1\n2\r\n".as_bytes()).unwrap();
+        assert_eq!(rows.iter().map(|row| (&*row.name, row.line)).collect::<Vec<_>>(), [("1", 4), ("2", 5)]);
+    }
+
+    #[test]
+    fn every_mistake_says_where() {
+        let text = "name,leds,move \nx,1,\n../y,1,\nz,1\n\"a,b\n";
+        let told = errors(text);
+        for expected in [
+            "s.csv:1:6: error: unknown column \"leds\"",
+            "s.csv:1:11: error: unknown column \"move\"",
+            "s.csv:3:1: error: \"../y\" cannot be part of a file's name",
+            "s.csv:4:1: error: 2 cells, expected 3",
+            "s.csv:5:1: error: the quotes are not closed",
+        ] {
+            assert!(told.contains(expected), "{expected}\n{told}");
+        }
+        assert!(errors("rig.leds\n").contains("has no picture"));
+        assert!(errors("").contains("is empty"));
+        assert!(errors("name,rig.leds\na,1\na,2\n").contains("a second picture \"a\", in line 3"));
+        assert!(errors("rig.leds,rig.leds\n1,2\n").contains("1:10: error: a second column"));
+    }
+}

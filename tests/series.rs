@@ -1,0 +1,106 @@
+//! `radsight capture --variants`: every picture is the one that a capture alone makes.
+
+mod pictures;
+mod program;
+
+use pictures::{Difference, exposure_file, show};
+use program::{Folder, gripps, radsight, root};
+use radsight_picture::Image;
+
+fn file(name: &str) -> String {
+    root().join("tests/gripps").join(name).to_string_lossy().into_owned()
+}
+
+/// A folder with a table of pictures, and the words of its captures.
+struct Series {
+    folder: Folder,
+    scenes: Vec<String>,
+}
+
+impl Series {
+    fn new(table: &str, part: &str) -> Series {
+        let folder = Folder::new();
+        folder.file("table.csv", table);
+        Series { folder, scenes: vec![gripps("sheet-retro.rad"), part.to_owned()] }
+    }
+
+    /// The pictures of the table.
+    fn pictures(&self, names: &[&str], error: &str) -> Vec<Image<f32>> {
+        let (table, out) = (self.folder.word("table.csv"), self.folder.word("series-{}.pfm"));
+        self.capture(&file("part.toml"), &["--variants", &table, "--error", error, "--exposure", &out]);
+        names.iter().map(|name| exposure_file(&self.folder.path(&format!("series-{name}.pfm")))).collect()
+    }
+
+    /// A capture alone, with some words of the camera file replaced and the part's text moved.
+    fn alone(&self, replaced: [&str; 2], pose: &str, error: &str) -> Image<f32> {
+        let camera = std::fs::read_to_string(file("part.toml")).expect("a camera file");
+        assert!(camera.contains(replaced[0]));
+        let camera = camera.replace(replaced[0], replaced[1]).replace("../../", &format!("{}/", root().display()));
+        self.folder.file("alone.toml", &camera);
+        self.folder.file("alone.rad", &format!("!xform {pose} {}\n", self.scenes[1]));
+        let (camera, part, out) =
+            (self.folder.word("alone.toml"), self.folder.word("alone.rad"), self.folder.word("alone.pfm"));
+        radsight(&["capture", &camera, &self.scenes[0], &part, "--error", error, "--exposure", &out]).done();
+        exposure_file(&self.folder.path("alone.pfm"))
+    }
+
+    fn capture(&self, camera: &str, words: &[&str]) {
+        let scenes = self.scenes.iter().map(String::as_str);
+        let all: Vec<&str> = ["capture", camera].into_iter().chain(scenes).chain(words.iter().copied()).collect();
+        radsight(&all).done();
+    }
+}
+
+#[test]
+fn sensor_and_exposure_time_change_no_bit_of_a_picture() {
+    let table = "name,sensor.gamma,camera.exposure_ms,rig.led_intensity_w_per_sr\na,,,\nb,.5,,\nc,,3.0,\nd,,,.11\n";
+    let series = Series::new(table, &gripps("part-ball.rad"));
+    let [a, b, c, d]: [Image<f32>; 4] = series.pictures(&["a", "b", "c", "d"], ".05").try_into().expect("four");
+    let exposure = "exposure_ms = 10.0";
+    let alone = |ms: &str| series.alone([exposure, ms], "", ".05");
+    assert!(a.data() == alone(exposure).data() && b.data() == a.data());
+    assert!(c.data() == alone("exposure_ms = 3.0").data());
+    assert!(d.data().iter().zip(a.data()).all(|(d, a)| (d - 2.0 * a).abs() <= 1e-6 * a));
+}
+
+/// The asked error holds with parts elsewhere, and what their light does not touch is shared.
+#[test]
+fn pictures_of_a_moving_part_are_those_of_captures_alone() {
+    let poses = ["", "-t -.02 0 0", "-t .015 -.025 0", "-t -.03 -.012 0 -ry 12 -t .03 .012 .006"];
+    let (head, error) = ("name,move top,move out*,move inside\n", 0.02_f64);
+    let lines: String = (0..).zip(poses).map(|(name, pose)| format!("{name},{pose},{pose},{pose}\n")).collect();
+    let series = Series::new(&format!("{head}{lines}"), &file("tall-washer.rad"));
+    let pictures = series.pictures(&["0", "1", "2", "3"], &error.to_string());
+    for (pose, picture) in poses.iter().zip(&pictures) {
+        let truth = series.alone(["leds = 12", "leds = 12"], pose, ".01");
+        let difference = Difference::new(picture, &truth);
+        println!("{pose}: {difference:?}");
+        if difference.rms > 1.2 * (error * error + 1e-4).sqrt() || difference.mean.abs() > 0.3 * error {
+            let shown = show("series", picture, &truth);
+            panic!("{pose}: {difference:?}; see {}", shown.display());
+        }
+    }
+    let shared = pictures[0].data().iter().zip(pictures[1].data()).filter(|(a, b)| a == b).count();
+    assert!((40..400).contains(&shared), "{shared} of 480 pixels are shared");
+}
+
+#[test]
+fn mistakes_of_a_series_are_told_where_they_stand() {
+    let cases = [
+        ("move tup\n-t 1 0 0\n", "the scene has no surface \"tup\" that could be moved"),
+        ("move background\n-t 1 0 0\n", "\"background\" cannot be moved: its modifier \"to_viewer\""),
+        ("rig.ring_diameter_mm\n-3\n", "\"ring_diameter_mm\" must be positive, not -3"),
+        ("rig.ring_diameter\n3\n", "unknown key \"ring_diameter\""),
+        ("move top\n-s 2\n", "table.csv:2:1: error: a part keeps its size"),
+    ];
+    for (table, expected) in cases {
+        let series = Series::new(table, &file("tall-washer.rad"));
+        let (camera, table, out) = (file("part.toml"), series.folder.word("table.csv"), series.folder.word("{}.pfm"));
+        let [sheet, part] = &series.scenes[..] else { panic!("two scenes") };
+        let run = |out: &str| radsight(&["capture", &camera, sheet, part, "--variants", &table, "--exposure", out]);
+        let told = run(&out);
+        assert!(told.code == 1 && told.messages.contains(expected), "{expected}\n{told:?}");
+        let told = run("x.pfm");
+        assert!(told.code == 2 && told.messages.contains("expected {} in it"), "{told:?}");
+    }
+}
