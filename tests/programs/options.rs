@@ -46,6 +46,7 @@ fn value(program: &str, option: &ProgramOption, name: &str) -> &'static str {
         ("-aE" | "-aI" | "-tI" | "-tE", _) => "names.txt",
         ("-M", _) if program == "rcontrib" => "names.txt",
         ("-a" | "-l", "FILE") => "materials.rad",
+        ("-af", _) => "made.out",
         ("-o" | "-z" | "-r" | "-ro" | "-x" | "-P" | "-D" | "-M", "FILE") => "made.out",
         ("--error-map" | "--ray-map" | "--record" | "--allow-output", _) => "made.out",
         ("-pal", _) => "def",

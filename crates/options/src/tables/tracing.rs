@@ -1,6 +1,6 @@
 //! The programs that trace rays.
 
-use super::rendering::{ANSWERS, DEFINITIONS, EFFORT, ONLY_HELP, READING, RENDERING, TRUST, VIEW};
+use super::rendering::{ANSWERS, DEFINITIONS, ONLY_HELP, READING, RENDERING, SAMPLING, TRUST, VIEW};
 use crate::option::Listing::{Computed, Fixed, Switch, SwitchOn, Whole};
 use crate::option::{ProgramOption, attached, flag, switch, value};
 use crate::program::{Group, Program};
@@ -86,7 +86,7 @@ pub(super) const RPICT: Program =
                 ],
             },
             RENDERING,
-            EFFORT,
+            SAMPLING,
             DEFINITIONS,
             READING,
             ANSWERS,
@@ -172,7 +172,7 @@ pub(super) const RTRACE: Program = Program {
             ],
         },
         RENDERING,
-        EFFORT,
+        SAMPLING,
         DEFINITIONS,
         READING,
         ANSWERS,
@@ -272,7 +272,7 @@ pub(super) const MKILLUM: Program = Program {
             ],
         },
         RENDERING,
-        EFFORT,
+        SAMPLING,
         DEFINITIONS,
         READING,
         Group {
