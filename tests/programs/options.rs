@@ -2,8 +2,8 @@
 //! others are; help, `-defaults`, manual pages and completions come of the same table.
 
 use crate::program::{Folder, ROOM, Run, command, radsight, run_with};
-use crate::real_radiance::Radiance;
 use radsight_options::{OptionForm, Program, ProgramOption, programs};
+use radsight_test_support::Radiance;
 use std::process::Command;
 
 /// No program has it: who complains of it has used all words before it.
