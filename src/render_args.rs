@@ -29,7 +29,11 @@ pub(crate) fn take(words: &[String]) -> Result<(RenderOptions, Vec<String>), Fai
     let mut rest = Vec::new();
     let mut at = 0;
     while at < words.len() {
-        let used = take_one(&words[at..], &mut options)?;
+        let used = match words[at].as_str() {
+            // Programs that take options so keep no irradiance cache in a file.
+            "-af" => number::<String>(&words[at..], "-af", "a file").map(|_| 2)?,
+            _ => take_one(&words[at..], &mut options)?,
+        };
         if used == 0 {
             rest.push(words[at].clone());
         }

@@ -4,6 +4,8 @@
 #![no_main]
 #![allow(dead_code, clippy::all)]
 
+#[path = "../../src/ambient_file.rs"]
+mod ambient_file;
 #[path = "../../src/args.rs"]
 mod args;
 #[path = "../../src/budget.rs"]
@@ -26,6 +28,10 @@ mod failure;
 mod file_pattern;
 #[path = "../../src/input.rs"]
 mod input;
+#[path = "../../src/listed_options.rs"]
+mod listed_options;
+#[path = "../../src/option_table.rs"]
+mod option_table;
 #[path = "../../src/output.rs"]
 mod output;
 #[path = "../../src/output_color.rs"]
@@ -48,8 +54,6 @@ mod render_args;
 mod run_record;
 #[path = "../../src/sensor_picture.rs"]
 mod sensor_picture;
-#[path = "../../src/shown_options.rs"]
-mod shown_options;
 #[path = "../../src/switch.rs"]
 mod switch;
 #[path = "../../src/trust/mod.rs"]
@@ -63,7 +67,7 @@ use trust::{Commands, Existing, Trust, WORDS_OF_FILE};
 const PROGRAMS: [&str; 5] = ["rpict", "rtrace", "rcontrib", "rfluxmtx", "mkillum"];
 
 /// Options that name what is written at once, or read as long as somebody writes.
-const LEFT_OUT: [&str; 6] = ["-P", "-PP", "-e", "-S", "-", "-vf"];
+const LEFT_OUT: [&str; 7] = ["-P", "-PP", "-e", "-S", "-", "-vf", "-af"];
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);

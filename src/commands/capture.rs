@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         return series::run(arguments, table, render);
     }
     let mut stopwatch = Stopwatch::start();
-    check_effort(arguments)?;
+    check_budget(arguments)?;
     use_threads(arguments.threads)?;
     let camera = read_camera(&arguments.camera)?;
     check_sensor(arguments, &camera)?;
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
     Ok(())
 }
 
-fn check_effort(arguments: &Capture) -> Outcome {
+fn check_budget(arguments: &Capture) -> Outcome {
     if arguments.samples == Some(0) {
         return Err(Failure::usage("option \"--samples\" is 0, expected at least 1"));
     }

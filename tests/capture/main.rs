@@ -14,4 +14,5 @@ mod job;
 mod library_and_program;
 mod opencv_calibration;
 mod parts;
+mod series;
 mod truth;

@@ -9,6 +9,7 @@ mod matrix_programs;
 mod mkillum;
 mod obj2mesh;
 mod oconv;
+mod options;
 mod picture_programs;
 mod pinterp;
 mod rad;

@@ -80,8 +80,8 @@ impl LitRegion {
         let way = self.image - from;
         let share = ((relay - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
         let miss = (from + way * share).distance(relay);
-        // `max` takes the number where the way has no length.
-        !(miss > relay_radius + from_radius.max(self.radius))
+        // Where the way has no length nothing is known.
+        miss.is_nan() || miss <= relay_radius + from_radius.max(self.radius)
     }
 }
 

@@ -25,7 +25,7 @@ use std::cell::RefCell;
 /// ```
 /// use radsight::{Capture, CaptureSeries, MemoryLoader, PartMove, Scene, SeriesPicture};
 /// # fn main() -> Result<(), radsight::Error> {
-/// # let camera = b"[camera]\nposition_m = [0, 0, .5]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [24, 20]\npixel_pitch_um = [100, 100]
+/// # let camera = b"[camera]\nposition_m = [0, 0, 0.5]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\npixels = [24, 20]\npixel_pitch_um = [100, 100]
 /// # focal_distance_mm = 6.75\npinhole_diameter_mm = 0.1\nexposure_ms = 10\n";
 /// let capture = Capture::from_text("camera.toml", camera, &MemoryLoader::default())?.error(0.02);
 /// let scene = "void glow sky 0 0 4 1 1 1 0 sky source up 0 0 4 0 0 1 180

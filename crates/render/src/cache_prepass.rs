@@ -8,7 +8,7 @@ use crate::hemisphere_sampling::HemisphereSamples;
 use crate::ray_spacing::RaySpacing;
 use crate::trace::PathIntegrator;
 use radsight_accel::Ray;
-use radsight_compile::RenderPlan;
+use radsight_compile::{Quantity, RenderPlan};
 use radsight_irradiance_cache::{Cache, Fit, Hemisphere, Limits, Record, Stored, StoredBytes};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -74,7 +74,17 @@ const SHARE_BEYOND: usize = 4;
 /// So many points are few: each gets so many times the rays that are asked for, as paths of one ray a bounce. Radiance
 /// takes about as long, since it sends as many rays on from every place that these find. More points share as many rays.
 const FEW_POINTS: f64 = 16.0;
-const RAYS_OF_A_SENSOR: f64 = 8.0;
+const RAYS_OF_A_POINT: f64 = 8.0;
+
+/// Irradiance of more than one bounce at no more than so many points is that of sensors, whose values are read one by
+/// one. Each gets so many times the rays that are asked for, which end at surfaces with cached irradiance of their own. That
+/// takes at least so many rays in all to pay.
+const MOST_SENSORS: usize = 128;
+const RAYS_OF_A_SENSOR: f64 = 16.0;
+const FEWEST_SENSOR_RAYS: f64 = 16_384.0;
+
+/// So many rays in all tell what sensors see.
+const SENSOR_LOOKS: usize = 4096;
 
 /// Looks there are numbered apart.
 const FIRST_LOOK_BEYOND: u64 = 1 << 40;
@@ -94,7 +104,7 @@ pub(crate) fn gather<const BANDS: usize>(
         return 0;
     }
     served.push(asked);
-    if plan.options.ambient_bounces > 1 && rays.len() >= FEWEST_TO_GO_BEYOND {
+    if plan.options.ambient_bounces > 1 && pays_to_go_beyond(plan, rays.len()) {
         let looks = SecondaryGathers::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
         beyond.gather(plan, ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
@@ -281,7 +291,7 @@ impl<const BANDS: usize> Level<BANDS> {
         cache_query: impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
     ) {
         let before = self.cache.len();
-        self.least_own_rays = least_own_rays(plan.options.gathering.rays(), count);
+        self.least_own_rays = least_own_rays(plan, count);
         let surveys = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
         for round in 0..surveys {
             if round > 0 {
@@ -480,10 +490,28 @@ fn sample_allocation(served: &[f64], evenness: f64) -> Vec<f64> {
     roots().map(|root| scale * root).collect()
 }
 
-/// Rays that a record traces by itself at least, where so many rays are asked for (`-ad`, `-as`) and so many points in all want
-/// irradiance. Few points are sensors, whose values are read one by one and which have hardly a neighbour to share with.
-fn least_own_rays(asked: usize, points: usize) -> f64 {
-    RAYS_OF_A_SENSOR * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
+/// Whether so many points are sensors with light of more than one bounce.
+fn are_sensors(plan: &RenderPlan, points: usize) -> bool {
+    let options = &plan.options;
+    options.quantity != Quantity::Radiance && options.ambient_bounces > 1 && points <= MOST_SENSORS
+}
+
+/// Whether what so many points see is worth a cache of its own.
+fn pays_to_go_beyond(plan: &RenderPlan, points: usize) -> bool {
+    let of_sensors = least_own_rays(plan, points) * points as f64;
+    points >= FEWEST_TO_GO_BEYOND || are_sensors(plan, points) && of_sensors >= FEWEST_SENSOR_RAYS
+}
+
+/// Rays that a record traces by itself at least, where so many points in all want irradiance.
+fn least_own_rays(plan: &RenderPlan, points: usize) -> f64 {
+    let factor = if are_sensors(plan, points) { RAYS_OF_A_SENSOR } else { RAYS_OF_A_POINT };
+    rays_of_few(factor, plan.options.gathering.rays(), points)
+}
+
+/// So many times the rays that are asked for (`-ad`, `-as`) for each of few points, which have hardly a neighbour to share
+/// with; more points share as many.
+fn rays_of_few(factor: f64, asked: usize, points: usize) -> f64 {
+    factor * asked as f64 * (FEW_POINTS / points.max(1) as f64).min(1.0)
 }
 
 /// What these rays want of the irradiance in the cache, of what is asked.
@@ -524,11 +552,12 @@ impl<const BANDS: usize> SecondaryGathers<BANDS> {
         let order = scattered(rays.len());
         let some = &order[..order.len().min(MOST_SAMPLE_PLACES)];
         let surveys = cache_query(plan, cache, rays, some, &CacheQuery::Missing(Vec::new(), spread));
-        let from = surveys.into_iter().flat_map(CacheQuery::missing).collect();
+        let from: Vec<CachePoint<BANDS>> = surveys.into_iter().flat_map(CacheQuery::missing).collect();
+        let looks = if are_sensors(plan, rays.len()) { SENSOR_LOOKS / rays.len().max(1) } else { SAMPLE_LOOKS };
         let angle = (2.0 * PI / plan.options.gathering.rays() as f64).sqrt();
         SecondaryGathers {
             from,
-            hemisphere: Hemisphere::with_divisions(SAMPLE_LOOKS),
+            hemisphere: Hemisphere::with_divisions(looks.max(SAMPLE_LOOKS)),
             spread: RaySpacing { width: 0.0, angle },
         }
     }
@@ -585,16 +614,16 @@ fn scattered(count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{least_own_rays, sample_allocation, scattered};
+    use super::{RAYS_OF_A_POINT, rays_of_few, sample_allocation, scattered};
 
     #[test]
-    fn sensors_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
+    fn few_points_trace_more_rays_than_are_asked_for_and_pixels_do_not_have_to() {
         for points in [1, 9, 16] {
-            assert!(least_own_rays(2304, points) > 2304.0, "{points} points");
+            assert!(rays_of_few(RAYS_OF_A_POINT, 2304, points) > 2304.0, "{points} points");
         }
-        assert!(least_own_rays(1000, 100_000) < 2.0);
+        assert!(rays_of_few(RAYS_OF_A_POINT, 1000, 100_000) < 2.0);
         // However many points there are, the rays of all of them are no more than those of a few.
-        assert!((1..1000).all(|points| points as f64 * least_own_rays(100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
+        assert!((1..1000).all(|points| points as f64 * rays_of_few(8.0, 100, points) <= 16.0 * 8.0 * 100.0 + 1e-6));
     }
 
     #[test]

@@ -8,13 +8,16 @@ mod build;
 
 use build::{Builder, plan};
 use glam::DVec3;
-use radsight_render::{Gathering, Ray, RaySpacing, RenderOptions, Renderer};
+use radsight_render::{Gathering, Quantity, Ray, RaySpacing, RenderOptions, Renderer};
 use std::f64::consts::PI;
 
 const SIZE: DVec3 = DVec3::new(6.0, 4.0, 3.0);
 const REFLECTANCE: f64 = 0.5;
 const SKY: f64 = 3.0;
 const SEEDS: u64 = 8;
+
+/// Of a sensor's irradiance in one run.
+const MOST_DEVIATION: f64 = 0.005;
 
 /// A rectangle with a corner, two edges and the unit normal `x × y`.
 #[derive(Clone, Copy)]
@@ -195,6 +198,45 @@ fn cached(scene: &Builder, points: &[(DVec3, DVec3)], bounces: u32, seed: u64) -
     let rays: Vec<_> = points.iter().map(|(point, _)| Ray::new(eye, *point - eye)).collect();
     renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
     renderer.trace_all(0, &rays).iter().flatten().map(|traced| traced.value[0]).sum()
+}
+
+/// The patch lies below the sensors: what they get of it comes by way of ceiling and walls.
+#[test]
+fn few_sensors_have_the_light_of_a_second_bounce_with_little_noise() {
+    let room = Room::new(0.2, None);
+    let (scene, reflecting) = (room.scene(), room.reflecting());
+    let sensors: Vec<DVec3> = (0..9).map(|index| DVec3::new(2.0 + 0.4 * f64::from(index), 2.1, 0.8)).collect();
+    let truth: Vec<f64> = sensors
+        .iter()
+        .map(|point| {
+            let from = |(cell, facing, radiance): &((DVec3, f64), DVec3, f64)| {
+                radiance * geometry(*point, DVec3::Z, *cell, *facing)
+            };
+            reflecting.iter().map(from).sum()
+        })
+        .collect();
+    let rays: Vec<_> = sensors.iter().map(|point| Ray::new(*point, DVec3::Z)).collect();
+    let (mut means, mut squares) = (Vec::new(), 0.0);
+    for seed in 1..=SEEDS {
+        let gathering = Gathering { accuracy: 0.1, divisions: 512, super_samples: 64, ..Gathering::default() };
+        let quantity = Quantity::Irradiance;
+        let options = RenderOptions { ambient_bounces: 2, gathering, seed, quantity, ..RenderOptions::default() };
+        let mut renderer = Renderer::new(plan(&scene, options));
+        renderer.gather_irradiance(&rays, RaySpacing::UNKNOWN);
+        let traced = renderer.trace_all(0, &rays);
+        let ratios: Vec<f64> =
+            traced.iter().flatten().zip(&truth).map(|(traced, truth)| traced.value[0] / truth).collect();
+        assert_eq!(ratios.len(), sensors.len());
+        squares += ratios.iter().map(|ratio| (ratio - 1.0).powi(2)).sum::<f64>();
+        means.push(ratios.iter().sum::<f64>() / 9.0);
+    }
+    let runs = SEEDS as f64;
+    let mean = means.iter().sum::<f64>() / runs;
+    let error = (means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (runs * (runs - 1.0))).sqrt();
+    let deviation = (squares / (9.0 * runs)).sqrt();
+    assert!((mean - 1.0).abs() < 3.0 * error + 2e-3, "{mean} ± {error}");
+    // Eight times the rays that are asked for leave .007 if they go on as paths of one ray a bounce.
+    assert!(deviation < MOST_DEVIATION, "{deviation}");
 }
 
 #[test]

@@ -48,6 +48,9 @@ const DEW_POINT: (usize, f64) = (7, 99.9);
 const DIRECT: (usize, f64) = (14, 9999.0);
 const DIFFUSE: (usize, f64) = (15, 9999.0);
 
+/// More light than the surface of the sun sends out, W/m² or lux. Skies are single precision, which would not hold some more orders.
+const MOST_LIGHT: f64 = 1e12;
+
 /// Days of each month, with that of a leap year.
 const DAYS: [i64; 12] = [31, 29, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
 
@@ -73,6 +76,11 @@ impl Weather {
     }
 }
 
+fn check_light(direct: f64, diffuse: f64) -> Result<(), String> {
+    let light = direct.abs().max(diffuse.abs());
+    if light <= MOST_LIGHT { Ok(()) } else { Err(format!("light of {light:e}, expected at most {MOST_LIGHT:e}")) }
+}
+
 fn read_wea(text: &str) -> Result<Weather, String> {
     let mut lines = text.lines().enumerate().skip(1);
     let mut header = [0.0; WEA_HEADER.len()];
@@ -96,6 +104,7 @@ fn read_wea(text: &str) -> Result<Weather, String> {
             return Err(format!("line {}: expected month, day, hour, direct and diffuse light", number + 1));
         };
         let date = date(month, day, hour).ok_or_else(|| format!("line {}: no such date or time", number + 1))?;
+        check_light(direct, diffuse).map_err(|what| format!("line {}: {what}", number + 1))?;
         records.push(Record { direct, diffuse, ..date });
     }
     Ok(Weather { latitude, longitude: -west, time_zone: -meridian_west / 15.0, quantity, records })
@@ -137,6 +146,7 @@ fn read_epw(text: &str) -> Result<Weather, String> {
         let (Some(direct), Some(diffuse)) = (measured(DIRECT), measured(DIFFUSE)) else {
             return Err(wrong("direct or diffuse irradiance is missing"));
         };
+        check_light(direct, diffuse).map_err(|what| wrong(&what))?;
         records.push(Record { direct, diffuse, dew_point: measured(DEW_POINT), ..date });
     }
     let [latitude, longitude, time_zone] = place;
@@ -181,6 +191,7 @@ mod tests {
             ("place x\n".to_owned(), "the header ends before \"latitude\""),
             (wea.to_owned(), "no record follows the header"),
             (format!("{wea}13 1 1 1 1\n"), "line 7: no such date"),
+            (format!("{wea}1 1 1 1e40 1\n"), "line 7: light of 1e40, expected at most 1e12"),
             (format!("{wea}2 29 1 1 1\n2 30 1 1 1\n"), "line 8: no such date"),
             (format!("{wea}1 1 1 1\n"), "line 7: expected month"),
             (wea.replace("units 1", "units 7"), "expected 1, 2 or 3"),

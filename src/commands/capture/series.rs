@@ -66,7 +66,7 @@ fn outputs(arguments: &Capture) -> impl Iterator<Item = &String> {
 }
 
 fn check_arguments(arguments: &Capture) -> Outcome {
-    super::check_effort(arguments)?;
+    super::check_budget(arguments)?;
     let accounts = arguments.accounts.paths().into_iter().flatten().next();
     if arguments.color.is_some() || arguments.specimen.is_some() || accounts.is_some() || arguments.resume {
         let message = "option \"--variants\" writes pictures and exposures only: it goes with -o and --exposure";

@@ -214,9 +214,9 @@ impl Work<'_> {
             (Some(finder), Becomes::Light) => finder.without_lights(),
             _ => &self.renderer,
         };
-        let (effort, first) = (self.options.effort(), self.next_ray);
+        let (sampling_budget, first) = (self.options.sampling_budget(), self.next_ray);
         let trace = |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| {
-            average(worker, first + place as u64, ray, effort).value
+            average(worker, first + place as u64, ray, sampling_budget).value
         };
         let values: Vec<[f64; 3]> = rays.par_iter().enumerate().map_init(|| renderer.worker(), trace).collect();
         self.next_ray += rays.len() as u64;

@@ -2,12 +2,12 @@
 
 use super::parameters::{Becomes, Colors, Parameters};
 use crate::args::Reading;
-use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::listed_options::seed_line;
 use crate::option_table::options_of;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::sampling_args;
 use crate::trust::Trust;
 use radsight_film::SamplingBudget;
 use radsight_options::{ProgramOption, Settings};
@@ -17,7 +17,7 @@ use radsight_render::{Gathering, PathLimit, RenderOptions};
 #[derive(Debug)]
 pub(super) struct Options {
     pub(super) render: RenderOptions,
-    effort: Option<SamplingBudget>,
+    sampling_budget: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) scenes: Vec<String>,
@@ -65,7 +65,7 @@ impl Options {
         };
         let mut options = Options {
             render,
-            effort: None,
+            sampling_budget: None,
             threads: None,
             reading: Reading::trusted(trust),
             scenes: Vec::new(),
@@ -111,7 +111,7 @@ impl Options {
             used = take_irradiance(words, &mut RenderOptions::default());
         }
         if used == 0 {
-            used = effort_args::take_one(words, MOST_PATHS, &mut self.effort)?;
+            used = sampling_args::take_one(words, MOST_PATHS, &mut self.sampling_budget)?;
         }
         if used > 0 {
             return Ok(used);
@@ -130,9 +130,9 @@ impl Options {
     }
 
     /// How many paths each ray stands for.
-    pub(super) fn effort(&self) -> SamplingBudget {
+    pub(super) fn sampling_budget(&self) -> SamplingBudget {
         let paths = if self.render.ambient_bounces > 0 { USUAL_PATHS } else { 1 };
-        self.effort.unwrap_or(SamplingBudget::Samples(paths))
+        self.sampling_budget.unwrap_or(SamplingBudget::Samples(paths))
     }
 
     /// The options as they stand, for `-defaults`.

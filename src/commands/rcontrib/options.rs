@@ -4,13 +4,13 @@ use super::bins::{BinRequest, Bins, Functions};
 use super::defaults;
 use crate::args::Reading;
 use crate::commands::features;
-use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::input::read_file;
 use crate::option_table::options_of;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in, number, take_irradiance, take_one, take_own};
+use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, Origin, Trust};
 use radsight_film::SamplingBudget;
@@ -78,7 +78,7 @@ pub(super) struct Options {
     pub(super) settings: Settings,
     /// Seconds between reports, which none are made of (`-t`).
     pub(super) report: u64,
-    effort: Option<SamplingBudget>,
+    sampling_budget: Option<SamplingBudget>,
     /// How often a ray is followed that splits.
     rounds: u64,
     functions: Functions,
@@ -119,7 +119,7 @@ impl Default for Options {
             command: Vec::new(),
             settings: Settings::new(options_of("rcontrib")),
             report: 0,
-            effort: None,
+            sampling_budget: None,
             rounds: 1,
             functions: Functions::new(),
             next_output: None,
@@ -165,7 +165,7 @@ impl Options {
             self.size = [0, 0];
         }
         self.render.gathering.accuracy = 0.0;
-        if self.effort.is_some() {
+        if self.sampling_budget.is_some() {
             self.render.gathering.uncached = Uncached::DrawOne;
         } else if self.render.ambient_bounces > 0 {
             self.share_branches();
@@ -199,12 +199,12 @@ impl Options {
             used = take_irradiance(words, &mut self.render);
         }
         if used == 0 {
-            used = effort_args::take_one(words, 0, &mut self.effort)?;
+            used = sampling_args::take_one(words, 0, &mut self.sampling_budget)?;
         }
         if used == 0 {
             used = self.take_switch(&words[0])?;
         }
-        if let Some(SamplingBudget::Error { .. }) = self.effort {
+        if let Some(SamplingBudget::Error { .. }) = self.sampling_budget {
             return Err(Failure::usage("rcontrib: option \"--error\" is not supported, expected --samples or -ad"));
         }
         Ok(used)
@@ -308,7 +308,7 @@ impl Options {
     /// How often each ray is followed: mostly once, where it splits into as many as are asked for,
     /// else along so many paths.
     pub(super) fn samples(&self) -> u64 {
-        match self.effort {
+        match self.sampling_budget {
             Some(SamplingBudget::Samples(samples)) => u64::from(samples),
             _ => self.rounds,
         }
@@ -316,7 +316,7 @@ impl Options {
 
     /// About how many paths come of a ray.
     pub(super) fn paths(&self) -> u64 {
-        match self.effort {
+        match self.sampling_budget {
             None if self.render.ambient_bounces > 0 => self.rounds * u64::from(self.render.gathering.divisions.max(1)),
             _ => self.samples(),
         }

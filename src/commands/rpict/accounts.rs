@@ -101,7 +101,7 @@ impl Accounts {
 fn record(options: &Options, renderer: &Renderer, film: &Film<'_>, stopwatch: &Stopwatch) -> RunRecord {
     let mut record = stopwatch.record(renderer.plan(), &options.command);
     record.command.extend(options.scenes.iter().cloned());
-    let asked = match options.effort {
+    let asked = match options.sampling_budget {
         Some(SamplingBudget::Error { error, .. }) => Some(error),
         _ => None,
     };

@@ -15,14 +15,14 @@ pub(super) fn text(options: &Options) -> String {
         "-pj" => Some(format!("-pj {:.6}\t\t\t# pixel jitter", options.jitter())),
         "-pRGB" => Some(color_line(&options.settings)),
         "--seed" => Some(seed_line(options.render.seed)),
-        "--samples" | "--error" => effort_line(options, option.name),
+        "--samples" | "--error" => budget_line(options, option.name),
         name => view_line(options, name),
     });
     lines.join("\n") + "\n"
 }
 
-fn effort_line(options: &Options, name: &str) -> Option<String> {
-    match (options.effort?, name) {
+fn budget_line(options: &Options, name: &str) -> Option<String> {
+    match (options.sampling_budget?, name) {
         (SamplingBudget::Samples(samples), "--samples") => Some(format!("--samples {samples}\t\t\t# rays a pixel")),
         (SamplingBudget::Error { error, .. }, "--error") => {
             Some(format!("--error {error}\t\t\t# estimated error of the picture"))

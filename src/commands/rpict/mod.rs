@@ -168,7 +168,7 @@ impl Picture {
         }
         writer.finish()?;
         options.accounts.write(options, &self.header, renderer, &frame, stopwatch)?;
-        if options.effort.is_some() && !options.reading.no_warnings {
+        if options.sampling_budget.is_some() && !options.reading.no_warnings {
             frame.estimate().iter().for_each(|estimate| say(&achieved(estimate, options)));
         }
         Ok(())

@@ -5,13 +5,13 @@ use super::defaults;
 use crate::args::Reading;
 use crate::commands::features;
 use crate::control_file;
-use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{number, take_definition, take_irradiance, take_one, take_own};
+use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use crate::view_args;
@@ -47,7 +47,7 @@ pub(super) struct Options {
     /// The contrast below which pixels are interpolated between samples (`-pt`).
     pub(super) contrast: f64,
     /// How many rays a pixel gets, where that is said.
-    pub(super) effort: Option<SamplingBudget>,
+    pub(super) sampling_budget: Option<SamplingBudget>,
     /// What is left to the pixels of that.
     pub(super) pixels: SamplingBudget,
     /// Seconds after which work on an asked error stops, where that is said.
@@ -85,7 +85,7 @@ impl Default for Options {
             aperture: 0.0,
             sample_spacing: 4.0,
             contrast: 0.05,
-            effort: None,
+            sampling_budget: None,
             pixels: SamplingBudget::Samples(1),
             time_limit: None,
             threads: None,
@@ -157,7 +157,7 @@ impl Options {
     /// How good the picture is to be: as `--error` or `--samples` say, or else as Radiance's options do.
     fn budget(&self) -> ErrorBudget {
         let preview = Interpolation { spacing: self.sample_spacing, contrast: self.contrast };
-        self.effort.map_or(ErrorBudget::preview(preview), ErrorBudget::of)
+        self.sampling_budget.map_or(ErrorBudget::preview(preview), ErrorBudget::of)
     }
 
     /// Side of the square in a pixel over which its rays are spread, in pixels.
@@ -176,7 +176,7 @@ impl Options {
             |options, words| take_one(words, &mut options.render),
             |options, words| view_args::take_one(words, &mut options.view),
             |options, words| take_own(words, &mut options.reading, &mut options.render),
-            |options, words| effort_args::take_one(words, ErrorBudget::MOST_SAMPLES, &mut options.effort),
+            |options, words| sampling_args::take_one(words, ErrorBudget::MOST_SAMPLES, &mut options.sampling_budget),
             |options, words| Ok(take_irradiance(words, &mut options.render)),
             |options, words| take_definition(words, &mut options.reading),
             Options::take_sampling,
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_interpolated_as_radiances_options_say_unless_an_effort_is_asked_for() {
+    fn pictures_are_interpolated_as_radiances_options_say_unless_rays_are_asked_for() {
         for (words, spacing, contrast) in
             [("rpict a.oct", 4.0, 0.05), ("rpict -ps 1 -pt 0 a.oct", 1.0, 0.0), ("rpict -ps 8 -pt .2 a.oct", 8.0, 0.2)]
         {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_pixels_are_averaged_where_an_effort_is_asked_for() {
+    fn whole_pixels_are_averaged_where_rays_are_asked_for() {
         for (words, expected) in [
             ("rpict a.oct", 0.67),
             ("rpict --error .1 a.oct", 1.0),

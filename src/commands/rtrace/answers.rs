@@ -39,7 +39,7 @@ impl RayAnswers {
     pub(crate) fn trace(&mut self, ray: Ray) -> Traced {
         let number = self.next;
         self.next += 1;
-        average(&mut self.renderer.worker(), number, &ray, self.options.effort())
+        average(&mut self.renderer.worker(), number, &ray, self.options.sampling_budget())
     }
 
     /// What is to be said in the end.

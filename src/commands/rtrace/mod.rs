@@ -117,7 +117,7 @@ fn answers(
             return Ok(tree::answers(options, renderer, first_index, rays));
         }
         let limits = options.limits_distance.then(|| rays.iter().map(|ray| ray.length).collect());
-        trace_all(renderer, first_index, &to_trace, limits, options.effort())
+        trace_all(renderer, first_index, &to_trace, limits, options.sampling_budget())
     } else {
         let cast = |ray: &Option<Ray>| ray.as_ref().map(|ray| Found::Cast(renderer.plan().cast(ray)));
         to_trace.par_iter().with_min_len(RECORDS_AT_A_TIME).map(cast).collect()
@@ -142,9 +142,9 @@ fn trace_all(
     first_index: u64,
     rays: &[Option<Ray>],
     limits: Option<Vec<f64>>,
-    effort: SamplingBudget,
+    sampling_budget: SamplingBudget,
 ) -> Vec<Option<Found>> {
-    if effort == SamplingBudget::Samples(1) && limits.is_none() {
+    if sampling_budget == SamplingBudget::Samples(1) && limits.is_none() {
         let traced = renderer.trace_all(first_index, rays);
         return traced.into_iter().map(|traced| traced.map(Found::Traced)).collect();
     }
@@ -157,7 +157,7 @@ fn trace_all(
                 if let Some(limits) = &limits {
                     worker.limit_distance(limits[place]);
                 }
-                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, effort)))
+                ray.as_ref().map(|ray| Found::Traced(average(worker, number, ray, sampling_budget)))
             },
         )
         .collect()

@@ -5,13 +5,13 @@ use super::tree::{Ends, TreeOutput};
 use crate::args::Reading;
 use crate::commands::features;
 use crate::control_file;
-use crate::effort_args;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
 use crate::failure::Failure;
 use crate::option_table::options_of;
 use crate::output_color::OutputColor;
 use crate::output_format::OutputFormat;
 use crate::render_args::{names_in_file, number, take_definition, take_irradiance, take_one, take_own};
+use crate::sampling_args;
 use crate::switch::switched;
 use crate::trust::{Existing, OutputName, Trust};
 use radsight_film::SamplingBudget;
@@ -35,8 +35,8 @@ pub(super) struct Options {
     pub(super) size: [u64; 2],
     /// Whether rays end where their direction does.
     pub(super) limits_distance: bool,
-    /// How often each ray is traced; `None` for what [`Options::effort`] makes of it.
-    asked_effort: Option<SamplingBudget>,
+    /// How often each ray is traced; `None` for what [`Options::sampling_budget`] makes of it.
+    asked_budget: Option<SamplingBudget>,
     pub(super) threads: Option<usize>,
     pub(super) reading: Reading,
     pub(super) error_file: Option<OutputName>,
@@ -148,7 +148,7 @@ impl Default for Options {
             color: OutputColor::Rgb,
             size: [0, 0],
             limits_distance: false,
-            asked_effort: None,
+            asked_budget: None,
             threads: None,
             reading: Reading::default(),
             error_file: None,
@@ -253,7 +253,7 @@ impl Options {
             used = take_irradiance(words, &mut self.render);
         }
         if used == 0 {
-            used = effort_args::take_one(words, MOST_SAMPLES, &mut self.asked_effort)?;
+            used = sampling_args::take_one(words, MOST_SAMPLES, &mut self.asked_budget)?;
         }
         if used == 0 {
             used = self.take_switch(&words[0]);
@@ -364,8 +364,8 @@ impl Options {
     }
 
     /// How often each ray is traced: once, unless more is asked for.
-    pub(super) fn effort(&self) -> SamplingBudget {
-        self.asked_effort.unwrap_or(SamplingBudget::Samples(1))
+    pub(super) fn sampling_budget(&self) -> SamplingBudget {
+        self.asked_budget.unwrap_or(SamplingBudget::Samples(1))
     }
 
     /// Whether rays end where their direction does, and tell so.

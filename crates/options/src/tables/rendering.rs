@@ -110,7 +110,11 @@ pub(super) const RENDERING: Group = Group {
         value("-ai", "NAME", "Gather ambient light on surfaces with this modifier alone"),
         value("-aE", "FILE", "As -ae, for all modifiers that a file names"),
         value("-aI", "FILE", "As -ai, for all modifiers that a file names"),
-        value("-af", "FILE", "File for ambient values; accepted, and without effect here"),
+        value("-af", "FILE", "File that keeps the irradiance cache of rpict and rtrace, shared by runs and processes"),
+        flag(
+            "--caustics",
+            "Let diffuse surfaces sample the light of lamps by way of curved mirrors and glass (radsight's own)",
+        ),
         value("-ap", "FILE", "Photon maps, which are refused: there are none here"),
     ],
 };
@@ -151,7 +155,7 @@ pub(super) const TRUST: Group = Group {
 };
 
 /// How many rays are spent. Ours alone.
-pub(super) const EFFORT: Group = Group {
+pub(super) const SAMPLING: Group = Group {
     title: "Sampling (radsight's own)",
     options: &[
         value("--samples", "N", "Rays for each value; a power of two converges fastest").listed(Computed),

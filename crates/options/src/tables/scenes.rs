@@ -97,11 +97,11 @@ pub(super) const XFORM: Program = Program {
         Group {
             title: "Transforms",
             options: &[
-                value("-t", "X Y Z", "Move").unit("scene units"),
+                value("-t", "X Y Z", "Move by this vector").unit("scene units"),
                 value("-rx", "ANGLE", "Turn about x").unit("degrees"),
                 value("-ry", "ANGLE", "Turn about y").unit("degrees"),
                 value("-rz", "ANGLE", "Turn about z").unit("degrees"),
-                value("-s", "FACTOR", "Scale"),
+                value("-s", "FACTOR", "Scale by this factor"),
                 flag("-mx", "Mirror at x = 0"),
                 flag("-my", "Mirror at y = 0"),
                 flag("-mz", "Mirror at z = 0"),

@@ -1,6 +1,6 @@
 //! The programs that trace rays.
 
-use super::rendering::{ANSWERS, DEFINITIONS, EFFORT, ONLY_HELP, READING, RENDERING, TRUST, VIEW};
+use super::rendering::{ANSWERS, DEFINITIONS, ONLY_HELP, READING, RENDERING, SAMPLING, TRUST, VIEW};
 use crate::option::Listing::{Computed, Fixed, Switch, SwitchOn, Whole};
 use crate::option::{ProgramOption, attached, flag, switch, value};
 use crate::program::{Group, Program};
@@ -86,7 +86,7 @@ pub(super) const RPICT: Program =
                 ],
             },
             RENDERING,
-            EFFORT,
+            SAMPLING,
             DEFINITIONS,
             READING,
             ANSWERS,
@@ -172,7 +172,7 @@ pub(super) const RTRACE: Program = Program {
             ],
         },
         RENDERING,
-        EFFORT,
+        SAMPLING,
         DEFINITIONS,
         READING,
         ANSWERS,
@@ -272,7 +272,7 @@ pub(super) const MKILLUM: Program = Program {
             ],
         },
         RENDERING,
-        EFFORT,
+        SAMPLING,
         DEFINITIONS,
         READING,
         Group {
@@ -344,7 +344,7 @@ pub(super) const RFLUXMTX: Program = Program {
                 value("-ai", "NAME", "Gather ambient light on surfaces with this modifier alone"),
                 value("-aE", "FILE", "As -ae, for all modifiers that a file names"),
                 value("-aI", "FILE", "As -ai, for all modifiers that a file names"),
-                value("-af", "FILE", "File for ambient values; accepted, and without effect here"),
+                value("-af", "FILE", "File for an irradiance cache; accepted, and without effect here"),
                 value("-ap", "FILE", "Photon maps, which are refused: there are none here"),
                 value("-am", "R", "Search radius of photon maps; accepted, and without effect here"),
                 value("-me", "R G B", "Extinction of the mist that fills the scene").unit("1/scene unit"),

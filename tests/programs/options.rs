@@ -1,12 +1,9 @@
 //! The table of options and the programs: each option of the table is one of its program, with as many values, and no
 //! others are; help, `-defaults`, manual pages and completions come of the same table.
 
-mod program;
-mod real_radiance;
-
-use program::{Folder, ROOM, Run, command, radsight, run_with};
+use crate::program::{Folder, ROOM, Run, command, radsight, run_with};
 use radsight_options::{OptionForm, Program, ProgramOption, programs};
-use real_radiance::Radiance;
+use radsight_test_support::Radiance;
 use std::process::Command;
 
 /// No program has it: who complains of it has used all words before it.
@@ -49,6 +46,7 @@ fn value(program: &str, option: &ProgramOption, name: &str) -> &'static str {
         ("-aE" | "-aI" | "-tI" | "-tE", _) => "names.txt",
         ("-M", _) if program == "rcontrib" => "names.txt",
         ("-a" | "-l", "FILE") => "materials.rad",
+        ("-af", _) => "made.out",
         ("-o" | "-z" | "-r" | "-ro" | "-x" | "-P" | "-D" | "-M", "FILE") => "made.out",
         ("--error-map" | "--ray-map" | "--record" | "--allow-output", _) => "made.out",
         ("-pal", _) => "def",

@@ -1,10 +1,7 @@
 //! `radsight capture --variants`: every picture is the one that a capture alone makes.
 
-mod pictures;
-mod program;
-
-use pictures::{Difference, exposure_file, show};
-use program::{Folder, gripps, radsight, root};
+use crate::pictures::{Difference, exposure_file, show};
+use crate::program::{Folder, gripps, radsight, root};
 use radsight_picture::Image;
 
 fn file(name: &str) -> String {
