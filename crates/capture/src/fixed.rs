@@ -116,7 +116,7 @@ impl Exposer<'_> {
                     return;
                 }
                 let mut exposed = 0;
-                let unknown = |(_, values): &(u64, &mut [Option<f64>])| values[0].is_none();
+                let unknown = |(_, values): &(u64, &mut [Option<f64>])| values.iter().any(Option::is_none);
                 for (cell, values) in ((chunk * CHUNK) as u64..).zip(values.chunks_exact_mut(each)).filter(unknown) {
                     match bands {
                         None => values[0] = Some(self.exposure(worker, cell)),
