@@ -23,6 +23,8 @@ const INNER: f64 = 0.7;
 const AROUND_SHADOW: f64 = 1.3;
 /// How far it goes on from there, in units of the main lobe.
 const FALL: f64 = 0.6;
+/// Patterns whose Fresnel numbers have at most this ratio are parted at the same place.
+const ALIKE: f64 = 1.4;
 /// The fewest cells.
 const FEWEST_CELLS: f64 = 2048.0;
 
@@ -170,6 +172,15 @@ impl Parting {
         Parting { inner, outer: inner + FALL * lobe }
     }
 
+    /// That of each of several bands. Where their patterns are alike they are parted at the same place: a ray then brings them nearly the
+    /// same, and colours have little more noise than white.
+    fn of_bands(numbers: &[f64]) -> impl Fn(f64) -> Parting {
+        let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = numbers.iter().copied().fold(0.0, f64::max);
+        let common = (most <= ALIKE * least).then(|| Parting::of(0.5 * (least + most)));
+        move |number| common.unwrap_or_else(|| Parting::of(number))
+    }
+
     fn core_share(&self, v: f64) -> f64 {
         let way = ((v - self.inner) / (self.outer - self.inner)).clamp(0.0, 1.0);
         0.5 + 0.5 * (PI * way).cos()
@@ -193,8 +204,9 @@ impl Wing {
     pub(crate) fn part(fresnel_numbers: &[f64], unit_m: f64) -> (FresnelPattern, Vec<Wing>) {
         let numbers: Vec<f64> = fresnel_numbers.iter().map(|number| number.min(LARGEST_FRESNEL_NUMBER)).collect();
         let nodes = nodes(&numbers);
+        let parting = Parting::of_bands(&numbers);
         let parted: Vec<(Wing, Vec<f64>)> =
-            numbers.iter().map(|number| Wing::of_band(*number, &nodes, unit_m)).collect();
+            numbers.iter().map(|number| Wing::of_band((*number, parting(*number)), &nodes, unit_m)).collect();
         let cells = parted.iter().map(|(_, core)| core.len() - 1).max().unwrap_or(0);
         // Beyond its own core a band has all of it.
         let within = |core: &[f64], node: usize| core[node.min(core.len() - 1)];
@@ -215,9 +227,8 @@ impl Wing {
     }
 
     /// What is left of one band, and the share of its core within each node.
-    fn of_band(number: f64, nodes: &[f64], unit_m: f64) -> (Wing, Vec<f64>) {
+    fn of_band((number, parting): (f64, Parting), nodes: &[f64], unit_m: f64) -> (Wing, Vec<f64>) {
         let pattern = FresnelPattern::mixed(nodes.to_vec(), &[cell_energies(number, nodes)]);
-        let parting = Parting::of(number);
         let mut within = vec![0.0];
         for (cell, energy) in pattern.nodes.windows(2).zip(pattern.within.windows(2)) {
             if cell[0] >= parting.outer {
