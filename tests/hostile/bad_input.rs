@@ -426,7 +426,8 @@ fn rtrace_options() {
     let none = "radsight: rtrace: no scene is named, expected scene files after the options";
     bench.refuses(&["rtrace"], USAGE, none);
     bench.refuses(&["rtrace", "-h", "-n", "2"], USAGE, none);
-    bench.refuses(&["rtrace", "-zz", "sheet.rad"], USAGE, "radsight: rtrace: option \"-zz\" is not supported");
+    let unknown = "radsight: rtrace: option \"-zz\" is not supported\nhint: \"rtrace --help\" lists the options";
+    bench.refuses(&["rtrace", "-zz", "sheet.rad"], USAGE, unknown);
     let letters = "expected -f, one of a, f, d, and one of a, f, d, c";
     bench.refuses(&["rtrace", "-fq", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-fq\": {letters}"));
     bench.refuses(&["rtrace", "-faaa", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-faaa\": {letters}"));

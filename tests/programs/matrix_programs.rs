@@ -419,18 +419,18 @@ fn skies_in_patches_are_those_of_the_real_script() {
 #[test]
 fn wrong_skies_are_told() {
     let sky = "void brightfunc skyfunc\n2 skybr skybright.cal\n0\n7 1 1 1 1 0 0 1\n";
-    for (words, input, message) in [
-        ("genskyvec -q", sky, "genskyvec: unknown option \"-q\""),
-        ("genskyvec -m 0", sky, "subdivision (-m) is 0, expected an integer above zero"),
-        ("genskyvec -m 1000", sky, "subdivision (-m) is 1000, expected at most 64"),
-        ("genskyvec -c 1 2", sky, "missing blue (-c)"),
-        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", "there is no \"skyfunc\""),
-        ("genskyvec", "!gensky 6 21 12\n", "a line is a command, expected the text that \"xform\" makes of it"),
-        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", "a primitive is not whole"),
-        ("genskyvec -m 1", "void brightfunc skyfunc 2 skybr nowhere.cal 0 0\n", "nowhere.cal"),
+    for (words, input, code, message) in [
+        ("genskyvec -q", sky, 2, "genskyvec: unknown option \"-q\""),
+        ("genskyvec -m 0", sky, 2, "subdivision (-m) is 0, expected an integer above zero"),
+        ("genskyvec -m 1000", sky, 2, "subdivision (-m) is 1000, expected at most 64"),
+        ("genskyvec -c 1 2", sky, 2, "missing blue (-c)"),
+        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", 1, "there is no \"skyfunc\""),
+        ("genskyvec", "!gensky 6 21 12\n", 1, "a line is a command, expected the text that \"xform\" makes of it"),
+        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", 1, "a primitive is not whole"),
+        ("genskyvec -m 1", "void brightfunc skyfunc 2 skybr nowhere.cal 0 0\n", 1, "nowhere.cal"),
     ] {
         let run = run_with(&mut command(&split(words)), input.as_bytes());
-        assert_eq!((run.code, run.output.len()), (1, 0), "{words}: {}", run.messages);
+        assert_eq!((run.code, run.output.len()), (code, 0), "{words}: {}", run.messages);
         assert!(run.messages.contains(message), "{words}: {}", run.messages);
     }
 }
