@@ -138,7 +138,7 @@ fn rays_along_faces() {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
     let built = Built::new(&polygon(0, &corners));
     for degrees in [89.9, 89.9999, 89.999_999] {
-        let climb = (90.0 - degrees as f64).to_radians();
+        let climb = (90.0_f64 - degrees).to_radians();
         let mut numbers = Numbers::new(2);
         let (mut worst, mut missed): (f64, usize) = (0.0, 0);
         for _ in 0..RAYS {
