@@ -107,7 +107,7 @@ fn a_saved_irradiance_cache_gives_the_same_picture() {
     let cache = first.save_irradiance_cache().unwrap();
     let mut second = renderer().ambient_divisions(300, 0);
     assert!(second.load_irradiance_cache(cache.clone()).unwrap() > 0);
-    let pixels = |image: &radsight::Image| (0..24).map(|x| image.pixel(x, 12)).collect::<Vec<_>>();
+    let pixels = |image: &radsight::Image| (0..24 * 24).map(|at| image.pixel(at % 24, at / 24)).collect::<Vec<_>>();
     assert_eq!(pixels(&second.render(&view, 24, 24).unwrap()), pixels(&image));
     let alone = renderer().ambient_divisions(300, 0).render(&view, 24, 24).unwrap();
     assert_ne!(pixels(&alone), pixels(&image), "more rays make another picture");
