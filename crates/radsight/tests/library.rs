@@ -99,7 +99,7 @@ fn a_preview_is_interpolated_and_an_error_is_not() {
 fn a_saved_irradiance_cache_gives_the_same_picture() {
     let text = format!("{TABLE} grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6");
     let scene = Scene::from_text(text.clone()).unwrap();
-    let view = View::from_args("-vp 3 0 2 -vd -1 0 -.2 -vh 60 -vv 60").unwrap();
+    let view = View::from_args("-vp 0 0 1 -vd .3 0 1 -vu 0 1 0 -vh 60 -vv 60").unwrap();
     let renderer = || Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_divisions(64, 0);
     let mut first = renderer();
     assert!(first.save_irradiance_cache().is_none(), "nothing is cached yet");
