@@ -130,7 +130,7 @@ fn a_file_of_something_else_is_refused() {
     refused(&folder, &amb, "it is no irradiance cache");
     assert_eq!(fs::read(folder.path("room.amb")).unwrap(), b"years of work");
     fs::write(folder.path("room.amb"), &file).unwrap();
-    folder.file("room.rad", &ROOM.replace(".5 .5 .5 0 0", ".5 .5 .6 0 0"));
+    folder.file("room.rad", ROOM.replace(".5 .5 .5 0 0", ".5 .5 .6 0 0"));
     refused(&folder, &amb, "it was made of another scene");
 }
 
