@@ -34,7 +34,7 @@ impl Series {
         assert!(camera.contains(replaced[0]));
         let camera = camera.replace(replaced[0], replaced[1]).replace("../../", &format!("{}/", root().display()));
         self.folder.file("alone.toml", &camera);
-        self.folder.file("alone.rad", &format!("!xform {pose} {}\n", self.scenes[1]));
+        self.folder.file("alone.rad", format!("!xform {pose} {}\n", self.scenes[1]));
         let (camera, part, out) =
             (self.folder.word("alone.toml"), self.folder.word("alone.rad"), self.folder.word("alone.pfm"));
         radsight(&["capture", &camera, &self.scenes[0], &part, "--error", error, "--exposure", &out]).done();
