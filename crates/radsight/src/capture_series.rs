@@ -55,7 +55,7 @@ impl<'l> CaptureSeries<'l> {
     /// Exposes all pictures; `visit` has each with its place in the list, not in the order of the list.
     ///
     /// # Errors
-    /// As [`Capture::expose`], and [`Error::Scene`] for parts that cannot be moved.
+    /// As [`Capture::expose`](crate::Capture::expose), and [`Error::Scene`] for parts that cannot be moved.
     pub fn expose(&self, pictures: &[SeriesPicture], visit: impl FnMut(usize, CapturedImage)) -> Result<(), Error> {
         self.expose_with_progress(pictures, &Silent, visit)
     }
