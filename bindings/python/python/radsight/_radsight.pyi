@@ -8,7 +8,27 @@ import numpy.typing as npt
 from .own import Camera, Material
 
 __version__: str
-__all__: list[str]
+__all__ = [
+    "Calibration",
+    "Capture",
+    "CapturedImage",
+    "Image",
+    "JobResult",
+    "MergedJob",
+    "RadsightError",
+    "RenderJob",
+    "Renderer",
+    "Scene",
+    "SceneError",
+    "Sensor",
+    "TracedRays",
+    "View",
+    "__version__",
+    "calibrate",
+    "coefficient",
+    "fit",
+    "models",
+]
 
 _Progress: TypeAlias = Callable[[float], object]
 _Doubles: TypeAlias = npt.NDArray[np.float64]
