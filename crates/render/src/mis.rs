@@ -54,6 +54,13 @@ pub(crate) enum Lobe {
     LargeImage(f64),
 }
 
+impl Lobe {
+    /// Whether only lamps behind specular surfaces are looked for.
+    pub(crate) fn seeks_caustics(self) -> bool {
+        matches!(self, Lobe::Caustic(_) | Lobe::LargeImage(_))
+    }
+}
+
 /// Whether sampling a light could have found the same path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Reachability {
@@ -93,7 +100,7 @@ impl MisState {
 
     /// Whether only lamps behind specular surfaces are looked for.
     pub(crate) fn seeks_caustics(&self) -> bool {
-        matches!(self.lobe, Lobe::Caustic(_) | Lobe::LargeImage(_))
+        self.lobe.seeks_caustics()
     }
 
     /// The only path that counts, where the direction was solved for.

@@ -291,11 +291,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             split: path.split,
             travelled: from.travelled,
             mis,
-            chain: if matches!(lobe, Lobe::Caustic(_) | Lobe::LargeImage(_)) {
-                SpecularChain::default()
-            } else {
-                path.chain.lost()
-            },
+            chain: if lobe.seeks_caustics() { SpecularChain::default() } else { path.chain.lost() },
             depth: path.depth + 1,
             reflections,
             ambient_bounces,
