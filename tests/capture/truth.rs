@@ -63,6 +63,47 @@ fn an_asked_error_is_the_true_error() {
     assert!(difference.rms > 0.002, "asked for 1 %, got {difference:?}");
 }
 
+/// A spot half a pixel wide lies between the points of any lattice but those of the finest, and a smooth sheet around it.
+#[test]
+fn a_small_spot_on_a_smooth_sheet_is_not_interpolated_away() {
+    let folder = Folder::new();
+    let spot = folder.file(
+        "spot.rad",
+        "void plastic white 0 0 5 .9 .9 .9 0 0\nwhite ring spot 0 0 8 .0213 .0104 .0001 0 0 1 0 .0012\n",
+    );
+    let (camera, sheet) = (gripps("fig11.toml"), gripps("sheet-retro.rad"));
+    let captured = |effort: [&str; 2], name: &str| {
+        let out = folder.word(name);
+        radsight(&["capture", &camera, &sheet, &spot, effort[0], effort[1], "--exposure", &out]).done();
+        exposure_file(&folder.path(name))
+    };
+    let [sparse, every] = [captured(["--error", ".01"], "a.pfm"), captured(["--samples", "16"], "b.pfm")];
+    let difference = Difference::new(&sparse, &every);
+    assert!(difference.rms < 0.02, "{difference:?}");
+    // Around the spot, whose middle is at column 117 and row 73.
+    let near = || (66..81).flat_map(|row| (110..125).map(move |column| row * 192 + column));
+    let sum = |picture: &Image<f32>| near().map(|pixel| f64::from(picture.data()[pixel])).sum::<f64>();
+    assert!((sum(&sparse) / sum(&every) - 1.0).abs() < 0.01, "{} for {}", sum(&sparse), sum(&every));
+}
+
+/// The lattice lies elsewhere with each seed, so that what interpolation errs falls in the mean as noise does.
+#[test]
+fn the_mean_over_seeds_of_an_interpolated_picture_is_the_truth() {
+    const SEEDS: usize = 6;
+    let captures: Vec<Image<f32>> =
+        (0..SEEDS).map(|seed| capture(11, RETRO, &["--error", "0.02", "--seed", &seed.to_string()]).exposure).collect();
+    let truth = exposure_file(&root().join("tests/gripps/truth/t11.pfm"));
+    let mean: Vec<f32> = (0..truth.data().len())
+        .map(|pixel| captures.iter().map(|picture| picture.data()[pixel]).sum::<f32>() / SEEDS as f32)
+        .collect();
+    let mean = Image::new(truth.width(), truth.height(), 1, mean).expect("a picture");
+    let alone = captures.iter().map(|picture| Difference::new(picture, &truth).rms.powi(2)).sum::<f64>();
+    let (alone, together) = ((alone / SEEDS as f64).sqrt(), Difference::new(&mean, &truth));
+    assert!(alone < 0.022, "{alone}");
+    assert!(together.rms < 1.3 * alone / (SEEDS as f64).sqrt() + 0.001, "{together:?}, one by one {alone}");
+    assert!(together.mean.abs() < 0.002, "{together:?}");
+}
+
 struct Captured {
     exposure: Image<f32>,
     greys: Image<u16>,

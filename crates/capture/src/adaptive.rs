@@ -21,17 +21,17 @@ pub const MAX_SAMPLES: u32 = 1 << SEQUENCE_LOG2;
 pub(crate) const SEQUENCE_LOG2: u32 = 16;
 
 /// Samples of every pixel before anything is decided.
-const FIRST_SAMPLES: u32 = 4;
+pub(crate) const FIRST_SAMPLES: u32 = 4;
 
 /// The factor by which `⟨d²⟩` falls is trusted between these.
 const GAIN_RANGE: (f64, f64) = (0.25, 0.5);
 
 /// Pixels whose halves agree by chance are left alone, so the estimate comes out low: by a quarter on pictures with sharp edges of
 /// light, measured against pictures that were integrated by other means.
-const CHANCE_AGREEMENT: f64 = 1.33;
+pub(crate) const CHANCE_AGREEMENT: f64 = 1.33;
 
 /// Passes after which the work ends whatever the error is.
-const MAX_PASSES: u32 = 64;
+pub(crate) const MAX_PASSES: u32 = 64;
 
 /// One pixel's samples so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,16 +49,16 @@ pub(crate) struct Pixel {
 
 /// Sums of radiance·cos⁴ over some samples of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+pub(crate) struct Sums {
     /// Of all bands together.
-    whole: f64,
+    pub(crate) whole: f64,
     /// Of the bands that are kept apart, else 0.
     bands: [f64; MOST_BANDS],
 }
 
 impl Pixel {
     /// 0 before the first sample.
-    fn mean(&self) -> f64 {
+    pub(crate) fn mean(&self) -> f64 {
         self.sum / f64::from(self.samples.max(1))
     }
 
@@ -88,10 +88,17 @@ impl Exposer<'_> {
         state.pixels.resize(camera.pixel_count() as usize, Pixel::default());
         state.bands = self.rays.bands_apart(self.weights).map_or(0, |bands| bands.min(MOST_BANDS));
         let work = Work::new(self, progress, &state.pixels);
-        work.begin(&mut state);
+        let is_new = state.pixels.iter().all(|pixel| pixel.samples == 0);
+        let sparse = if is_new { work.sparse(&mut state, error) } else { None };
+        if sparse.is_none() {
+            work.begin(&mut state);
+        }
         let pixels_done = state.pixels.iter().filter(|pixel| pixel.samples > 0).count();
         let columns = camera.columns() as usize;
-        let estimate = (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error));
+        let estimate = match sparse {
+            Some(estimate) => Some(estimate),
+            None => (pixels_done == state.pixels.len()).then(|| work.refine(&mut state, columns, error)),
+        };
         let scale = camera.exposure_per_radiance();
         let values = match estimate {
             None => state.pixels.iter().map(|pixel| scale * pixel.mean()).collect(),
@@ -115,12 +122,12 @@ impl Exposer<'_> {
     }
 }
 
-struct Work<'a> {
-    exposer: &'a Exposer<'a>,
+pub(crate) struct Work<'a> {
+    pub(crate) exposer: &'a Exposer<'a>,
     /// How many bands are kept apart; 0 where they add up.
-    bands: usize,
-    images: PixelImages,
-    progress: &'a dyn Progress,
+    pub(crate) bands: usize,
+    pub(crate) images: PixelImages,
+    pub(crate) progress: &'a dyn Progress,
     traced: AtomicU64,
     planned: AtomicU64,
 }
@@ -144,7 +151,7 @@ impl<'a> Work<'a> {
         self.progress.stops() || self.progress.wants_checkpoint()
     }
 
-    fn report(&self, rays: u32) {
+    pub(crate) fn report(&self, rays: u32) {
         let done = self.traced.fetch_add(u64::from(rays), Ordering::Relaxed) + u64::from(rays);
         self.progress.report(done, self.planned.load(Ordering::Relaxed).max(done));
     }
@@ -169,7 +176,7 @@ impl<'a> Work<'a> {
     }
 
     /// The first samples, with two doublings to see how the error falls.
-    fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
+    pub(crate) fn first(&self, worker: &mut Workers<'_>, index: usize) -> Pixel {
         let samples = FIRST_SAMPLES / 4;
         let Sums { whole, bands } = self.sums(worker, index, 0..samples);
         let mut pixel = Pixel { samples, sum: whole, bands, ..Pixel::default() };
@@ -196,7 +203,7 @@ impl<'a> Work<'a> {
     }
 
     /// Doubles the samples of the pixels that are chosen for it, as far as the work goes on.
-    fn double(&self, state: &mut AdaptiveState) {
+    pub(crate) fn double(&self, state: &mut AdaptiveState) {
         let rays: u64 = state.pending.iter().map(|&index| u64::from(state.pixels[index].samples)).sum();
         self.planned.fetch_add(rays, Ordering::Relaxed);
         while !state.pending.is_empty() {
@@ -264,12 +271,12 @@ impl<'a> Work<'a> {
         self.means(&around)
     }
 
-    fn save(&self, state: &AdaptiveState) {
+    pub(crate) fn save(&self, state: &AdaptiveState) {
         self.progress.save(Checkpoint(State::Adaptive(state.clone())));
     }
 
     /// Sums of radiance·cos⁴ over some of a pixel's samples; every pixel has a scramble of the sequence of its own.
-    fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
+    pub(crate) fn sums(&self, worker: &mut Workers<'_>, pixel: usize, samples: std::ops::Range<u32>) -> Sums {
         let first = (pixel as u64) << SEQUENCE_LOG2;
         let Exposer { rays, weights, .. } = *self.exposer;
         let number = pixel as u64;
@@ -300,11 +307,11 @@ fn images(exposer: &Exposer<'_>) -> PixelImages {
 }
 
 /// What is known of the error.
-struct Estimate {
+pub(crate) struct Estimate {
     /// Squared error of each pixel relative to the mean of all.
-    pixels: Vec<PixelError>,
+    pub(crate) pixels: Vec<PixelError>,
     /// The mean radiance·cos⁴ over all pixels.
-    mean: f64,
+    pub(crate) mean: f64,
 }
 
 impl Estimate {
@@ -319,18 +326,13 @@ impl Estimate {
         let near = window_means(&last, columns, NEAR);
         let (around, around_before) = (window_means(&last, columns, AROUND), window_means(&before, columns, AROUND));
         let estimate = |(index, pixel): (usize, &Pixel)| {
-            let prior = PRIOR * around_before[index];
-            let gain = (around[index] + prior * GAIN_RANGE.1) / (around_before[index] + prior);
-            let gain = if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 };
-            let pooled = (near[index] / f64::from(pixel.samples)).max(0.25 * pixel.last);
-            // The fall slows down when only edges are left.
-            let later = 0.5 * (gain + GAIN_RANGE.1);
-            PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
+            let gain = gain(around[index], around_before[index]);
+            unit_error(pixel, near[index], gain, unit)
         };
         Estimate { pixels: pixels.iter().enumerate().map(estimate).collect(), mean }
     }
 
-    fn relative_error(&self) -> f64 {
+    pub(crate) fn relative_error(&self) -> f64 {
         let mean_square = self.pixels.iter().map(|pixel| pixel.squared).sum::<f64>() / self.pixels.len() as f64;
         CHANCE_AGREEMENT * mean_square.sqrt()
     }
@@ -353,14 +355,29 @@ impl Estimate {
     }
 }
 
+/// The factor by which `⟨d²⟩` falls at a doubling, from its last two values around a pixel.
+pub(crate) fn gain(last: f64, before: f64) -> f64 {
+    let prior = PRIOR * before;
+    let gain = (last + prior * GAIN_RANGE.1) / (before + prior);
+    if gain.is_finite() { gain.clamp(GAIN_RANGE.0, GAIN_RANGE.1) } else { GAIN_RANGE.1 }
+}
+
+/// A pixel's squared error times `unit`, where `near` is d² as if of one sample near it.
+pub(crate) fn unit_error(pixel: &Pixel, near: f64, gain: f64, unit: f64) -> PixelError {
+    let pooled = (near / f64::from(pixel.samples)).max(0.25 * pixel.last);
+    // The fall slows down when only edges are left.
+    let later = 0.5 * (gain + GAIN_RANGE.1);
+    PixelError { squared: unit * pooled * later / (1.0 - later), gain, samples: pixel.samples }
+}
+
 /// Multiples of it are spread evenly between whole numbers.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// One squared difference alone says little: they are averaged over a pixel and its neighbours up to this distance.
-const NEAR: usize = 1;
+pub(crate) const NEAR: usize = 1;
 
 /// Their fall from doubling to doubling is taken from neighbours up to this distance.
-const AROUND: usize = 3;
+pub(crate) const AROUND: usize = 3;
 
 /// Share of what is known of that fall that is taken to be of independent samples.
 const PRIOR: f64 = 0.1;

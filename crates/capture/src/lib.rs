@@ -7,9 +7,13 @@
 mod adaptive;
 mod background;
 mod checkpoint;
+mod edges;
 mod fixed;
+mod lattice;
 mod mirrored_lights;
 mod region;
+mod sparse;
+mod sparse_estimate;
 
 pub use adaptive::MAX_SAMPLES;
 pub use background::Background;

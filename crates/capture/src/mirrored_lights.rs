@@ -88,6 +88,11 @@ impl PixelImages {
         self.images.is_empty()
     }
 
+    /// Whether a pixel shows any.
+    pub(crate) fn shows_any(&self, pixel: usize) -> bool {
+        self.images.get(pixel).is_some_and(|images| !images.is_empty())
+    }
+
     /// Looks for the images that the pixels of a camera show.
     pub(crate) fn find(renderer: &Renderer, rays: &Rays) -> PixelImages {
         let hole = rays.hole();

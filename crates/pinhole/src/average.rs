@@ -162,7 +162,8 @@ impl BandWeights {
     }
 
     /// Whether pixels have colour filters.
-    pub(crate) fn has_mosaic(&self) -> bool {
+    #[must_use]
+    pub fn has_mosaic(&self) -> bool {
         self.mosaic.is_some()
     }
 

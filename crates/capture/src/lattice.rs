@@ -1,0 +1,260 @@
+//! Lattices of pixels, each finer than the one before, and interpolation from one to the next.
+//!
+//! Along each axis a level has the coordinates of the level before and the middles between them; the last has all pixels. The picture's cells
+//! lie between the coordinates of level 1. Level 0 has every second of those: what it says of level 1 tells how well a level is
+//! interpolated by the one before.
+
+/// Between the coordinates of level 1, in pixels.
+pub(crate) const STRIDE: u32 = 8;
+
+/// Points of the lattice before by which a point is interpolated along one axis: Lagrange's polynomial of third degree.
+const POINTS: usize = 4;
+
+/// How a coordinate is interpolated from the level before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Stencil {
+    at: [usize; POINTS],
+    weights: [f64; POINTS],
+    count: usize,
+}
+
+impl Stencil {
+    /// From sorted coordinates.
+    fn new(coordinates: &[u32], at: u32) -> Stencil {
+        let next = coordinates.partition_point(|coordinate| *coordinate < at);
+        if coordinates.get(next) == Some(&at) {
+            let mut own = Stencil { count: 1, ..Stencil::default() };
+            (own.at[0], own.weights[0]) = (at as usize, 1.0);
+            return own;
+        }
+        let count = coordinates.len().min(POINTS);
+        let first = next.saturating_sub(count / 2).min(coordinates.len() - count);
+        let near = &coordinates[first..first + count];
+        let mut stencil = Stencil { count, ..Stencil::default() };
+        for (index, own) in near.iter().enumerate() {
+            let others = near.iter().filter(|other| *other != own);
+            let factor = |other: &u32| (f64::from(at) - f64::from(*other)) / (f64::from(*own) - f64::from(*other));
+            stencil.at[index] = *own as usize;
+            stencil.weights[index] = others.map(factor).product();
+        }
+        stencil
+    }
+
+    fn terms(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.at.into_iter().zip(self.weights).take(self.count)
+    }
+}
+
+/// The levels along one axis.
+#[derive(Clone, Debug)]
+struct Ladder {
+    /// Sorted, by level.
+    coordinates: Vec<Vec<u32>>,
+    /// The first level from 1 on that has a pixel.
+    ranks: Vec<u8>,
+    /// By level and pixel, from the level before; those of level 0 and of pixels that are not on a level are empty.
+    stencils: Vec<Vec<Stencil>>,
+}
+
+impl Ladder {
+    fn new(count: u32, offset: u32, depth: usize) -> Ladder {
+        let last = count - 1;
+        let mut level: Vec<u32> = vec![0];
+        level.extend((offset..).step_by(STRIDE as usize).take_while(|at| at + STRIDE / 2 <= last));
+        level.push(last);
+        let mut ends: Vec<u32> = level.iter().copied().step_by(2).collect();
+        if ends.last() != Some(&last) {
+            ends.push(last);
+        }
+        let mut coordinates = vec![ends, level];
+        while coordinates.len() < depth {
+            let before = &coordinates[coordinates.len() - 1];
+            let mut finer: Vec<u32> = before.windows(2).flat_map(|pair| [pair[0], pair[0].midpoint(pair[1])]).collect();
+            finer.push(last);
+            finer.dedup();
+            coordinates.push(finer);
+        }
+        let mut ranks = vec![u8::MAX; count as usize];
+        for (level, coordinates) in coordinates.iter().enumerate().skip(1).rev() {
+            coordinates.iter().for_each(|at| ranks[*at as usize] = level as u8);
+        }
+        let stencils = (0..coordinates.len()).map(|level| {
+            let mut stencils = vec![Stencil::default(); count as usize];
+            if level > 0 {
+                for at in &coordinates[level] {
+                    stencils[*at as usize] = Stencil::new(&coordinates[level - 1], *at);
+                }
+            }
+            stencils
+        });
+        Ladder { stencils: stencils.collect(), coordinates, ranks }
+    }
+
+    /// How many levels it takes until all pixels are on one.
+    fn depth(count: u32, offset: u32) -> usize {
+        let mut depth = 3;
+        while Ladder::new(count, offset, depth).coordinates[depth - 1].len() < count as usize {
+            depth += 1;
+        }
+        depth
+    }
+
+    fn cells(&self) -> usize {
+        self.coordinates[1].len() - 1
+    }
+
+    /// The first and last pixel of a cell; neighbours share them.
+    fn cell(&self, cell: usize) -> std::ops::RangeInclusive<usize> {
+        self.coordinates[1][cell] as usize..=self.coordinates[1][cell + 1] as usize
+    }
+}
+
+/// The lattices of a picture.
+#[derive(Clone, Debug)]
+pub(crate) struct Lattice {
+    x: Ladder,
+    y: Ladder,
+    /// Levels; the last has all pixels.
+    depth: usize,
+}
+
+impl Lattice {
+    /// The first inner coordinates of level 1 lie at `offset`, from 0 to 1 each, of what they may be. `None` for a picture that is too small.
+    pub(crate) fn new(columns: u32, rows: u32, offset: [f64; 2]) -> Option<Lattice> {
+        if columns.min(rows) < 4 * STRIDE {
+            return None;
+        }
+        let [x, y] = offset.map(|share| STRIDE / 2 + (share * f64::from(STRIDE)) as u32);
+        let depth = Ladder::depth(columns, x).max(Ladder::depth(rows, y));
+        Some(Lattice { x: Ladder::new(columns, x, depth), y: Ladder::new(rows, y, depth), depth })
+    }
+
+    pub(crate) fn columns(&self) -> usize {
+        self.x.ranks.len()
+    }
+
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.columns() * self.y.ranks.len()
+    }
+
+    /// The level that has all pixels.
+    pub(crate) fn finest(&self) -> u8 {
+        (self.depth - 1) as u8
+    }
+
+    /// Pixels from one point of a level to the next, about.
+    pub(crate) fn stride(level: u8) -> usize {
+        (STRIDE as usize >> (level - 1)).max(1)
+    }
+
+    /// Columns and rows of cells.
+    pub(crate) fn cells(&self) -> [usize; 2] {
+        [self.x.cells(), self.y.cells()]
+    }
+
+    /// Columns and rows of pixels of a cell, both ends included.
+    pub(crate) fn cell(&self, cell: usize) -> [std::ops::RangeInclusive<usize>; 2] {
+        [self.x.cell(cell % self.x.cells()), self.y.cell(cell / self.x.cells())]
+    }
+
+    /// The pixels of a cell, with the level from which on each is on the lattice.
+    pub(crate) fn pixels(&self, cell: usize) -> impl Iterator<Item = (usize, u8)> {
+        let [columns, rows] = self.cell(cell);
+        let of_row = move |y: usize| {
+            let of_pixel = move |x: usize| (y * self.columns() + x, self.x.ranks[x].max(self.y.ranks[y]));
+            columns.clone().map(of_pixel)
+        };
+        rows.flat_map(of_row)
+    }
+
+    /// For each pixel the finest level of the cells in which it is a point of the lattice; 0 where it is none.
+    pub(crate) fn nodes(&self, levels: &[u8]) -> Vec<u8> {
+        let mut nodes = vec![0; self.pixel_count()];
+        for (cell, level) in levels.iter().enumerate() {
+            for (pixel, _) in self.pixels(cell).filter(|(_, rank)| rank <= level) {
+                nodes[pixel] = nodes[pixel].max(*level);
+            }
+        }
+        nodes
+    }
+
+    /// Interpolates all pixels that are no nodes, each level from the one before; `of_weight` is applied to every weight.
+    pub(crate) fn fill(&self, values: &mut [f64], nodes: &[u8], of_weight: impl Fn(f64) -> f64) {
+        let columns = self.columns();
+        for level in 2..self.depth {
+            let stencils = &self.x.stencils[level];
+            for y in self.y.coordinates[level - 1].iter().map(|y| *y as usize * columns) {
+                for x in self.x.coordinates[level].iter().map(|x| *x as usize) {
+                    if nodes[y + x] == 0 && stencils[x].count > 1 {
+                        values[y + x] =
+                            stencils[x].terms().map(|(at, weight)| of_weight(weight) * values[y + at]).sum();
+                    }
+                }
+            }
+            let stencils = &self.y.stencils[level];
+            for y in self.y.coordinates[level].iter().map(|y| *y as usize).filter(|y| stencils[*y].count > 1) {
+                for x in self.x.coordinates[level].iter().map(|x| *x as usize) {
+                    if nodes[y * columns + x] == 0 {
+                        let term = |(at, weight)| of_weight(weight) * values[at * columns + x];
+                        values[y * columns + x] = stencils[y].terms().map(term).sum();
+                    }
+                }
+            }
+        }
+    }
+
+    /// What the level before the pixel's rank says of it; level 0 of pixels of level 1, `None` of those that are on level 0 themselves.
+    pub(crate) fn predicted(&self, pixel: usize, values: &[f64], of_weight: impl Fn(f64) -> f64) -> Option<f64> {
+        let (x, y) = (pixel % self.columns(), pixel / self.columns());
+        let level = usize::from(self.x.ranks[x].max(self.y.ranks[y]));
+        let (across, down) = (&self.x.stencils[level][x], &self.y.stencils[level][y]);
+        if across.count <= 1 && down.count <= 1 {
+            return None;
+        }
+        let of_row = |(row, weight): (usize, f64)| {
+            let term = |(at, weight)| of_weight(weight) * values[row * self.columns() + at];
+            of_weight(weight) * across.terms().map(term).sum::<f64>()
+        };
+        Some(down.terms().map(of_row).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cubic(pixel: usize, columns: usize) -> f64 {
+        let (x, y) = ((pixel % columns) as f64 * 0.1, (pixel / columns) as f64 * 0.1);
+        1.0 + x - 0.3 * y * y + 0.02 * x * x * x * y - 0.01 * y * y * y
+    }
+
+    #[test]
+    fn the_finest_level_has_every_pixel() {
+        for (columns, rows, offset) in [(192, 165, [0.0, 0.99]), (32, 47, [0.5, 0.2]), (33, 64, [0.99, 0.0])] {
+            let lattice = Lattice::new(columns, rows, offset).expect("the picture is large enough");
+            let cells = lattice.cells()[0] * lattice.cells()[1];
+            let nodes = lattice.nodes(&vec![lattice.finest(); cells]);
+            assert!(nodes.iter().all(|level| *level == lattice.finest()));
+        }
+        assert!(Lattice::new(192, 31, [0.0; 2]).is_none());
+    }
+
+    #[test]
+    fn polynomials_of_third_degree_are_interpolated_exactly() {
+        let lattice = Lattice::new(61, 50, [0.3, 0.7]).expect("the picture is large enough");
+        let [across, down] = lattice.cells();
+        let mut levels = vec![1; across * down];
+        (levels[across + 1], levels[across + 2], levels[5]) = (lattice.finest(), 2, 3);
+        let nodes = lattice.nodes(&levels);
+        let truth: Vec<f64> = (0..lattice.pixel_count()).map(|pixel| cubic(pixel, 61)).collect();
+        let mut values: Vec<f64> =
+            truth.iter().zip(&nodes).map(|(value, node)| if *node > 0 { *value } else { f64::NAN }).collect();
+        lattice.fill(&mut values, &nodes, |weight| weight);
+        for (pixel, value) in values.iter().enumerate() {
+            assert!((value - truth[pixel]).abs() < 1e-9, "{pixel}: {value} for {}", truth[pixel]);
+            let predicted = lattice.predicted(pixel, &values, |weight| weight);
+            assert!(predicted.is_none_or(|predicted| (predicted - truth[pixel]).abs() < 1e-9));
+        }
+        assert!(nodes.iter().filter(|level| **level > 0).count() < lattice.pixel_count() / 5);
+    }
+}

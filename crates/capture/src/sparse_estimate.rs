@@ -1,0 +1,167 @@
+//! What the exposed pixels of a lattice say of all pixels, and how exact that is.
+
+use crate::adaptive::{AROUND, NEAR, Pixel, gain, unit_error};
+use crate::lattice::Lattice;
+use radsight_sampling::PixelError;
+
+/// The squared error of interpolation at a level as a share of what was seen one level before. A smooth function of four points falls by
+/// 16² with the stride, one with a kink by 4²; the profiles of lamps have kinks that the hole and the lamp blur.
+const FALL: f64 = 1.0 / 16.0;
+
+/// A cell is known to be interpolated badly where its misfit is so many times that of noise.
+const SIGNIFICANT: f64 = 9.0;
+
+/// The mean of the squared weights by which a pixel is interpolated along both axes: so much of a node's variance comes to each pixel.
+const SPREAD: f64 = 0.6;
+
+/// How well the level before says what the nodes of a cell are.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Misfit {
+    /// Mean squared difference.
+    squared: f64,
+    /// What noise alone makes of it.
+    noise: f64,
+}
+
+impl Misfit {
+    /// The squared error of what is interpolated in the cell.
+    pub(crate) fn error(&self) -> f64 {
+        FALL * self.squared
+    }
+
+    /// Whether it is more than noise.
+    pub(crate) fn is_significant(&self) -> bool {
+        self.squared > SIGNIFICANT * self.noise
+    }
+}
+
+/// The picture as its nodes have it, in units of radiance.
+#[derive(Debug)]
+pub(crate) struct SparseEstimate {
+    /// Of each pixel.
+    pub(crate) values: Vec<f64>,
+    /// Squared error of each pixel by the noise of the nodes.
+    pub(crate) noise: Vec<f64>,
+    /// Squared error of each pixel by interpolation.
+    pub(crate) bias: Vec<f64>,
+    /// The nodes, with what their noise adds to the sum of squared errors over all pixels.
+    pub(crate) nodes: Vec<(usize, PixelError)>,
+    /// Of each cell.
+    pub(crate) misfits: Vec<Misfit>,
+}
+
+impl SparseEstimate {
+    /// From the nodes of a lattice, whose levels are those of [`Lattice::nodes`].
+    pub(crate) fn new(lattice: &Lattice, levels: &[u8], nodes: &[u8], pixels: &[Pixel]) -> SparseEstimate {
+        let mut values: Vec<f64> = pixels.iter().map(Pixel::mean).collect();
+        lattice.fill(&mut values, nodes, |weight| weight);
+        let errors = node_errors(lattice, nodes, pixels);
+        let mut noise = vec![0.0; values.len()];
+        errors.iter().for_each(|(pixel, error)| noise[*pixel] = error.squared);
+        lattice.fill(&mut noise, nodes, |weight| weight * weight);
+        let misfits: Vec<Misfit> =
+            (0..levels.len()).map(|cell| misfit(lattice, (cell, levels[cell]), &values, &noise)).collect();
+        let mut bias = vec![0.0_f64; values.len()];
+        for (cell, misfit) in misfits.iter().enumerate() {
+            for (pixel, _) in lattice.pixels(cell).filter(|(pixel, _)| nodes[*pixel] == 0) {
+                bias[pixel] = bias[pixel].max(misfit.error());
+            }
+        }
+        let weigh = |(pixel, error): (usize, PixelError)| {
+            let area = Lattice::stride(nodes[pixel]).pow(2) as f64;
+            let spread = if area > 1.0 { SPREAD * area } else { 1.0 };
+            (pixel, PixelError { squared: spread * error.squared, ..error })
+        };
+        let nodes = errors.into_iter().map(weigh).collect();
+        SparseEstimate { values, noise, bias, nodes, misfits }
+    }
+
+    pub(crate) fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+
+    /// Mean squared error of all pixels by noise and by interpolation.
+    pub(crate) fn squared_errors(&self) -> [f64; 2] {
+        [&self.noise, &self.bias].map(|errors| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+}
+
+/// The noise of each node, as the adaptive sampler estimates that of pixels: pooled with nodes near it.
+fn node_errors(lattice: &Lattice, nodes: &[u8], pixels: &[Pixel]) -> Vec<(usize, PixelError)> {
+    let columns = lattice.columns();
+    let summed = |of_node: fn(&Pixel) -> f64| {
+        Sums::new(pixels.iter().zip(nodes).map(|(pixel, node)| if *node > 0 { of_node(pixel) } else { 0.0 }), columns)
+    };
+    let count = summed(|_| 1.0);
+    let last = summed(|pixel| pixel.last * f64::from(pixel.samples));
+    let before = summed(|pixel| pixel.before * f64::from(pixel.samples));
+    let of_node = |(index, level): (usize, &u8)| {
+        let stride = Lattice::stride(*level);
+        let mean = |sums: &Sums, reach: usize| sums.around(index, reach * stride) / count.around(index, reach * stride);
+        let gain = gain(mean(&last, AROUND), mean(&before, AROUND));
+        (index, unit_error(&pixels[index], mean(&last, NEAR), gain, 1.0))
+    };
+    nodes.iter().enumerate().filter(|(_, level)| **level > 0).map(of_node).collect()
+}
+
+fn misfit(lattice: &Lattice, (cell, level): (usize, u8), values: &[f64], noise: &[f64]) -> Misfit {
+    if level == lattice.finest() {
+        return Misfit::default();
+    }
+    let (mut misfit, mut count) = (Misfit::default(), 0.0);
+    for (pixel, _) in lattice.pixels(cell).filter(|(_, rank)| *rank == level) {
+        let Some(predicted) = lattice.predicted(pixel, values, |weight| weight) else { continue };
+        let expected = lattice.predicted(pixel, noise, |weight| weight * weight).unwrap_or(0.0);
+        misfit.squared += (values[pixel] - predicted).powi(2);
+        misfit.noise += noise[pixel] + expected;
+        count += 1.0;
+    }
+    let count = f64::max(count, 1.0);
+    Misfit { squared: misfit.squared / count, noise: misfit.noise / count }
+}
+
+/// Sums over rectangles of pixels.
+struct Sums {
+    /// Of what is left of and above each corner.
+    corners: Vec<f64>,
+    columns: usize,
+}
+
+impl Sums {
+    fn new(values: impl Iterator<Item = f64>, columns: usize) -> Sums {
+        let mut corners = vec![0.0; columns + 1];
+        let mut of_row = 0.0;
+        for value in values {
+            if corners.len().is_multiple_of(columns + 1) {
+                of_row = 0.0;
+                corners.push(0.0);
+            }
+            of_row += value;
+            corners.push(corners[corners.len() - columns - 1] + of_row);
+        }
+        Sums { corners, columns }
+    }
+
+    /// Over the square of pixels within `reach` of one, as far as the picture goes.
+    fn around(&self, pixel: usize, reach: usize) -> f64 {
+        let rows = self.corners.len() / (self.columns + 1) - 1;
+        let near = |at: usize, count: usize| [at.saturating_sub(reach), (at + reach + 1).min(count)];
+        let [left, right] = near(pixel % self.columns, self.columns);
+        let [top, bottom] = near(pixel / self.columns, rows);
+        let corner = |x: usize, y: usize| self.corners[y * (self.columns + 1) + x];
+        (corner(right, bottom) - corner(left, bottom) - corner(right, top) + corner(left, top)).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_around_a_pixel_end_at_the_picture() {
+        let sums = Sums::new((0..12).map(f64::from), 4);
+        assert_eq!(sums.around(0, 1), 0.0 + 1.0 + 4.0 + 5.0);
+        assert_eq!(sums.around(5, 1), [0, 1, 2, 4, 5, 6, 8, 9, 10].iter().sum::<i32>().into());
+        assert_eq!(sums.around(11, 9), 66.0);
+    }
+}

@@ -1,0 +1,146 @@
+//! Where the radiance along a ray changes smoothly when the ray is moved a little.
+//!
+//! A picture may be interpolated between pixels that see the same surface, lit by the same lights, if nothing on the surface itself is sharp.
+//! Two rays whose [`SmoothView`]s join see such a surface. That says nothing of what lies between the two rays.
+
+use crate::plan::RenderPlan;
+use crate::shader::{Kind, Shader};
+use crate::visibility_class::VisibilityClass;
+use glam::DVec3;
+use radsight_accel::{Intersection, PrimitiveId, Ray};
+use radsight_light::Light;
+use radsight_texture::Step;
+
+/// With more lights no view counts as smooth: each light takes a shadow ray and a bit of the view.
+const MOST_LIGHTS: usize = 64;
+
+/// A shadow ray ends this share of its length before its light.
+const SHORT_OF_LIGHT: f64 = 1e-6;
+
+/// What a ray sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothView {
+    /// The primitive, `NONE` for no surface.
+    primitive: PrimitiveId,
+    /// A bit for each light whose middle is hidden from the point.
+    hidden: u64,
+    /// A bit for each light that is dark from there by its cone, and for each whose cone has the point inside from everywhere on the light.
+    /// In between the light's extent makes its edge soft.
+    outside: u64,
+    inside: u64,
+}
+
+impl SmoothView {
+    /// Whether no edge is known between the two.
+    #[must_use]
+    pub fn joins(&self, other: &SmoothView) -> bool {
+        let is_sharp = self.outside & other.inside | self.inside & other.outside != 0;
+        self.primitive == other.primitive && self.hidden == other.hidden && !is_sharp
+    }
+}
+
+/// How a light shines to a point.
+enum Reach {
+    Hidden,
+    /// It is dark there by its cone.
+    Outside,
+    /// All of it has the point in its cone.
+    Inside,
+    /// Some of it may have.
+    Between,
+}
+
+impl RenderPlan {
+    /// What a ray sees, if radiance is smooth there: no pattern, no texture, no mirror image, no mist.
+    #[must_use]
+    pub fn smooth_view(&self, ray: &Ray) -> Option<SmoothView> {
+        if self.has_media || self.has_antimatter || self.lights.len() > MOST_LIGHTS {
+            return None;
+        }
+        let Some(hit) = self.first_hit(ray, None) else {
+            let nothing = SmoothView { primitive: PrimitiveId::NONE, hidden: 0, outside: 0, inside: 0 };
+            return self.sky.is_empty().then_some(nothing);
+        };
+        if !is_smooth(self.shader_at(hit.shader)) {
+            return None;
+        }
+        let mut view = SmoothView { primitive: hit.primitive, hidden: 0, outside: 0, inside: 0 };
+        for (index, light) in self.lights.iter().enumerate() {
+            let bit = 1 << index;
+            match self.reach_of(&hit, index, light)? {
+                Reach::Hidden => view.hidden |= bit,
+                Reach::Outside => view.outside |= bit,
+                Reach::Inside => view.inside |= bit,
+                Reach::Between => {}
+            }
+        }
+        Some(view)
+    }
+
+    /// How a light shines to a point; `None` where it may come by way of a mirror, whose outline is sharp.
+    fn reach_of(&self, hit: &Intersection, index: usize, light: &Light) -> Option<Reach> {
+        let is_free = match self.receiver(hit.primitive).map(|receiver| &receiver.between[index]) {
+            Some(VisibilityClass::Dark) => return Some(Reach::Outside),
+            Some(VisibilityClass::Nothing) => true,
+            _ => false,
+        };
+        if !light.virtual_sources.is_empty() {
+            return light.misses(hit.point).then_some(Reach::Outside);
+        }
+        match in_cone(light, hit.point) {
+            Reach::Outside => Some(Reach::Outside),
+            _ if !is_free && self.hides(hit, light) => Some(Reach::Hidden),
+            reach => Some(reach),
+        }
+    }
+
+    /// Whether something stands between a point and the middle of a light.
+    fn hides(&self, hit: &Intersection, light: &Light) -> bool {
+        let (direction, distance) = if light.radius.is_infinite() {
+            (light.center, f64::INFINITY)
+        } else {
+            let offset = light.center - hit.point;
+            let distance = offset.length();
+            // A round light is met before its middle.
+            let depth = if light.form.plane().is_some() { 0.0 } else { light.radius };
+            (offset / distance, distance * (1.0 - SHORT_OF_LIGHT) - depth)
+        };
+        let ray = Ray { origin: hit.point, direction };
+        self.geometry.any_between(&self.scene, &ray, Some(hit.primitive), distance.max(0.0), |_| true)
+    }
+}
+
+/// How a point lies to the cone of a light.
+fn in_cone(light: &Light, point: DVec3) -> Reach {
+    let Some(cone) = light.cone.filter(|_| light.radius.is_finite()) else { return Reach::Between };
+    let offset = point - light.center;
+    let distance = offset.length();
+    if distance <= light.radius {
+        return Reach::Between;
+    }
+    // cos(a ± b), with b the angle under which the light's radius is seen.
+    let (sin, cos) = cone.half_angle.sin_cos();
+    let sine = light.radius / distance;
+    let (along, across) = (cos * (1.0 - sine * sine).sqrt(), sin * sine);
+    let cosine = offset.dot(cone.axis) / distance;
+    if cosine < along - across {
+        Reach::Outside
+    } else if cosine > along + across && cone.half_angle.sin() > sine {
+        Reach::Inside
+    } else {
+        Reach::Between
+    }
+}
+
+/// Whether what a shader sends on has no edges of its own.
+fn is_smooth(shader: &Shader) -> bool {
+    let steps = &shader.textures.steps;
+    match &shader.kind {
+        Kind::Glossy(glossy) => steps.is_empty() && !(glossy.is_smooth() && glossy.specularity > 0.0),
+        // Its texture is what makes it a retroreflector.
+        Kind::Retro(_) => steps.iter().all(|step| matches!(step, Step::Texture(_))),
+        Kind::Plugin(_) => steps.is_empty(),
+        Kind::Emitter(emitter) => steps.is_empty() && emitter.cone.is_none(),
+        _ => false,
+    }
+}
