@@ -17,11 +17,11 @@ const LEFT_OUT: [&str; 2] =
 /// The sanitizer leaves the signal of a crash to the guard that the tests are about.
 const RUNTIME_OPTIONS: &str = "handle_segv=0:handle_abort=0:handle_sigfpe=0:handle_sigill=0:handle_sigbus=0";
 
-/// Builds into a folder of its own, since flags differ. A stable compiler takes the flag with `RUSTC_BOOTSTRAP`.
+/// Builds into a folder of its own, since flags differ; without the examples of the documentation, which get no flags. A stable compiler takes the flag with `RUSTC_BOOTSTRAP`.
 pub(crate) fn check() -> Result<(), String> {
     let triple = workspace::host_triple()?;
     let mut cargo = Command::new("cargo");
-    cargo.args(["test", "--target-dir", "target/sanitize", "--target", &triple]);
+    cargo.args(["test", "--lib", "--tests", "--examples", "--target-dir", "target/sanitize", "--target", &triple]);
     for name in UNSAFE_CRATES {
         cargo.args(["--package", name]);
     }
