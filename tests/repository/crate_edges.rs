@@ -18,6 +18,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "camera",
             "capture",
             "diag",
+            "ir",
             "loader",
             "parse",
             "picture",

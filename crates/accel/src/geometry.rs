@@ -1,6 +1,7 @@
 //! All surfaces of a scene under one hierarchy, and the numbers of what rays can hit.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::coincident::{self, SubstanceOf};
 use crate::hierarchy::Hierarchy;
 use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
@@ -49,24 +50,26 @@ impl Geometry {
         scene: &Scene,
         substance_of: SubstanceOf,
         wanted: impl Fn(SurfaceHandle) -> bool,
+        builder: Builder,
     ) -> Result<Geometry, Diagnostic> {
-        Geometry::build_sharing(scene, substance_of, &wanted, &mut HashMap::new())
+        Geometry::build_sharing(scene, (substance_of, builder), &wanted, &mut HashMap::new())
     }
 
     /// A scene that several others place has one geometry.
     fn build_sharing(
         scene: &Scene,
-        substance_of: SubstanceOf,
+        (substance_of, builder): (SubstanceOf, Builder),
         wanted: &dyn Fn(SurfaceHandle) -> bool,
         known: &mut HashMap<*const Scene, Arc<Geometry>>,
     ) -> Result<Geometry, Diagnostic> {
-        let meshes: Vec<MeshGeometry> = scene.meshes.items().iter().map(MeshGeometry::build).collect();
+        let meshes: Vec<MeshGeometry> =
+            scene.meshes.items().iter().map(|mesh| MeshGeometry::build(mesh, builder)).collect();
         let mut octrees = Vec::with_capacity(scene.octrees.len());
         for octree in scene.octrees.items() {
             let key = Arc::as_ptr(&octree.scene);
             let geometry = match known.get(&key) {
                 Some(geometry) => geometry.clone(),
-                None => Arc::new(Geometry::build_sharing(&octree.scene, substance_of, &|_| true, known)?),
+                None => Arc::new(Geometry::build_sharing(&octree.scene, (substance_of, builder), &|_| true, known)?),
             };
             known.insert(key, geometry.clone());
             octrees.push(geometry);
@@ -88,7 +91,7 @@ impl Geometry {
             geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
         };
         let triangle_of = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
-        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of);
+        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of, builder);
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
         geometry.tolerance = coincident::tolerance(hierarchy.bounds().reach());
         geometry.hierarchy = hierarchy;

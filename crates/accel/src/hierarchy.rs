@@ -4,9 +4,12 @@
 //! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::hierarchy_block::{Block, Probe};
-use crate::hierarchy_build::{Built, build};
+use crate::hierarchy_build::cut;
 use crate::hierarchy_child::{Child, Waiting};
+use crate::hierarchy_cluster::cluster;
+use crate::hierarchy_collapse::{collapse, cost};
 use crate::hierarchy_node::{Node, Slabs, WIDTH};
 use crate::hierarchy_part::Leaves;
 use crate::ray::Ray;
@@ -14,6 +17,9 @@ use glam::DVec3;
 
 /// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
 const BOX_PADDING: f64 = 2e-6;
+
+/// In larger scenes the areas of boxes could overflow in single precision, which clustering cannot stand.
+const LARGEST_CLUSTERED: f64 = 1e16;
 
 /// Boxes in boxes around items. Items have slots, so that those of a box have slots one after the other.
 #[derive(Debug, Default)]
@@ -77,6 +83,7 @@ impl Hierarchy {
         count: usize,
         bounds_of: impl Fn(usize) -> Bounds + Sync,
         triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
+        builder: Builder,
     ) -> (Hierarchy, Vec<u32>) {
         let all = (0..count).map(&bounds_of);
         let bounds = all.reduce(Bounds::union).unwrap_or(Bounds::point(DVec3::ZERO));
@@ -86,10 +93,19 @@ impl Hierarchy {
         let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
         // With few triangles among other things a block would only stand in the way.
         let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
-        let Built { nodes, root, order } = build(count, leaves, |item| {
+        let box_of = |item: usize| {
             let Bounds { min, max } = bounds_of(item);
             [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
-        });
+        };
+        let (mut parts, mut order) = cut(count, leaves, box_of);
+        if builder == Builder::Thorough && radius < LARGEST_CLUSTERED {
+            let clustered = cluster(count, leaves, box_of);
+            if cost(&clustered.0, leaves) < cost(&parts, leaves) {
+                (parts, order) = clustered;
+            }
+        }
+        let (nodes, root) = collapse(&parts, leaves);
+        drop(parts);
         let mut hierarchy = Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius };
         if leaves == Leaves::Blocks {
             hierarchy.pack(|slot| {

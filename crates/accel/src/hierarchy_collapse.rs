@@ -44,6 +44,11 @@ pub(crate) fn collapse(parts: &[Part], leaves: Leaves) -> (Vec<Node>, Child) {
     (nodes, Child::node(0))
 }
 
+/// What rays pay for a binary tree after [`collapse`], in tests of leaves times area.
+pub(crate) fn cost(parts: &[Part], leaves: Leaves) -> f32 {
+    costs(parts, leaves).first().map_or(0.0, |within| within[0])
+}
+
 struct Tree<'p> {
     parts: &'p [Part],
     costs: Vec<Costs>,

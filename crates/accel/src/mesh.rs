@@ -1,6 +1,7 @@
 //! Triangle meshes, in their own coordinates.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::coincident;
 use crate::hierarchy::Hierarchy;
 use crate::ids::PrimitiveId;
@@ -30,10 +31,10 @@ pub(crate) struct MeshPoint {
 }
 
 impl MeshGeometry {
-    pub(crate) fn build(mesh: &Mesh) -> MeshGeometry {
+    pub(crate) fn build(mesh: &Mesh, builder: Builder) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
         let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
-        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of);
+        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of, builder);
         let slots = order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();
         MeshGeometry { hierarchy, slots, nearest }

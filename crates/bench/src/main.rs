@@ -30,6 +30,7 @@ mod capture;
 mod commands;
 mod cost;
 mod curve;
+mod embree;
 mod equal_error;
 mod error;
 mod figure;
