@@ -20,6 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "diag",
             "ir",
             "loader",
+            "memory",
             "parse",
             "picture",
             "pinhole",

@@ -4,6 +4,9 @@
 //! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
 //! comparison with null.
 //!
+//! Large pieces are asked for in huge pages where the system (Linux) leaves that to the program: rays and pictures go through
+//! them in no order, and would wait for the tables of small pages at every other step.
+//!
 //! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
 //! meanwhile for the end of the process. Where the function itself finds no memory, the process
 //! aborts. This crate may not know limits, options or messages.
@@ -35,33 +38,36 @@ thread_local! {
     static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
 }
 
+/// From this size on a piece is worth huge pages, of which each has 2 MiB.
+const LARGE: usize = 4 << 20;
+
 /// Says what to do when there is no memory. The first call counts.
 pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// The system's allocator, which does what [`when_exhausted`] says instead of giving null.
+/// The system's allocator with huge pages for large pieces, which does what [`when_exhausted`] says instead of giving null.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportingAllocator;
 
-// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged.
+// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged but for the size of its pages.
 unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that the system's allocator asks for.
-        checked(unsafe { System.alloc(layout) }, layout.size())
+        checked(in_huge_pages(unsafe { System.alloc(layout) }, layout.size()), layout.size())
     }
 
     #[inline]
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as for `alloc`.
-        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        checked(in_huge_pages(unsafe { System.alloc_zeroed(layout) }, layout.size()), layout.size())
     }
 
     #[inline]
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         // SAFETY: as for `alloc`.
-        checked(unsafe { System.realloc(memory, layout, size) }, size)
+        checked(in_huge_pages(unsafe { System.realloc(memory, layout, size) }, size), size)
     }
 
     #[inline]
@@ -70,6 +76,31 @@ unsafe impl GlobalAlloc for ReportingAllocator {
         unsafe { System.dealloc(memory, layout) }
     }
 }
+
+/// Asks for huge pages where a piece is large; gives the piece.
+#[inline]
+fn in_huge_pages(memory: *mut u8, bytes: usize) -> *mut u8 {
+    if bytes >= LARGE && !memory.is_null() {
+        ask_for_huge_pages(memory, bytes);
+    }
+    memory
+}
+
+#[cfg(target_os = "linux")]
+#[cold]
+fn ask_for_huge_pages(memory: *mut u8, bytes: usize) {
+    use rustix::mm::{Advice, madvise};
+    let page = rustix::param::page_size();
+    let skipped = memory.align_offset(page);
+    let whole = bytes.saturating_sub(skipped) / page * page;
+    // SAFETY: these whole pages are within the piece; the advice changes neither what they hold nor who may use them. Systems
+    // without huge pages refuse it, which does no harm.
+    let _ = unsafe { madvise(memory.wrapping_add(skipped).cast(), whole, Advice::LinuxHugepage) };
+}
+
+#[cfg(not(target_os = "linux"))]
+#[cold]
+fn ask_for_huge_pages(_: *mut u8, _: usize) {}
 
 #[inline]
 fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {
