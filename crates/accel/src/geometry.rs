@@ -23,6 +23,8 @@ pub struct Geometry {
     pub(crate) members: Vec<SurfaceHandle>,
     /// Their shapes, beside each other for the rays.
     pub(crate) shapes: Vec<Shape>,
+    /// Their corners, where all are triangles and many rays are worth a second copy that stands in the order of the slots; else empty.
+    pub(crate) corners: Vec<[DVec3; 3]>,
     /// The members that hold others, ascending.
     pub(crate) holders: Vec<MemberId>,
     /// The first primitive in each of them, and the number of all primitives.
@@ -90,13 +92,17 @@ impl Geometry {
             let shape = scene.surfaces[handles[index]].shape;
             geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
         };
-        let triangle_of = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
-        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of, builder);
+        let triangle = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
+        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle, builder);
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
         geometry.tolerance = coincident::tolerance(hierarchy.bounds().reach());
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
+        if builder == Builder::Thorough && geometry.shapes.iter().all(|shape| triangle_of(scene, *shape).is_some()) {
+            let corners = |shape: &Shape| triangle_of(scene, *shape).unwrap_or_default();
+            geometry.corners = geometry.shapes.iter().map(corners).collect();
+        }
         geometry.outlines = outlines(scene, &geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
@@ -107,6 +113,7 @@ impl Geometry {
         Geometry {
             members: Vec::new(),
             shapes: Vec::new(),
+            corners: Vec::new(),
             holders: Vec::new(),
             firsts: Vec::new(),
             hierarchy: Hierarchy::default(),
@@ -191,7 +198,7 @@ impl Geometry {
         let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
         let meshes: usize = self.meshes.iter().map(MeshGeometry::bytes).sum();
         let octrees: usize = self.octrees.iter().map(|octree| octree.hierarchy_bytes()).sum();
-        self.hierarchy.bytes() + self.members.len() * members + meshes + octrees
+        self.hierarchy.bytes() + size_of_val(&*self.corners) + self.members.len() * members + meshes + octrees
     }
 
     /// How many members there are.

@@ -41,6 +41,7 @@ mod hierarchy_cluster;
 mod hierarchy_collapse;
 mod hierarchy_node;
 mod hierarchy_part;
+mod hierarchy_vectors;
 mod ids;
 mod intersection;
 mod limits;
