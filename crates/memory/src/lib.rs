@@ -4,8 +4,9 @@
 //! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
 //! comparison with null.
 //!
-//! Large pieces are asked for in huge pages where the system (Linux) leaves that to the program: rays and pictures go through
-//! them in no order, and would wait for the tables of small pages at every other step.
+//! Large pieces that are asked for at their full size, as hierarchies of boxes are, get huge pages where the system (Linux) leaves
+//! that to the program: rays go through them in no order, and would wait for the tables of small pages at every other step. What
+//! grows piece by piece, as texts do that are read, is mostly read in order and does not: the system takes longer to find huge pages.
 //!
 //! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
 //! meanwhile for the end of the process. Where the function itself finds no memory, the process
@@ -61,13 +62,13 @@ unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as for `alloc`.
-        checked(in_huge_pages(unsafe { System.alloc_zeroed(layout) }, layout.size()), layout.size())
+        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     #[inline]
     unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         // SAFETY: as for `alloc`.
-        checked(in_huge_pages(unsafe { System.realloc(memory, layout, size) }, size), size)
+        checked(unsafe { System.realloc(memory, layout, size) }, size)
     }
 
     #[inline]
@@ -90,12 +91,12 @@ fn in_huge_pages(memory: *mut u8, bytes: usize) -> *mut u8 {
 #[cold]
 fn ask_for_huge_pages(memory: *mut u8, bytes: usize) {
     use rustix::mm::{Advice, madvise};
-    let page = rustix::param::page_size();
-    let skipped = memory.align_offset(page);
-    let whole = bytes.saturating_sub(skipped) / page * page;
-    // SAFETY: these whole pages are within the piece; the advice changes neither what they hold nor who may use them. Systems
-    // without huge pages refuse it, which does no harm.
-    let _ = unsafe { madvise(memory.wrapping_add(skipped).cast(), whole, Advice::LinuxHugepage) };
+    // Whole pages, those of both ends among them: a part without the advice would be a mapping of its own, and a piece in two
+    // mappings is copied where it grows instead of moved.
+    let before = memory.addr() % rustix::param::page_size();
+    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what stands beside the piece in the
+    // pages of its ends. Systems without huge pages refuse it, which does no harm.
+    let _ = unsafe { madvise(memory.wrapping_sub(before).cast(), bytes + before, Advice::LinuxHugepage) };
 }
 
 #[cfg(not(target_os = "linux"))]
