@@ -9,6 +9,7 @@ mod commands;
 mod control_file;
 mod disk;
 mod expand;
+mod expected_rays;
 mod failure;
 mod file_pattern;
 mod input;

@@ -7,6 +7,7 @@ mod series;
 
 use crate::args::Capture;
 use crate::commands::sensor::no_mosaic;
+use crate::expected_rays;
 use crate::failure::{Failure, Outcome, say};
 use crate::input::{Planned, conclude_all, history, plan, plan_split, read_camera, use_threads};
 use crate::output::{check_writable, write_file, write_image_file};
@@ -24,10 +25,19 @@ use radsight_render::{RenderOptions, RenderPlan, Renderer};
 use resume::{CheckpointFile, Saving};
 
 /// Error that is asked for when nothing is said.
-const DEFAULT_ERROR: f64 = 0.005;
+pub(super) const DEFAULT_ERROR: f64 = 0.005;
 
 /// Diffraction is mentioned when the pinhole's Fresnel number is below this.
 const DIFFRACTION_MATTERS: f64 = 3.0;
+
+/// Camera rays of a capture, about.
+fn camera_rays(arguments: &Capture, camera: &CameraFile) -> f64 {
+    let pixels = camera.camera.pixel_count();
+    match arguments.samples {
+        Some(samples) => pixels as f64 * f64::from(samples),
+        None => expected_rays::to_error(pixels, arguments.error.unwrap_or(DEFAULT_ERROR)),
+    }
+}
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
@@ -50,7 +60,7 @@ pub(crate) fn run(arguments: &Capture, render: RenderOptions) -> Outcome {
         check_writable(&arguments.reading.trust.output(path, Existing::Kept)?)?;
     }
     stopwatch.lap("camera file read");
-    let options = RenderOptions { seed: arguments.seed, ..render };
+    let options = RenderOptions { seed: arguments.seed, camera_rays: camera_rays(arguments, &camera), ..render };
     let split = |scene: &mut _| FlickeringScenes::split(scene, &camera).map(|scenes| scenes.by_row);
     let (planned, by_row) = match camera.flickering.is_empty() {
         true => (plan(&arguments.scenes, Some(&camera), &arguments.reading, options.clone())?, Vec::new()),

@@ -1,6 +1,8 @@
 //! `radsight explain`: what a capture computes, and what it skips and why.
 
 use crate::args::Explain;
+use crate::commands::capture::DEFAULT_ERROR;
+use crate::expected_rays;
 use crate::failure::{Failure, Outcome};
 use crate::input::{plan, read_camera, use_default_threads};
 use crate::output::write_standard_output;
@@ -20,6 +22,8 @@ const TURNS: u32 = 5;
 pub(crate) fn run(arguments: &Explain, render: RenderOptions) -> Outcome {
     use_default_threads()?;
     let camera = read_camera(&arguments.camera)?;
+    let camera_rays = expected_rays::to_error(camera.camera.pixel_count(), DEFAULT_ERROR);
+    let render = RenderOptions { camera_rays, ..render };
     let planned = plan(&arguments.scenes, Some(&camera), &arguments.reading, render.clone())?;
     let decisions = planned.plan.decisions().to_vec();
     let renderer = Renderer::new(planned.plan);

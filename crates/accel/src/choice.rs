@@ -51,7 +51,7 @@ impl Geometry {
         let limits = Limits { nearest, farthest: distance + self.tolerance };
         let frame = RayFrame::new(ray);
         let mut hits = Vec::new();
-        self.hierarchy.visit(ray, limits.farthest, |index| {
+        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
             hits.extend(self.crossing(scene, MemberId(index), ray, &frame, from, &limits));
             limits.farthest
         });

@@ -1,6 +1,7 @@
 //! All surfaces of a scene under one hierarchy, and the numbers of what rays can hit.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::coincident::{self, SubstanceOf};
 use crate::hierarchy::Hierarchy;
 use crate::ids::{MemberId, PrimitiveId, ShaderId, ShaderTable};
@@ -22,6 +23,8 @@ pub struct Geometry {
     pub(crate) members: Vec<SurfaceHandle>,
     /// Their shapes, beside each other for the rays.
     pub(crate) shapes: Vec<Shape>,
+    /// Their corners, where all are triangles and many rays are worth a second copy that stands in the order of the slots; else empty.
+    pub(crate) corners: Vec<[DVec3; 3]>,
     /// The members that hold others, ascending.
     pub(crate) holders: Vec<MemberId>,
     /// The first primitive in each of them, and the number of all primitives.
@@ -49,24 +52,26 @@ impl Geometry {
         scene: &Scene,
         substance_of: SubstanceOf,
         wanted: impl Fn(SurfaceHandle) -> bool,
+        builder: Builder,
     ) -> Result<Geometry, Diagnostic> {
-        Geometry::build_sharing(scene, substance_of, &wanted, &mut HashMap::new())
+        Geometry::build_sharing(scene, (substance_of, builder), &wanted, &mut HashMap::new())
     }
 
     /// A scene that several others place has one geometry.
     fn build_sharing(
         scene: &Scene,
-        substance_of: SubstanceOf,
+        (substance_of, builder): (SubstanceOf, Builder),
         wanted: &dyn Fn(SurfaceHandle) -> bool,
         known: &mut HashMap<*const Scene, Arc<Geometry>>,
     ) -> Result<Geometry, Diagnostic> {
-        let meshes: Vec<MeshGeometry> = scene.meshes.items().iter().map(MeshGeometry::build).collect();
+        let meshes: Vec<MeshGeometry> =
+            scene.meshes.items().iter().map(|mesh| MeshGeometry::build(mesh, builder)).collect();
         let mut octrees = Vec::with_capacity(scene.octrees.len());
         for octree in scene.octrees.items() {
             let key = Arc::as_ptr(&octree.scene);
             let geometry = match known.get(&key) {
                 Some(geometry) => geometry.clone(),
-                None => Arc::new(Geometry::build_sharing(&octree.scene, substance_of, &|_| true, known)?),
+                None => Arc::new(Geometry::build_sharing(&octree.scene, (substance_of, builder), &|_| true, known)?),
             };
             known.insert(key, geometry.clone());
             octrees.push(geometry);
@@ -87,13 +92,17 @@ impl Geometry {
             let shape = scene.surfaces[handles[index]].shape;
             geometry.bounds(scene, shape).unwrap_or(Bounds::point(DVec3::ZERO))
         };
-        let triangle_of = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
-        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle_of);
+        let triangle = |index: usize| triangle_of(scene, scene.surfaces[handles[index]].shape);
+        let (hierarchy, order) = Hierarchy::build(handles.len(), bounds_of, triangle, builder);
         geometry.nearest = SELF_HIT * hierarchy.bounds().reach();
         geometry.tolerance = coincident::tolerance(hierarchy.bounds().reach());
         geometry.hierarchy = hierarchy;
         geometry.members = order.into_iter().map(|index| handles[index as usize]).collect();
         geometry.shapes = geometry.members.iter().map(|handle| scene.surfaces[*handle].shape).collect();
+        if builder == Builder::Thorough && geometry.shapes.iter().all(|shape| triangle_of(scene, *shape).is_some()) {
+            let corners = |shape: &Shape| triangle_of(scene, *shape).unwrap_or_default();
+            geometry.corners = geometry.shapes.iter().map(corners).collect();
+        }
         geometry.outlines = outlines(scene, &geometry.shapes);
         geometry.number_primitives(scene)?;
         Ok(geometry)
@@ -104,6 +113,7 @@ impl Geometry {
         Geometry {
             members: Vec::new(),
             shapes: Vec::new(),
+            corners: Vec::new(),
             holders: Vec::new(),
             firsts: Vec::new(),
             hierarchy: Hierarchy::default(),
@@ -188,7 +198,7 @@ impl Geometry {
         let members = size_of::<SurfaceHandle>() + size_of::<Shape>();
         let meshes: usize = self.meshes.iter().map(MeshGeometry::bytes).sum();
         let octrees: usize = self.octrees.iter().map(|octree| octree.hierarchy_bytes()).sum();
-        self.hierarchy.bytes() + self.members.len() * members + meshes + octrees
+        self.hierarchy.bytes() + size_of_val(&*self.corners) + self.members.len() * members + meshes + octrees
     }
 
     /// How many members there are.

@@ -4,16 +4,23 @@
 //! decided in double precision. A ray that starts far outside is first moved to the bounding sphere.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::hierarchy_block::{Block, Probe};
-use crate::hierarchy_build::{Built, build};
-use crate::hierarchy_child::{Child, Waiting};
+use crate::hierarchy_build::cut;
+use crate::hierarchy_child::{Child, LARGEST_LEAF, Waiting};
+use crate::hierarchy_cluster::cluster;
+use crate::hierarchy_collapse::{collapse, cost};
 use crate::hierarchy_node::{Node, Slabs, WIDTH};
 use crate::hierarchy_part::Leaves;
+use crate::hierarchy_vectors::{Processor, Vectors};
 use crate::ray::Ray;
 use glam::DVec3;
 
 /// Padding of boxes as a share of the size of the whole: well above the rounding of single precision in the slab tests.
 const BOX_PADDING: f64 = 2e-6;
+
+/// In larger scenes the areas of boxes could overflow in single precision, which clustering cannot stand.
+const LARGEST_CLUSTERED: f64 = 1e16;
 
 /// Boxes in boxes around items. Items have slots, so that those of a box have slots one after the other.
 #[derive(Debug, Default)]
@@ -25,6 +32,17 @@ pub(crate) struct Hierarchy {
     bounds: Bounds,
     center: DVec3,
     radius: f64,
+    processor: Processor,
+}
+
+/// What a ray looks for.
+#[derive(Clone, Copy)]
+pub(crate) struct Search<'a> {
+    pub(crate) ray: &'a Ray,
+    /// How far, scene units.
+    pub(crate) limit: f64,
+    /// The corners of the triangles by slot, where they are to be fetched from memory early; may be empty.
+    pub(crate) corners: &'a [[DVec3; 3]],
 }
 
 /// Children that wait, the next one last.
@@ -77,6 +95,7 @@ impl Hierarchy {
         count: usize,
         bounds_of: impl Fn(usize) -> Bounds + Sync,
         triangle_of: impl Fn(usize) -> Option<[DVec3; 3]>,
+        builder: Builder,
     ) -> (Hierarchy, Vec<u32>) {
         let all = (0..count).map(&bounds_of);
         let bounds = all.reduce(Bounds::union).unwrap_or(Bounds::point(DVec3::ZERO));
@@ -86,11 +105,21 @@ impl Hierarchy {
         let triangles = (0..count).filter(|item| triangle_of(*item).is_some()).count();
         // With few triangles among other things a block would only stand in the way.
         let leaves = if 2 * triangles > count { Leaves::Blocks } else { Leaves::Slots };
-        let Built { nodes, root, order } = build(count, leaves, |item| {
+        let box_of = |item: usize| {
             let Bounds { min, max } = bounds_of(item);
             [(min - center - padding).as_vec3(), (max - center + padding).as_vec3()]
-        });
-        let mut hierarchy = Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius };
+        };
+        let (mut parts, mut order) = cut(count, leaves, box_of);
+        if builder == Builder::Thorough && radius < LARGEST_CLUSTERED {
+            let clustered = cluster(count, leaves, box_of);
+            if cost(&clustered.0, leaves) < cost(&parts, leaves) {
+                (parts, order) = clustered;
+            }
+        }
+        let (nodes, root) = collapse(&parts, leaves);
+        drop(parts);
+        let mut hierarchy =
+            Hierarchy { nodes, blocks: Vec::new(), root, bounds, center, radius, processor: Processor::default() };
         if leaves == Leaves::Blocks {
             hierarchy.pack(|slot| {
                 let triangle = triangle_of(order[slot as usize] as usize)?;
@@ -102,13 +131,14 @@ impl Hierarchy {
 
     /// Puts what is in each leaf into a block.
     fn pack(&mut self, triangle_of: impl Fn(u32) -> Option<[DVec3; 3]>) {
+        let leaves = self.nodes.iter().flat_map(|node| &node.children).filter(|child| child.is_leaf()).count() + 1;
+        self.blocks.reserve_exact(leaves);
         let children = self.nodes.iter_mut().flat_map(|node| &mut node.children).chain([&mut self.root]);
         for child in children.filter(|child| child.is_leaf()) {
             let slots = child.slots();
             *child = Child::block(self.blocks.len());
             self.blocks.push(Block::new(slots.start, slots.len() as u32, &triangle_of));
         }
-        self.blocks.shrink_to_fit();
     }
 
     /// Memory of nodes and leaves.
@@ -126,10 +156,20 @@ impl Hierarchy {
         (self.center, self.radius)
     }
 
-    /// Visits the slots of items that a ray may meet before `limit`, the nearest boxes first. `visit` tells the limit from
-    /// then on; below zero ends it.
+    /// Visits the slots of items that a ray may meet before its limit, the nearest boxes first. `visit` tells the limit from then
+    /// on; below zero ends it.
     #[inline]
-    pub(crate) fn visit(&self, ray: &Ray, limit: f64, mut visit: impl FnMut(u32) -> f64) {
+    pub(crate) fn visit(&self, search: Search<'_>, visit: impl FnMut(u32) -> f64) {
+        match self.processor {
+            Processor::Baseline(baseline) => self.visit_by(baseline, search, visit),
+            #[cfg(target_arch = "x86_64")]
+            Processor::Avx2(avx2) => avx2.run(Visit { hierarchy: self, vectors: avx2, search, visit }),
+        }
+    }
+
+    #[inline(always)]
+    fn visit_by(&self, vectors: impl Vectors, search: Search<'_>, mut visit: impl FnMut(u32) -> f64) {
+        let Search { ray, limit, corners } = search;
         let (start, skip) = self.start(ray);
         let to_single = |distance: f64| ((distance - skip).max(0.0) as f32).next_up();
         let (start, direction) = (start.as_vec3(), ray.direction.as_vec3());
@@ -140,11 +180,16 @@ impl Hierarchy {
         let mut current = self.root;
         loop {
             if !current.is_leaf() {
-                if let Some(nearest) = self.enter(current, &slabs, farthest, &mut stack) {
+                if let Some(nearest) = self.enter(vectors, current, &slabs, farthest, &mut stack) {
                     current = nearest;
                     continue;
                 }
             } else if let Some(block) = self.blocks.get(current.block_index()) {
+                if let Some(four) =
+                    corners.get(block.first_slot() as usize..).and_then(|rest| rest.first_chunk::<LARGEST_LEAF>())
+                {
+                    vectors.prefetch(four);
+                }
                 let mut candidates = probe.candidates(block, farthest);
                 while candidates != 0 {
                     let limit = visit(block.first_slot() + candidates.trailing_zeros());
@@ -170,33 +215,42 @@ impl Hierarchy {
 
     /// The nearest child of a node that a ray enters; the others wait.
     #[inline(always)]
-    fn enter(&self, node: Child, slabs: &Slabs, farthest: f32, stack: &mut Stack) -> Option<Child> {
+    fn enter(
+        &self,
+        vectors: impl Vectors,
+        node: Child,
+        slabs: &Slabs,
+        farthest: f32,
+        stack: &mut Stack,
+    ) -> Option<Child> {
         let node = self.nodes.get(node.0 as usize)?;
-        let mut entered = slabs.enter(node, farthest);
+        let mut entered = vectors.enter(slabs, node, farthest);
         let first = entered.next(node)?;
         let Some(second) = entered.next(node) else { return Some(first.child()) };
         let (near, far) = if second < first { (second, first) } else { (first, second) };
         if entered.is_empty() {
-            self.touch(far.child());
+            self.prefetch(vectors, far.child());
             stack.push(far);
             return Some(near.child());
         }
         let mut places = [Waiting::default(); WIDTH];
         let (nearest, others) = entered.sorted(node, [far, near], &mut places).split_last()?;
         for other in others {
-            self.touch(other.child());
+            self.prefetch(vectors, other.child());
             stack.push(*other);
         }
         Some(nearest.child())
     }
 
-    /// Reads a word of what waits, so that it comes from memory while other things are looked at.
-    #[inline]
-    fn touch(&self, child: Child) {
-        if child.is_leaf() {
-            std::hint::black_box(self.blocks.get(child.block_index()).map(Block::first_slot));
-        } else {
-            std::hint::black_box(self.nodes.get(child.0 as usize).map(|node| node.children[0]));
+    /// Asks for what waits, so that it comes from memory while other things are looked at.
+    #[inline(always)]
+    fn prefetch(&self, vectors: impl Vectors, child: Child) {
+        if !child.is_leaf() {
+            if let Some(node) = self.nodes.get(child.0 as usize) {
+                vectors.prefetch(node);
+            }
+        } else if let Some(block) = self.blocks.get(child.block_index()) {
+            vectors.prefetch(block);
         }
     }
 
@@ -210,5 +264,24 @@ impl Hierarchy {
             0.0
         };
         (from_center + ray.direction * skip, skip)
+    }
+}
+
+/// A visit that is run with vector instructions of its own.
+#[cfg(target_arch = "x86_64")]
+struct Visit<'a, V, F> {
+    hierarchy: &'a Hierarchy,
+    vectors: V,
+    search: Search<'a>,
+    visit: F,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Vectors, F: FnMut(u32) -> f64> pulp::NullaryFnOnce for Visit<'_, V, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.hierarchy.visit_by(self.vectors, self.search, self.visit);
     }
 }

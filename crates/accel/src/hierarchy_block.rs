@@ -57,7 +57,7 @@ impl Block {
     }
 
     /// A bit for each item.
-    #[inline]
+    #[inline(always)]
     fn all(&self) -> u32 {
         (2 << (self.slots >> COUNT_SHIFT & 3)) - 1
     }
@@ -91,7 +91,7 @@ impl Probe {
     }
 
     /// A bit for each item that the ray may meet before `farthest`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn candidates(&self, block: &Block, farthest: f32) -> u32 {
         if block.slots & HOLDS_OTHERS != 0 {
             return block.all();

@@ -1,19 +1,10 @@
 //! Building a hierarchy from the top down: where to cut is decided by the surface area heuristic, over bins along the axes of
 //! the centres (Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium on Interactive Ray Tracing, 2007).
-//! The cuts make a binary tree, of which [`collapse`] makes nodes of eight boxes.
+//! The cuts make a binary tree.
 
 use crate::hierarchy_child::{Child, LARGEST_LEAF};
-use crate::hierarchy_collapse::collapse;
-use crate::hierarchy_node::Node;
-use crate::hierarchy_part::{Leaves, Part};
+use crate::hierarchy_part::{Leaves, OPENING, Part};
 use glam::{Vec3, Vec4, Vec4Swizzles};
-
-/// Nodes, and the items by slot.
-pub(crate) struct Built {
-    pub(crate) nodes: Vec<Node>,
-    pub(crate) root: Child,
-    pub(crate) order: Vec<u32>,
-}
 
 /// An item's box; the fourth number of `low` holds the bits of the item's number.
 #[derive(Clone, Copy)]
@@ -40,17 +31,14 @@ const SAMPLE: usize = 1024;
 /// An axis along which the centres reach less than this share of the widest one is not tried.
 const NARROW: f32 = 0.25;
 
-/// What it costs to open a box, in tests.
-const OPENING: f32 = 0.5;
-
 /// More items than this are shared out between threads.
 const PARALLEL: usize = 1 << 15;
 
 /// From this depth on items are halved by number, so that no arrangement of items makes the hierarchy deep.
 const DEEPEST_CHOICE: u32 = 40;
 
-/// Builds over `count` items with the boxes that `box_of` tells, low and high corner.
-pub(crate) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> Built {
+/// The binary tree over `count` items with the boxes that `box_of` tells, low and high corner, and the items by slot.
+pub(crate) fn cut(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec3; 2]) -> (Vec<Part>, Vec<u32>) {
     let mut items: Vec<Item> = (0..count)
         .map(|index| {
             let [low, high] = box_of(index);
@@ -61,10 +49,7 @@ pub(crate) fn build(count: usize, leaves: Leaves, box_of: impl Fn(usize) -> [Vec
     if count > 0 {
         Range::of(&items).build(&mut items, 0, &mut parts, leaves, 0);
     }
-    let order = items.iter().map(|item| item.low.w.to_bits()).collect();
-    drop(items);
-    let (nodes, root) = collapse(&parts, leaves);
-    Built { nodes, root, order }
+    (parts, items.iter().map(|item| item.low.w.to_bits()).collect())
 }
 
 /// What is known of items that stand together, before it is decided how they are cut.

@@ -28,7 +28,7 @@ impl Grid {
 }
 
 /// Four places as numbers.
-#[inline]
+#[inline(always)]
 pub(crate) fn lanes(places: [u8; 4]) -> Vec4 {
     Vec4::from_array(places.map(f32::from))
 }
@@ -36,12 +36,15 @@ pub(crate) fn lanes(places: [u8; 4]) -> Vec4 {
 /// Boxes of a node.
 pub(crate) const WIDTH: usize = 8;
 
+/// Sides of the boxes of a node on its grid, in halves.
+pub(crate) type Planes = [[u8; 4]; WIDTH / 4];
+
 /// Eight boxes, and what is in them.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Node {
     /// The low sides by axis, then the high sides, in halves.
-    planes: [[[u8; 4]; WIDTH / 4]; 6],
+    planes: [Planes; 6],
     grid: Grid,
     pub(crate) children: [Child; WIDTH],
 }
@@ -85,7 +88,7 @@ pub(crate) struct Slabs {
 pub(crate) struct Entered {
     /// A bit for each.
     lanes: u32,
-    entries: [[f32; 4]; WIDTH / 4],
+    entries: [f32; WIDTH],
 }
 
 impl Slabs {
@@ -109,20 +112,35 @@ impl Slabs {
         let mut near = [Vec4::ZERO; WIDTH / 4];
         let mut far = [Vec4::splat(farthest); WIDTH / 4];
         for axis in 0..3 {
-            let start = Vec4::splat((node.grid.origin[axis] - self.origin[axis]) * self.inverse[axis]);
-            let step = Vec4::splat(node.grid.step[axis] * self.inverse[axis]);
-            let (first, last) = (&node.planes[self.first[axis]], &node.planes[self.last[axis]]);
+            let (start, step, [first, last]) = self.along(axis, node);
+            let (start, step) = (Vec4::splat(start), Vec4::splat(step));
             for half in 0..WIDTH / 4 {
                 near[half] = (lanes(first[half]) * step + start).max(near[half]);
                 far[half] = (lanes(last[half]) * step + start).min(far[half]);
             }
         }
         let lanes = near[0].cmple(far[0]).bitmask() | near[1].cmple(far[1]).bitmask() << 4;
-        Entered { lanes, entries: near.map(|half| half.to_array()) }
+        let [low, high] = near.map(|half| half.to_array());
+        Entered::new(lanes, std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] }))
+    }
+
+    /// Along an axis: where a ray crosses the first place of a node's grid and how far it is from one place to the next, as distances
+    /// along the ray, and the planes that it crosses first and last.
+    #[inline(always)]
+    pub(crate) fn along<'n>(&self, axis: usize, node: &'n Node) -> (f32, f32, [&'n Planes; 2]) {
+        let start = (node.grid.origin[axis] - self.origin[axis]) * self.inverse[axis];
+        let step = node.grid.step[axis] * self.inverse[axis];
+        (start, step, [&node.planes[self.first[axis]], &node.planes[self.last[axis]]])
     }
 }
 
 impl Entered {
+    /// With a bit for each child, and how far away they are.
+    #[inline(always)]
+    pub(crate) fn new(lanes: u32, entries: [f32; WIDTH]) -> Entered {
+        Entered { lanes, entries }
+    }
+
     /// One that was not told yet.
     #[inline(always)]
     pub(crate) fn next(&mut self, node: &Node) -> Option<Waiting> {
@@ -131,10 +149,11 @@ impl Entered {
         }
         let lane = self.lanes.trailing_zeros() as usize % WIDTH;
         self.lanes &= self.lanes - 1;
-        Some(Waiting::new(node.children[lane], self.entries[lane / 4][lane % 4]))
+        Some(Waiting::new(node.children[lane], self.entries[lane]))
     }
 
     /// Two that were told already and all others, the nearest last.
+    #[inline(always)]
     pub(crate) fn sorted<'p>(
         mut self,
         node: &Node,

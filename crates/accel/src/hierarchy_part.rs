@@ -3,6 +3,9 @@
 use crate::hierarchy_child::{Child, LARGEST_LEAF};
 use glam::Vec3;
 
+/// What it costs to open a box, in tests.
+pub(crate) const OPENING: f32 = 0.5;
+
 /// What a leaf is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leaves {

@@ -10,14 +10,14 @@
 //!
 //! ```
 //! use glam::DVec3;
-//! use radsight_accel::{Geometry, Ray, ShaderId, ShaderTable, Substance};
+//! use radsight_accel::{Builder, Geometry, Ray, ShaderId, ShaderTable, Substance};
 //! use radsight_ir::{Facing, Scene, Shape, Sphere, Surface};
 //! let mut scene = Scene::default();
 //! let name = scene.names.add("ball");
 //! let ball = scene.spheres.add(Sphere { center: DVec3::ZERO, radius: 1.0, facing: Facing::Outward });
 //! scene.surfaces.add(Surface { name, span: None, modifier: None, shape: Shape::Sphere(ball) });
 //! let scene = scene.validate().unwrap().scene;
-//! let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true).unwrap();
+//! let geometry = Geometry::build(&scene, |_, _| Substance::Opaque, |_| true, Builder::Quick).unwrap();
 //! let shaders = ShaderTable::new(vec![ShaderId(7)], Vec::new());
 //! let ray = Ray::new(DVec3::new(0.0, 0.0, 3.0), -DVec3::Z).unwrap();
 //! let hit = geometry.first_hit(&scene, &shaders, &ray, None).unwrap();
@@ -26,6 +26,7 @@
 #![forbid(unsafe_code)]
 
 mod bounds;
+mod builder;
 mod choice;
 mod coincident;
 mod cone;
@@ -36,9 +37,11 @@ mod hierarchy;
 mod hierarchy_block;
 mod hierarchy_build;
 mod hierarchy_child;
+mod hierarchy_cluster;
 mod hierarchy_collapse;
 mod hierarchy_node;
 mod hierarchy_part;
+mod hierarchy_vectors;
 mod ids;
 mod intersection;
 mod limits;
@@ -51,6 +54,7 @@ mod sphere;
 mod traversal;
 
 pub use bounds::Bounds;
+pub use builder::Builder;
 pub use coincident::{Substance, SubstanceOf};
 pub use description::Identity;
 pub use geometry::Geometry;

@@ -1,8 +1,9 @@
 //! Triangle meshes, in their own coordinates.
 
 use crate::bounds::Bounds;
+use crate::builder::Builder;
 use crate::coincident;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::{Hierarchy, Search};
 use crate::ids::PrimitiveId;
 use crate::intersection::Crossing;
 use crate::limits::{Limits, SELF_HIT};
@@ -17,6 +18,8 @@ pub(crate) struct MeshGeometry {
     hierarchy: Hierarchy,
     /// The corners by slot, and the index of the triangle there.
     slots: Vec<([u32; 3], u32)>,
+    /// Where the corners are, by slot, if many rays are worth a copy; else empty.
+    corners: Vec<[DVec3; 3]>,
     nearest: f64,
 }
 
@@ -30,13 +33,18 @@ pub(crate) struct MeshPoint {
 }
 
 impl MeshGeometry {
-    pub(crate) fn build(mesh: &Mesh) -> MeshGeometry {
+    pub(crate) fn build(mesh: &Mesh, builder: Builder) -> MeshGeometry {
         let bounds_of = |index: usize| bounds(mesh, mesh.triangles[index].vertices);
         let triangle_of = |index: usize| Some(corners(mesh, mesh.triangles[index].vertices));
-        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of);
-        let slots = order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
+        let (hierarchy, order) = Hierarchy::build(mesh.triangles.len(), bounds_of, triangle_of, builder);
+        let slots: Vec<([u32; 3], u32)> =
+            order.into_iter().map(|index| (mesh.triangles[index as usize].vertices, index)).collect();
         let nearest = SELF_HIT * hierarchy.bounds().reach();
-        MeshGeometry { hierarchy, slots, nearest }
+        let corners = match builder {
+            Builder::Quick => Vec::new(),
+            Builder::Thorough => slots.iter().map(|(vertices, _)| corners(mesh, *vertices)).collect(),
+        };
+        MeshGeometry { hierarchy, slots, corners, nearest }
     }
 
     /// Which triangle a primitive is.
@@ -46,7 +54,7 @@ impl MeshGeometry {
 
     /// Memory of the hierarchy and its slots.
     pub(crate) fn bytes(&self) -> usize {
-        self.hierarchy.bytes() + size_of_val(&*self.slots)
+        self.hierarchy.bytes() + size_of_val(&*self.slots) + size_of_val(&*self.corners)
     }
 
     pub(crate) fn bounds(&self) -> Bounds {
@@ -58,7 +66,8 @@ impl MeshGeometry {
         let frame = RayFrame::new(ray);
         let mut limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut best: Option<Crossing> = None;
-        self.hierarchy.visit(ray, limits.farthest, |slot| {
+        let search = Search { ray, limit: limits.farthest, corners: &self.corners };
+        self.hierarchy.visit(search, |slot| {
             if let Some(crossing) = self.crossing(mesh, slot, ray, &frame, from, &limits)
                 && best.is_none_or(|best| self.displaces(best, crossing, ray))
             {
@@ -91,7 +100,8 @@ impl MeshGeometry {
         let frame = RayFrame::new(ray);
         let limits = Limits { nearest: limits.nearest.max(self.nearest), ..limits };
         let mut blocked = false;
-        self.hierarchy.visit(ray, limits.farthest, |slot| {
+        let search = Search { ray, limit: limits.farthest, corners: &self.corners };
+        self.hierarchy.visit(search, |slot| {
             blocked = blocked || self.crossing(mesh, slot, ray, &frame, from, &limits).is_some_and(&mut *block);
             if blocked { -1.0 } else { limits.farthest }
         });
@@ -109,8 +119,13 @@ impl MeshGeometry {
         limits: &Limits,
     ) -> Option<Crossing> {
         let primitive = PrimitiveId(u64::from(slot));
-        let corners = corners(mesh, self.slots[slot as usize].0);
-        let distance = polygon::intersect_triangle(&corners, ray, frame, limits.range())?;
+        let distance = match self.corners.get(slot as usize) {
+            Some(corners) => polygon::intersect_triangle(corners, ray, frame, limits.range()),
+            None => {
+                let corners = corners(mesh, self.slots[slot as usize].0);
+                polygon::intersect_triangle(&corners, ray, frame, limits.range())
+            }
+        }?;
         (from != Some(primitive)).then_some(Crossing { distance, primitive })
     }
 }

@@ -1,6 +1,7 @@
 //! Rays through the hierarchy: the first surface, and any that is in the way.
 
 use crate::geometry::Geometry;
+use crate::hierarchy::Search;
 use crate::ids::{MemberId, PrimitiveId, ShaderTable};
 use crate::intersection::{Crossing, Intersection};
 use crate::limits::Limits;
@@ -50,7 +51,7 @@ impl Geometry {
         let mut ties = Vec::new();
         // What is farther than the best hit by less than the tolerance is looked at still.
         let mut tied_from = f64::INFINITY;
-        self.hierarchy.visit(ray, limits.farthest, |index| {
+        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
             if let Some(crossing) = self.crossing(scene, MemberId(index), ray, &frame, from, &limits) {
                 if crossing.distance < tied_from {
                     ties.clear();
@@ -66,6 +67,11 @@ impl Geometry {
             limits.farthest
         });
         if ties.is_empty() { best } else { self.choose(scene, ray, ties, limits.farthest) }
+    }
+
+    #[inline]
+    pub(crate) fn search<'a>(&'a self, ray: &'a Ray, limit: f64) -> Search<'a> {
+        Search { ray, limit, corners: &self.corners }
     }
 
     /// Where a ray first crosses a member before `farthest`.
@@ -95,6 +101,10 @@ impl Geometry {
     ) -> Option<Crossing> {
         let range = limits.range();
         let from_here = from == Some(member.primitive());
+        if let Some(corners) = self.corners.get(member.0 as usize) {
+            let distance = polygon::intersect_triangle(corners, ray, frame, limits.range()).filter(|_| !from_here)?;
+            return Some(Crossing { distance, primitive: member.primitive() });
+        }
         let distance = match self.shapes[member.0 as usize] {
             // A flat surface is never met again by a ray that starts on it.
             Shape::Polygon { .. } | Shape::Ring(_) if from_here => None,
@@ -196,10 +206,12 @@ impl Geometry {
     ) -> bool {
         let frame = RayFrame::new(ray);
         let mut blocked = false;
-        self.hierarchy.visit(ray, limits.farthest, |index| {
+        self.hierarchy.visit(self.search(ray, limits.farthest), |index| {
             let member = MemberId(index);
             if !blocked {
-                blocked = if self.is_plain(member) {
+                blocked = if !self.corners.is_empty() {
+                    self.crossing(scene, member, ray, &frame, from, limits).is_some_and(&mut *block)
+                } else if self.is_plain(member) {
                     self.any_crossing(scene, member, (ray, &frame), from, limits, block)
                 } else {
                     self.any_within(scene, member, ray, from, limits, block)

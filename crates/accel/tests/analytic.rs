@@ -1,7 +1,7 @@
 //! Distances, form factors and the choice among coincident surfaces against closed forms and against trying every surface.
 
 use glam::{DMat3, DVec3};
-use radsight_accel::{Geometry, PrimitiveId, Ray, ShaderId, ShaderTable, Substance};
+use radsight_accel::{Builder, Geometry, PrimitiveId, Ray, ShaderId, ShaderTable, Substance};
 use radsight_ir::{
     Cone, Cube, Facing, Instance, Material, Mesh, MeshInstance, MeshTriangle, Modifier, ModifierHandle, ModifierKind,
     OctreeScene, Rgb, Ring, Scene, Shape, Sphere, Surface, Transform, ValidScene,
@@ -44,7 +44,7 @@ struct Built {
 impl Built {
     fn new(scene: Scene) -> Built {
         let scene = scene.validate().expect("the scene is valid").scene;
-        let geometry = Geometry::build(&scene, substance, |_| true).expect("few surfaces");
+        let geometry = Geometry::build(&scene, substance, |_| true, Builder::Quick).expect("few surfaces");
         let shaders = table(&scene);
         Built { scene, geometry, shaders }
     }

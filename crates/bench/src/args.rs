@@ -209,7 +209,7 @@ pub(crate) struct Rays {
     /// Squares along each side of the land; each is two triangles
     #[arg(long, value_name = "N", default_value_t = SQUARES, value_parser = clap::value_parser!(u32).range(1..=4000))]
     pub(crate) squares: u32,
-    /// Times that each program is run; the least time counts
+    /// Turns of the programs; rates are those of the best, ratios medians over the turns
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) repeat: u32,
 }

@@ -30,6 +30,8 @@ pub(crate) enum BenchError {
     UnknownScene { name: String },
     #[error("camera file \"{}\" has no [sensor], expected one for grey values", path.display())]
     NoSensor { path: PathBuf },
+    #[error("Embree stopped: {reason}")]
+    Embree { reason: String },
     #[error("no temporary folder: {reason}")]
     Temporary { reason: io::Error },
 }

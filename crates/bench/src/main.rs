@@ -30,6 +30,7 @@ mod capture;
 mod commands;
 mod cost;
 mod curve;
+mod embree;
 mod equal_error;
 mod error;
 mod figure;
@@ -50,6 +51,10 @@ mod taken;
 
 use clap::Parser;
 use std::process::ExitCode;
+
+/// That of the program: where memory comes from decides how soon rays find what they look for.
+#[global_allocator]
+static ALLOCATOR: radsight_memory::ReportingAllocator = radsight_memory::ReportingAllocator;
 
 fn main() -> ExitCode {
     let done = match args::Program::parse().command {

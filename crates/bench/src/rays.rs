@@ -3,6 +3,7 @@
 use crate::args::Rays;
 use crate::capture::print;
 use crate::cost::{measure, processor_time};
+use crate::embree::Embree;
 use crate::error::BenchError;
 use crate::figure::{Disk, read};
 use crate::radiance::Radiance;
@@ -10,25 +11,23 @@ use crate::radsight::Radsight;
 use crate::table::Table;
 use crate::{generated, machine};
 use glam::DVec3;
-use radsight_diag::Diagnostic;
+use radsight_diag::{Diagnostic, SourceMap};
+use radsight_ir::ValidScene;
 use radsight_parse::{Input, Read, ReadOptions, read_scene};
 use radsight_render::{NoModels, Ray, RenderOptions, RenderPlan};
 use std::path::{Path, PathBuf};
-use std::process::Command;
-
-const SCRIPT: &str = include_str!("with_embree.py");
 
 /// What a program answered.
 pub(crate) struct Answer {
     /// Seconds of processor time for all rays.
     pub(crate) seconds: f64,
     /// Rays that met a triangle.
-    hits: usize,
+    pub(crate) hits: usize,
     /// Sum of the distances to what they met.
-    sum: f64,
+    pub(crate) sum: f64,
 }
 
-/// Times all programs on one thread and prints a table.
+/// Times all programs on one thread, in turns, and prints a table.
 pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     let folder = tempfile::tempdir().map_err(|reason| BenchError::Temporary { reason })?;
     let radiance = Radiance::find();
@@ -38,37 +37,69 @@ pub(crate) fn run(arguments: &Rays) -> Result<(), BenchError> {
     let rays = random_rays(arguments.rays as usize);
     let path = write_rays(folder.path(), &rays)?;
 
-    let plan = plan_of(&file)?;
-    let own = (0..arguments.repeat).map(|_| first_hits(&plan, &rays)).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let source = Source::read(&file)?;
+    let (quick, thorough) = (Planned::new(&source, 0.0)?, Planned::new(&source, f64::INFINITY)?);
+    let mut embree = Embree::start(&file, &path, folder.path());
+    let mut series = [const { Vec::new() }; 5];
+    for _ in 0..arguments.repeat {
+        let [first, any, first_thorough, any_thorough, beside] = &mut series;
+        if let Ok(embree) = &mut embree {
+            beside.push(embree.turn().map_err(|reason| BenchError::Embree { reason })?);
+        }
+        first_thorough.push(first_hits(&thorough.plan, &rays));
+        any_thorough.push(blocked(&thorough.plan, &rays));
+        first.push(first_hits(&quick.plan, &rays));
+        any.push(blocked(&quick.plan, &rays));
+    }
     let mut table = Table::new(&["program", "rays/s", "hits", "mean distance", "of radsight's rate"], 1);
-    let rate = own.as_ref().map_or(f64::NAN, |own| rays.len() as f64 / own.seconds);
-    if let Some(own) = &own {
-        push(&mut table, "radsight, first hit", own, rays.len(), rate);
-    }
-    let blocked = (0..arguments.repeat).map(|_| blocked(&plan, &rays)).min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-    if let Some(blocked) = &blocked {
-        push(&mut table, "radsight, any hit", blocked, rays.len(), rate);
-    }
-    match embree(&file, &path, folder.path(), arguments.repeat) {
-        Ok((answer, _)) => push(&mut table, "Embree, first hit", &answer, rays.len(), rate),
+    let [first, any, first_thorough, any_thorough, beside] = &series;
+    push(&mut table, "radsight, first hit, quick builder", first, rays.len(), first);
+    push(&mut table, "radsight, any hit, quick builder", any, rays.len(), first);
+    push(&mut table, "radsight, first hit, thorough builder", first_thorough, rays.len(), first);
+    push(&mut table, "radsight, any hit, thorough builder", any_thorough, rays.len(), first);
+    match &embree {
+        Ok(_) => push(&mut table, "Embree, first hit", beside, rays.len(), first),
         Err(reason) => print(&format!("Embree    missing: {reason}\n")),
     }
+    drop(embree);
     if let Ok(radiance) = &radiance {
         let answer = traced(radiance, &file, &rays, folder.path())?;
-        push(&mut table, "real rtrace, first hit", &answer, rays.len(), rate);
+        push(&mut table, "real rtrace, first hit", &[answer], rays.len(), first);
     }
-    print(&format!("\n{}", table.to_text()));
+    print(&format!("\n{}\n{}{}", table.to_text(), quick.words("quick builder"), thorough.words("thorough builder")));
     Ok(())
 }
 
-fn push(table: &mut Table, program: &str, answer: &Answer, rays: usize, own_rate: f64) {
-    let rate = rays as f64 / answer.seconds;
+/// A plan, and what it took to make.
+struct Planned {
+    plan: RenderPlan,
+    /// Processor time, s.
+    seconds: f64,
+}
+
+impl Planned {
+    fn new(source: &Source<'_>, camera_rays: f64) -> Result<Planned, BenchError> {
+        let start = processor_time();
+        Ok(Planned { plan: source.plan(camera_rays)?, seconds: processor_time() - start })
+    }
+
+    fn words(&self, builder: &str) -> String {
+        let megabytes = self.plan.hierarchy_bytes() as f64 / 1e6;
+        format!("planned with {builder} in {:.2} s of processor time, {megabytes:.0} MB of hierarchy\n", self.seconds)
+    }
+}
+
+/// A row with the best turn; the last column is the median over the turns of what a program takes less than `own` does.
+fn push(table: &mut Table, program: &str, turns: &[Answer], rays: usize, own: &[Answer]) {
+    let Some(best) = turns.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds)) else { return };
+    let mut ratios: Vec<f64> = turns.iter().zip(own).map(|(turn, own)| own.seconds / turn.seconds).collect();
+    ratios.sort_by(f64::total_cmp);
     table.push(vec![
         program.to_owned(),
-        format!("{rate:.0}"),
-        answer.hits.to_string(),
-        if answer.sum.is_nan() { "-".to_owned() } else { format!("{:.6}", answer.sum / answer.hits as f64) },
-        format!("{:.2}", rate / own_rate),
+        format!("{:.0}", rays as f64 / best.seconds),
+        best.hits.to_string(),
+        if best.sum.is_nan() { "-".to_owned() } else { format!("{:.6}", best.sum / best.hits as f64) },
+        format!("{:.2}", ratios[ratios.len() / 2]),
     ]);
 }
 
@@ -108,15 +139,37 @@ fn bytes_of(vector: DVec3) -> impl Iterator<Item = u8> {
     vector.to_array().into_iter().flat_map(f64::to_ne_bytes)
 }
 
+/// Plans a scene for few rays.
 pub(crate) fn plan_of(file: &Path) -> Result<RenderPlan, BenchError> {
-    let name = file.to_string_lossy().into_owned();
-    let Read { scene, sources, .. } = read_scene(&[Input::File(name)], &Disk, &ReadOptions::default());
-    let wrong = |errors: Vec<Diagnostic>| {
-        let reason = errors.iter().map(|error| error.render(&sources)).collect();
-        BenchError::Read { path: file.to_owned(), reason }
-    };
-    let valid = scene.validate().map_err(wrong)?;
-    RenderPlan::new(valid.scene, RenderOptions::default(), &NoModels).map_err(wrong)
+    Source::read(file)?.plan(0.0)
+}
+
+/// A scene that is planned in several ways.
+struct Source<'f> {
+    file: &'f Path,
+    scene: ValidScene,
+    sources: SourceMap,
+}
+
+impl Source<'_> {
+    fn read(file: &Path) -> Result<Source<'_>, BenchError> {
+        let name = file.to_string_lossy().into_owned();
+        let Read { scene, sources, .. } = read_scene(&[Input::File(name)], &Disk, &ReadOptions::default());
+        let valid = scene.validate().map_err(|errors| wrong(file, &errors, &sources))?;
+        Ok(Source { file, scene: valid.scene, sources })
+    }
+
+    /// For so many camera rays.
+    fn plan(&self, camera_rays: f64) -> Result<RenderPlan, BenchError> {
+        let options = RenderOptions { camera_rays, ..RenderOptions::default() };
+        let plan = RenderPlan::new(self.scene.clone(), options, &NoModels);
+        plan.map_err(|errors| wrong(self.file, &errors, &self.sources))
+    }
+}
+
+fn wrong(file: &Path, errors: &[Diagnostic], sources: &SourceMap) -> BenchError {
+    let reason = errors.iter().map(|error| error.render(sources)).collect();
+    BenchError::Read { path: file.to_owned(), reason }
 }
 
 pub(crate) fn first_hits(plan: &RenderPlan, rays: &[Ray]) -> Answer {
@@ -130,24 +183,6 @@ fn blocked(plan: &RenderPlan, rays: &[Ray]) -> Answer {
     let start = processor_time();
     let hits = rays.iter().filter(|ray| plan.is_blocked(ray, f64::MAX)).count();
     Answer { seconds: processor_time() - start, hits, sum: f64::NAN }
-}
-
-/// Embree through the Python package `embreex`, whose loop over single rays is compiled; tells also how many bytes its hierarchy has with
-/// its triangles.
-pub(crate) fn embree(scene: &Path, rays: &Path, folder: &Path, repeat: u32) -> Result<(Answer, f64), String> {
-    let Some(python) = std::env::var_os("RADSIGHT_EMBREE") else {
-        return Err("RADSIGHT_EMBREE names no Python with the packages embreex and numpy".to_owned());
-    };
-    let script = folder.join("with_embree.py");
-    std::fs::write(&script, SCRIPT).map_err(|error| error.to_string())?;
-    let told = Command::new(PathBuf::from(python)).arg(script).args([scene, rays]).arg(repeat.to_string()).output();
-    let told = told.map_err(|error| error.to_string())?;
-    let text = String::from_utf8_lossy(&told.stdout);
-    let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    match numbers[..] {
-        [seconds, hits, sum, bytes] => Ok((Answer { seconds, hits: hits as usize, sum }, bytes)),
-        _ => Err(String::from_utf8_lossy(&told.stderr).lines().last().unwrap_or_default().to_owned()),
-    }
 }
 
 /// Distances by real `rtrace`; the time for a single ray is taken off, which is that of loading.

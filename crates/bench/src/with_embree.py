@@ -1,9 +1,9 @@
 """Times Embree's first hits of single rays on one thread.
 
-Usage: with_embree.py SCENE.rad RAYS.f64 REPEAT
+Usage: with_embree.py SCENE.rad RAYS.f64
 
-Prints the least processor time in s, the number of hits, the sum of their distances, and by how many bytes the process grew with the
-scene. SCENE.rad holds triangles only.
+Prints by how many bytes the process grew with the scene. Then answers each line of standard input with a turn: its processor time
+in s, the number of hits and the sum of their distances. SCENE.rad holds triangles only.
 """
 
 import os
@@ -36,7 +36,7 @@ def resident():
         return float("nan")
 
 
-def main(scene_file, rays_file, repeat):
+def main(scene_file, rays_file):
     triangles = corners(scene_file)
     rays = np.fromfile(rays_file, np.float64).reshape(-1, 6).astype(np.float32)
     origins, directions = np.ascontiguousarray(rays[:, :3]), np.ascontiguousarray(rays[:, 3:])
@@ -45,14 +45,13 @@ def main(scene_file, rays_file, repeat):
     scene = rtcore_scene.EmbreeScene()
     TriangleMesh(scene, vertices, index.reshape(-1, 3).astype(np.int32))
     scene.run(origins[:1], directions[:1], query="DISTANCE")
-    grown = resident() - before
-    least = float("inf")
-    for _ in range(int(repeat)):
+    print(resident() - before, flush=True)
+    for _ in sys.stdin:
         start = time.process_time()
         distances = scene.run(origins, directions, query="DISTANCE")
-        least = min(least, time.process_time() - start)
-    met = distances[distances < 1e30]
-    print(least, len(met), met.astype(np.float64).sum(), grown)
+        seconds = time.process_time() - start
+        met = distances[distances < 1e30]
+        print(seconds, len(met), met.astype(np.float64).sum(), flush=True)
 
 
 main(*sys.argv[1:])

@@ -13,6 +13,7 @@ mod compile_steps;
 mod emission;
 mod first_hit;
 mod function_faults;
+mod hierarchy_choice;
 mod light_policy;
 mod light_power;
 mod lighting;

@@ -8,6 +8,9 @@ use radsight_spectrum::Sampling;
 pub struct RenderOptions {
     /// Chooses the sample sequence. Default 0.
     pub seed: u64,
+    /// Camera rays that are expected, about: many rays are worth better hierarchies of boxes, few are not. Never changes what is
+    /// seen. Default 0, which is for as few as can be.
+    pub camera_rays: f64,
     /// Diffuse interreflections that are followed (`-ab`). Default 0, as in Radiance.
     pub ambient_bounces: u32,
     /// Radiance of diffuse surroundings where they are not followed, W/(sr·m²) (`-av`). Default 0.
@@ -63,6 +66,7 @@ impl Default for RenderOptions {
     fn default() -> Self {
         RenderOptions {
             seed: 0,
+            camera_rays: 0.0,
             ambient_bounces: 0,
             ambient_value: Rgb::BLACK,
             gathering: Gathering::default(),

@@ -1,6 +1,7 @@
 //! What a scene needs, decided once before the first ray.
 
 use crate::first_hit::{FirstHit, material_name};
+use crate::hierarchy_choice::HierarchyChoice;
 use crate::medium::Medium;
 use crate::mist_lights::MistLights;
 use crate::options::{BackFaces, Caustics, GlobalMedium, RenderOptions, Skip};
@@ -25,6 +26,8 @@ pub struct RenderPlan {
     pub options: RenderOptions,
     /// Where rays meet its surfaces.
     pub geometry: Geometry,
+    /// How its hierarchies were built, and for how many rays.
+    pub(crate) hierarchy: HierarchyChoice,
     /// By [`ShaderId`].
     pub shaders: Vec<Shader>,
     /// Which of them each modifier is.

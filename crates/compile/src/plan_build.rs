@@ -1,6 +1,7 @@
 //! Deciding what a scene needs, once before the first ray.
 
 use crate::compile::compile_shaders;
+use crate::hierarchy_choice::HierarchyChoice;
 use crate::light_policy::{ALWAYS_ALL, light_draws};
 use crate::lighting::collect_lights;
 use crate::mist_lights::MistLights;
@@ -40,8 +41,9 @@ impl RenderPlan {
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let is_bare = |shader: &Shader| matches!(shader.kind, Kind::Transparent);
         let meets_bare = options.bare_surfaces == BareSurfaces::Met;
-        let geometry = Geometry::build(&scene, substance, |handle| meets_bare || !is_bare(shader(handle)))
-            .map_err(|error| vec![error])?;
+        let hierarchy = HierarchyChoice::new(&scene, &options);
+        let wanted = |handle| meets_bare || !is_bare(shader(handle));
+        let geometry = Geometry::build(&scene, substance, wanted, hierarchy.builder).map_err(|error| vec![error])?;
         let virtual_source = |handle: SurfaceHandle| virtual_source_shader(&shaders, shader(handle));
         let lights = collect_lights(&scene, &geometry, shader, virtual_source, options.mirror_sources);
         let mut lights_of: Vec<_> =
@@ -75,6 +77,7 @@ impl RenderPlan {
             scene,
             options,
             geometry,
+            hierarchy,
             shaders,
             shader_table,
             lights,

@@ -18,6 +18,8 @@ impl RenderPlan {
         let primitives = self.geometry.len();
         let unseen = self.scene.surfaces.len() - primitives - self.scene.sources.len().min(self.scene.surfaces.len());
         decisions.say(format!("{primitives} surfaces are in the hierarchy"), "they have a place and a material");
+        let (what, why) = self.hierarchy.words();
+        decisions.say(what, &why);
         if unseen > 0 {
             decisions.say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
         }

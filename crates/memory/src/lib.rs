@@ -4,6 +4,10 @@
 //! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
 //! comparison with null.
 //!
+//! Large pieces that are asked for at their full size, as hierarchies of boxes are, get huge pages where the system (Linux) leaves
+//! that to the program: rays go through them in no order, and would wait for the tables of small pages at every other step. What
+//! grows piece by piece, as texts do that are read, is mostly read in order and does not: the system takes longer to find huge pages.
+//!
 //! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
 //! meanwhile for the end of the process. Where the function itself finds no memory, the process
 //! aborts. This crate may not know limits, options or messages.
@@ -35,21 +39,24 @@ thread_local! {
     static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
 }
 
+/// From this size on a piece is worth huge pages, of which each has 2 MiB.
+const LARGE: usize = 4 << 20;
+
 /// Says what to do when there is no memory. The first call counts.
 pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// The system's allocator, which does what [`when_exhausted`] says instead of giving null.
+/// The system's allocator with huge pages for large pieces, which does what [`when_exhausted`] says instead of giving null.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportingAllocator;
 
-// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged.
+// SAFETY: all memory comes from the system's allocator and goes back to it, unchanged but for the size of its pages.
 unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller's promises are those that the system's allocator asks for.
-        checked(unsafe { System.alloc(layout) }, layout.size())
+        checked(in_huge_pages(unsafe { System.alloc(layout) }, layout.size()), layout.size())
     }
 
     #[inline]
@@ -70,6 +77,31 @@ unsafe impl GlobalAlloc for ReportingAllocator {
         unsafe { System.dealloc(memory, layout) }
     }
 }
+
+/// Asks for huge pages where a piece is large; gives the piece.
+#[inline]
+fn in_huge_pages(memory: *mut u8, bytes: usize) -> *mut u8 {
+    if bytes >= LARGE && !memory.is_null() {
+        ask_for_huge_pages(memory, bytes);
+    }
+    memory
+}
+
+#[cfg(target_os = "linux")]
+#[cold]
+fn ask_for_huge_pages(memory: *mut u8, bytes: usize) {
+    use rustix::mm::{Advice, madvise};
+    // Whole pages, those of both ends among them: a part without the advice would be a mapping of its own, and a piece in two
+    // mappings is copied where it grows instead of moved.
+    let before = memory.addr() % rustix::param::page_size();
+    // SAFETY: the advice changes neither what pages hold nor who may use them, so it may cover what stands beside the piece in the
+    // pages of its ends. Systems without huge pages refuse it, which does no harm.
+    let _ = unsafe { madvise(memory.wrapping_sub(before).cast(), bytes + before, Advice::LinuxHugepage) };
+}
+
+#[cfg(not(target_os = "linux"))]
+#[cold]
+fn ask_for_huge_pages(_: *mut u8, _: usize) {}
 
 #[inline]
 fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {

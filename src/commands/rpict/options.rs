@@ -6,6 +6,7 @@ use crate::args::Reading;
 use crate::commands::features;
 use crate::control_file;
 use crate::expand::{CommandWords, TakesOptions, options_before_scenes};
+use crate::expected_rays;
 use crate::failure::Failure;
 use crate::option_table::options_of;
 use crate::output_color::OutputColor;
@@ -133,6 +134,7 @@ impl Options {
             options = Options::parse_once(&kept, options.reading.trust.for_file())?;
         }
         options.pixels = options.budget().apply(&mut options.render);
+        options.render.camera_rays = options.expected_rays();
         if options.recover.is_some() && options.format != OutputFormat::Pixels {
             return Err(Failure::usage("rpict: -ff begins a picture anew, it does not continue one (-r, -ro)"));
         }
@@ -152,6 +154,16 @@ impl Options {
         options.reading.trust = trust;
         (options.command, options.scenes) = options_before_scenes(words, &mut options)?;
         Ok(options)
+    }
+
+    /// Camera rays of a picture, about.
+    fn expected_rays(&self) -> f64 {
+        let pixels = (self.size[0] as u64).saturating_mul(self.size[1] as u64);
+        match self.pixels {
+            SamplingBudget::Samples(samples) => pixels as f64 * f64::from(samples),
+            SamplingBudget::Error { error, .. } => expected_rays::to_error(pixels, error),
+            SamplingBudget::Interpolated(_) => pixels as f64,
+        }
     }
 
     /// How good the picture is to be: as `--error` or `--samples` say, or else as Radiance's options do.

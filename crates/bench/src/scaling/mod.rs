@@ -7,11 +7,12 @@ pub(crate) use points::section;
 
 use crate::args::Scaling;
 use crate::capture::print;
+use crate::embree::Embree;
 use crate::error::BenchError;
 use crate::race::beside_this_program;
 use crate::radiance::Radiance;
 use crate::radsight::Radsight;
-use crate::rays::{embree, first_hits, plan_of, random_rays, traced, write_rays};
+use crate::rays::{first_hits, plan_of, random_rays, traced, write_rays};
 use crate::run::middle;
 use crate::taken::{Taken, taken};
 use crate::{generated, machine};
@@ -82,7 +83,9 @@ impl Bench<'_> {
             self.points.push(first.of("radsight", Measure::Bytes("hierarchy a triangle")), count, bytes / count);
             drop(plan);
             if count <= MOST_FOR_EMBREE && !self.arguments.alone {
-                match embree(&file, &stream, self.folder, 1) {
+                let answer = Embree::start(&file, &stream, self.folder)
+                    .and_then(|mut embree| Ok((embree.turn()?, embree.bytes)));
+                match answer {
                     Ok((hits, bytes)) => {
                         self.points.push(first.of("Embree", first.measure), count, 1e6 * hits.seconds / RAYS as f64);
                         let series = first.of("Embree", Measure::Bytes("hierarchy a triangle"));
