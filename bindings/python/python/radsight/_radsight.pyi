@@ -11,6 +11,7 @@ __version__: str
 __all__ = [
     "Calibration",
     "Capture",
+    "CaptureSeries",
     "CapturedImage",
     "Image",
     "JobResult",
@@ -21,6 +22,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Sensor",
+    "SeriesPicture",
     "TracedRays",
     "View",
     "__version__",
@@ -28,6 +30,7 @@ __all__ = [
     "coefficient",
     "fit",
     "models",
+    "series_pictures",
 ]
 
 _Progress: TypeAlias = Callable[[float], object]
@@ -151,6 +154,7 @@ class Capture:
     ) -> Capture: ...
     def expose(self, *scenes: str | PathLike[str] | Scene, progress: _Progress | None = None) -> CapturedImage: ...
     def with_ring(self, scene: Scene) -> Scene: ...
+    def with_keys(self, keys: Mapping[str, str]) -> Capture: ...
     def with_threads(self, threads: int | None) -> Capture: ...
     @property
     def sensor(self) -> Sensor: ...
@@ -176,6 +180,24 @@ class CapturedImage:
     def report_html(self, title: str = "radsight") -> str: ...
     def _repr_png_(self) -> bytes: ...
 
+@final
+class SeriesPicture:
+    def __new__(cls, capture: Capture, moves: Mapping[str, str] = ..., name: str = ...) -> SeriesPicture: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def capture(self) -> Capture: ...
+    @property
+    def keys(self) -> dict[str, str]: ...
+
+@final
+class CaptureSeries:
+    def __new__(cls, scene: Scene) -> CaptureSeries: ...
+    def expose(
+        self, pictures: Sequence[SeriesPicture], progress: _Progress | None = None
+    ) -> list[CapturedImage]: ...
+
+def series_pictures(text: str, camera: Capture, *, name: str = "<series>") -> list[SeriesPicture]: ...
 @final
 class Sensor:
     def grey(self, exposure_j_per_m2: _Doubles, *, seed: int = 0) -> npt.NDArray[np.uint16]: ...
