@@ -15,7 +15,8 @@ pub(crate) enum CacheFilling {
 }
 
 impl Renderer {
-    /// The irradiance that pictures and rays have cached so far, as bytes for [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    /// The irradiance that pictures and rays have cached so far, as bytes for
+    /// [`Renderer::load_irradiance_cache`]; `None` where there is none.
     ///
     /// ```
     /// use radsight::{Renderer, Scene, View};
@@ -39,8 +40,9 @@ impl Renderer {
         cached.or_else(|| self.loaded.clone())
     }
 
-    /// Takes over irradiance that was saved for the same scene and for options that count the same light, and says from how many points it is. Rays for which it was
-    /// gathered get the same answers, bit for bit.
+    /// Takes over irradiance that was saved for the same scene and for options that count the same
+    /// light, and says from how many points it is. Rays for which it was gathered get the same
+    /// answers, bit for bit.
     ///
     /// # Errors
     /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
@@ -58,13 +60,16 @@ impl Renderer {
         Ok(records)
     }
 
-    /// Rests on this cache alone, which was saved for the same scene and light: rays gather nothing more, and follow paths where it has nothing. So parts of a list of rays get the answers of the whole
-    /// list, where the cache was filled for that. Whether it fits is found when rays are traced.
+    /// Rests on this cache alone, which was saved for the same scene and light: rays gather nothing
+    /// more, and follow paths where it has nothing. So parts of a list of rays get the answers of
+    /// the whole list, where the cache was filled for that. Whether it fits is found when rays are
+    /// traced.
     pub fn only_irradiance_cache(&mut self, bytes: Vec<u8>) {
         (self.loaded, self.filling, self.ready) = (Some(bytes), CacheFilling::Loaded, None);
     }
 
-    /// Fills the irradiance cache for rays that [`Renderer::trace`] is to answer, and gives it as bytes; `None` where the options ask for none, or where `progress` stopped it.
+    /// Fills the irradiance cache for rays that [`Renderer::trace`] is to answer, and gives it as
+    /// bytes; `None` where the options ask for none, or where `progress` stopped it.
     ///
     /// # Errors
     /// As [`Renderer::trace`].

@@ -16,7 +16,8 @@ const ROWS_AT_A_TIME: usize = 16;
 const RAYS_AT_A_TIME: usize = 1 << 15;
 
 impl RenderJob {
-    /// The size of the whole picture, pixels in a row and rows. Of a capture the camera knows it, of rays who has them.
+    /// The size of the whole picture, pixels in a row and rows. Of a capture the camera knows it,
+    /// of rays who has them.
     ///
     /// # Errors
     /// [`Error::View`] and [`Error::Size`]; [`Error::Option`] for another target.
@@ -48,15 +49,17 @@ impl RenderJob {
         Ok(options)
     }
 
-    /// Whether its rays rest on cached irradiance. The cache is made once for the whole job, with [`RenderJob::fill_irradiance_cache`], and loaded for each part:
-    /// caches that parts filled for themselves would have other values.
+    /// Whether its rays rest on cached irradiance. The cache is made once for the whole job, with
+    /// [`RenderJob::fill_irradiance_cache`], and loaded for each part: caches that parts filled for
+    /// themselves would have other values.
     #[must_use]
     pub fn caches_irradiance(&self) -> bool {
         self.ambient_bounces > 0 && self.ambient_accuracy > 0.0
     }
 
-    /// Fills the irradiance cache for the whole job, whichever part it asks for, as a single process does before its first pixel; `rays` are all rays of a job of rays, and
-    /// ignored for others. `None` if it was stopped.
+    /// Fills the irradiance cache for the whole job, whichever part it asks for, as a single
+    /// process does before its first pixel; `rays` are all rays of a job of rays, and ignored for
+    /// others. `None` if it was stopped.
     ///
     /// # Errors
     /// As [`RenderJob::render`], and [`Error::Option`] for a job without a cache.
@@ -83,8 +86,8 @@ impl RenderJob {
         Ok(renderer.gather_irradiance_until(&rays, spacing, &|| progress.stops()).map(drop))
     }
 
-    /// Renders a part of a picture. `renderer` is made with [`RenderJob::render_options`], and has the job's irradiance cache if there is one; `progress` is as
-    /// for captures.
+    /// Renders a part of a picture. `renderer` is made with [`RenderJob::render_options`], and has
+    /// the job's irradiance cache if there is one; `progress` is as for captures.
     ///
     /// # Errors
     /// [`Error::View`], [`Error::Size`] and [`Error::Option`]. `None` if the work was stopped.
@@ -111,7 +114,8 @@ impl RenderJob {
         Ok(Some(result))
     }
 
-    /// Exposes a part of a camera's pixels. `renderer` is made with [`RenderJob::render_options`] and the camera's light ring.
+    /// Exposes a part of a camera's pixels. `renderer` is made with [`RenderJob::render_options`]
+    /// and the camera's light ring.
     ///
     /// # Errors
     /// [`Error::Bands`], and [`Error::Option`] for a camera whose pixels cannot be exposed apart. `None` if the work was stopped.
@@ -146,7 +150,8 @@ impl RenderJob {
         Ok(Some(result))
     }
 
-    /// Answers a range of rays; `rays` are all rays of the whole job. `renderer` is as for [`RenderJob::render`].
+    /// Answers a range of rays; `rays` are all rays of the whole job. `renderer` is as for
+    /// [`RenderJob::render`].
     ///
     /// # Errors
     /// [`Error::Option`] for rays that there are not. `None` if the work was stopped.
@@ -210,12 +215,14 @@ impl Renderer {
     /// Renders a part of a picture that a job asks for, with the job's options.
     ///
     /// # Errors
-    /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that cannot be used.
+    /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that cannot be
+    /// used.
     pub fn run_job(&mut self, job: &RenderJob) -> Result<JobResult, Error> {
         Ok(self.run_job_with_progress(job, &[], &Silent)?.expect("nobody stopped it"))
     }
 
-    /// The same for a picture or for some of `rays`, which are all rays of a job of rays; `progress` hears how far it is, and can stop it: it gives `None` then.
+    /// The same for a picture or for some of `rays`, which are all rays of a job of rays;
+    /// `progress` hears how far it is, and can stop it: it gives `None` then.
     ///
     /// # Errors
     /// As [`Renderer::run_job`] and [`RenderJob::trace`].
@@ -234,7 +241,8 @@ impl Renderer {
         Ok(result)
     }
 
-    /// The irradiance cache of a whole job, for [`Renderer::only_irradiance_cache`] of who runs its parts; `rays` are all rays of a job of rays. `None` if it was stopped.
+    /// The irradiance cache of a whole job, for [`Renderer::only_irradiance_cache`] of who runs its
+    /// parts; `rays` are all rays of a job of rays. `None` if it was stopped.
     ///
     /// # Errors
     /// As [`RenderJob::fill_irradiance_cache`].
@@ -254,7 +262,8 @@ impl Renderer {
 }
 
 impl Capture {
-    /// Exposes a part of the pixels that a job asks for, with the job's options and samples. `renderer` is for a scene with the camera's light ring.
+    /// Exposes a part of the pixels that a job asks for, with the job's options and samples.
+    /// `renderer` is for a scene with the camera's light ring.
     ///
     /// # Errors
     /// As [`RenderJob::expose`] and [`Capture::expose`]. `None` if the work was stopped.

@@ -37,7 +37,8 @@ impl RenderJob {
         Ok(Tile { columns, rows: within("rows", self.rows.as_ref(), rows)? })
     }
 
-    /// Jobs for at most so many parts of about equally many rows, or rays, of a picture of so many columns and rows.
+    /// Jobs for at most so many parts of about equally many rows, or rays, of a picture of so many
+    /// columns and rows.
     ///
     /// # Errors
     /// [`Error::Option`] for no parts, and for rows or rays that there are not.
