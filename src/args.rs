@@ -77,6 +77,9 @@ pub(crate) struct Reading {
     /// The file that holds the irradiance cache (`-af`)
     #[arg(skip)]
     pub(crate) ambient_file: Option<OutputName>,
+    /// The file of the irradiance cache that a job names
+    #[arg(skip)]
+    pub(crate) irradiance_cache: Option<String>,
 }
 
 /// What files may cause.

@@ -139,7 +139,7 @@ impl Reading {
 
     /// A number by which the scene is known again, where an irradiance cache is kept in a file.
     fn fingerprint(&self, scene: &Scene) -> Option<u64> {
-        self.ambient_file.as_ref().map(|_| scene.fingerprint())
+        (self.ambient_file.is_some() || self.irradiance_cache.is_some()).then(|| scene.fingerprint())
     }
 
     fn plugin_options(&self) -> PluginOptions {

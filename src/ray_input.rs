@@ -25,8 +25,8 @@ pub(crate) struct RayReader<R> {
     start: usize,
     ended: bool,
     rays: u64,
-    /// The program that reads, for messages.
-    program: &'static str,
+    /// Where they come from, for messages.
+    source: String,
 }
 
 /// Bytes that are asked for at a time.
@@ -37,7 +37,12 @@ const LONGEST_WORD: usize = 4096;
 
 impl<R: Read> RayReader<R> {
     pub(crate) fn new(program: &'static str, input: R, format: NumberFormat) -> Self {
-        RayReader { input, format, buffer: Vec::new(), start: 0, ended: false, rays: 0, program }
+        RayReader::of(format!("{program}: standard input"), input, format)
+    }
+
+    /// Of a source that has this name in messages.
+    pub(crate) fn of(source: String, input: R, format: NumberFormat) -> Self {
+        RayReader { input, format, buffer: Vec::new(), start: 0, ended: false, rays: 0, source }
     }
 
     /// Reads up to `most` rays; fewer only at the end of the stream or before a mistake. Waits for no more than one ray when the writer waits for its answer.
@@ -77,7 +82,7 @@ impl<R: Read> RayReader<R> {
     }
 
     fn wrong(&self, what: &str) -> Failure {
-        Failure::input(format!("{}: standard input, ray {}: {what}", self.program, self.rays + 1))
+        Failure::input(format!("{}, ray {}: {what}", self.source, self.rays + 1))
     }
 
     fn next_number(&mut self) -> Result<Option<f64>, Failure> {

@@ -1,24 +1,24 @@
-//! `radsight job`: parts of a picture or capture that other processes and machines render, and what makes one picture of them.
+//! `radsight job`: parts of a picture, a capture or a list of rays for other processes and machines, and what makes one of them.
 
+mod cache;
+mod inputs;
 mod merge;
 mod run;
+mod split;
 
 use crate::failure::{Failure, Outcome};
-use crate::file_pattern;
-use crate::input::{read_camera, read_file};
-use crate::output::{check_writable, write_file};
 use crate::plugin_guard::PluginGuard;
-use crate::trust::{Existing, Trust};
+use crate::trust::Trust;
 use clap::{Args, Subcommand};
-use radsight::{JobTarget, RenderJob};
-use radsight_camera::CameraFile;
 
 /// What `radsight job` does.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Job {
-    /// Writes jobs for parts of a job's rows
+    /// Writes jobs for parts of a job: rows, tiles or ranges of rays
     Split(Split),
-    /// Renders a job: values and standard errors of its rows, as a float matrix
+    /// Fills the irradiance cache that all parts of a job have in common
+    Cache(Cache),
+    /// Renders a job: values and standard errors of its part, as a float matrix
     Run(Run),
     /// Puts the parts of a picture together, in any order
     Merge(Merge),
@@ -29,12 +29,33 @@ pub(crate) struct Split {
     /// The whole job
     #[arg(value_name = "JOB.json")]
     job: String,
-    /// How many parts
+    /// How many parts, of about as many rows or rays each
+    #[arg(long, value_name = "N", required_unless_present_any = ["tiles", "rays"], conflicts_with_all = ["tiles", "rays"])]
+    parts: Option<usize>,
+    /// Rectangles of at most so many columns and rows, such as 64x64
+    #[arg(long, value_name = "WxH", conflicts_with = "rays")]
+    tiles: Option<String>,
+    /// Ranges of at most so many rays
     #[arg(long, value_name = "N")]
-    parts: usize,
+    rays: Option<usize>,
     /// Names of the parts' files; %d, or %03d, is their number from 0
     #[arg(short, long, value_name = "PART%d.json")]
     output: String,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Cache {
+    /// The job
+    #[arg(value_name = "JOB.json")]
+    job: String,
+    /// The cache, which the job names as its "irradiance_cache"
+    #[arg(short, long, value_name = "FILE")]
+    output: String,
+    /// Threads [default: one for each processor]
+    #[arg(long)]
+    threads: Option<usize>,
+    #[command(flatten)]
+    plugin_guard: PluginGuard,
 }
 
 #[derive(Args, Debug)]
@@ -45,7 +66,7 @@ pub(crate) struct Run {
     /// The values
     #[arg(short, long, value_name = "PART.mtx")]
     output: String,
-    /// Only this part of the job's rows, the first is 0: so that all tasks of an array run one job
+    /// Only this part of the job's rows or rays, the first is 0: so that all tasks of an array run one job
     #[arg(long, value_name = "K/N")]
     part: Option<String>,
     /// Threads [default: one for each processor]
@@ -66,7 +87,7 @@ pub(crate) struct Merge {
     /// Also writes the estimated standard error of each value, in its unit
     #[arg(long, value_name = "FILE")]
     error_map: Option<String>,
-    /// Write what is there, though parts are missing: their rows are black
+    /// Write what is there, though parts are missing: their pixels are black
     #[arg(long)]
     partial: bool,
 }
@@ -74,54 +95,10 @@ pub(crate) struct Merge {
 /// Runs the command.
 pub(crate) fn run(command: &Job, trust: &Trust) -> Outcome {
     match command {
-        Job::Split(arguments) => split(arguments, trust),
+        Job::Split(arguments) => split::run(arguments, trust),
+        Job::Cache(arguments) => cache::run(arguments, trust),
         Job::Run(arguments) => run::run(arguments, trust),
         Job::Merge(arguments) => merge::run(arguments, trust),
-    }
-}
-
-fn split(arguments: &Split, trust: &Trust) -> Outcome {
-    if !file_pattern::holds_number(&arguments.output) {
-        let pattern = &arguments.output;
-        return Err(Failure::usage(format!("output \"{pattern}\" has no %d, expected one for the part's number")));
-    }
-    let job = read_job(&arguments.job)?;
-    let [_, rows] = picture_size(&job, camera(&job)?.as_ref())?;
-    let parts = job.split(arguments.parts, rows).map_err(failure)?;
-    for (number, part) in parts.iter().enumerate() {
-        let (name, ..) = file_pattern::named("job", &arguments.output, "", number)?;
-        let name = trust.output(&name, Existing::Kept)?;
-        check_writable(&name)?;
-        write_file(&name, part.to_json().as_bytes())?;
-    }
-    Ok(())
-}
-
-/// Reads a job. What it names are files: a job is data, and runs nothing.
-fn read_job(path: &str) -> Result<RenderJob, Failure> {
-    let job = RenderJob::from_json(path, &read_file(path, "job")?).map_err(failure)?;
-    let camera = match &job.target {
-        JobTarget::Capture { camera } => Some(camera),
-        _ => None,
-    };
-    match job.scenes.iter().chain(camera).find(|name| name.starts_with('!') || *name == "-") {
-        Some(name) => Err(Failure::input(format!("\"{path}\": \"{name}\" is no file, expected names of files"))),
-        None => Ok(job),
-    }
-}
-
-/// The camera of a capture.
-fn camera(job: &RenderJob) -> Result<Option<CameraFile>, Failure> {
-    match &job.target {
-        JobTarget::Capture { camera } => read_camera(camera).map(Some),
-        _ => Ok(None),
-    }
-}
-
-fn picture_size(job: &RenderJob, camera: Option<&CameraFile>) -> Result<[usize; 2], Failure> {
-    match camera {
-        Some(file) => Ok([file.camera.columns() as usize, file.camera.rows() as usize]),
-        None => job.picture_size().map_err(failure),
     }
 }
 

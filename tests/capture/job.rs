@@ -1,6 +1,6 @@
 //! `radsight job`: parts in files, merged to what one process gives, and what is refused.
 
-use crate::program::{Folder, ROOM, gripps, radsight};
+use crate::program::{Folder, ROOM, gripps, radsight, radsight_with};
 use radsight_picture::read_image;
 
 fn capture_job(folder: &Folder) -> String {
@@ -76,6 +76,79 @@ fn parts_of_another_scene_or_seed_are_refused() {
     let refused = radsight(&["job", "merge", &first, &second, "-o", &out]);
     assert_eq!(refused.code, 1);
     assert!(refused.messages.contains("1.mtx") && refused.messages.contains("another job"), "{}", refused.messages);
+}
+
+#[test]
+fn tiles_and_ranges_of_rays_merge_to_the_bits_of_the_whole() {
+    let folder = Folder::new();
+    let picture = picture_job(&folder, 2);
+    let scene = folder.word("room.rad");
+    let points: String = (0..40).map(|x| format!("{} 2 .1 0 0 1\n", 0.02 * f64::from(x) - 0.4)).collect();
+    let points = folder.file("points.txt", points);
+    let text = format!(
+        "{{\"format\": 1, \"scenes\": [{scene:?}], \"trace\": {{\"rays\": {points:?}, \"quantity\": \"irradiance\"}}, \"samples\": 1}}"
+    );
+    let trace = folder.file("trace.json", text);
+    for (job, size, parts, gone) in
+        [(&picture, ["--tiles", "20x20"], 6, "columns 0 to 19"), (&trace, ["--rays", "17"], 3, "rays 0 to 16")]
+    {
+        radsight(&["job", "split", job, size[0], size[1], "-o", &folder.word("tile%d.json")]).done();
+        let (merged, whole, all) = (folder.word("merged.npy"), folder.word("all.npy"), folder.word("all.mtx"));
+        let mut merge = vec!["job".to_owned(), "merge".to_owned(), "-o".to_owned(), merged];
+        for part in 0..parts {
+            let (json, values) = (folder.word(&format!("tile{part}.json")), folder.word(&format!("tile{part}.mtx")));
+            radsight(&["job", "run", &json, "-o", &values]).done();
+            merge.push(values);
+        }
+        radsight(&merge.iter().map(String::as_str).collect::<Vec<_>>()).done();
+        radsight(&["job", "run", job, "-o", &all]).done();
+        radsight(&["job", "merge", &all, "-o", &whole]).done();
+        assert_eq!(values(&folder, "merged.npy"), values(&folder, "all.npy"), "{size:?}");
+        let missing = radsight(&["job", "merge", &folder.word("tile1.mtx"), "-o", &folder.word("one.npy")]);
+        assert!(missing.code == 1 && missing.messages.contains(gone), "{}", missing.messages);
+    }
+    // The same light as `rtrace` finds with its own defaults.
+    let told = radsight_with(&["rtrace", "-h", "-I", &scene], &folder.read("points.txt")).text();
+    let told: Vec<f64> = told.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    let own = values(&folder, "all.npy");
+    assert_eq!(own.len(), told.len());
+    let near = |(own, told): (&f32, &f64)| (f64::from(*own) - told).abs() <= 0.05 * told;
+    assert!(own.iter().zip(&told).all(near) && own.iter().any(|value| *value > 0.0), "{own:?} {told:?}");
+}
+
+#[test]
+fn parts_share_an_irradiance_cache_that_is_made_once() {
+    let folder = Folder::new();
+    let job = picture_job(&folder, 2);
+    let text = String::from_utf8(folder.read("job.json")).expect("text");
+    let cache = folder.word("room.cache");
+    let keys = "\"ambient_accuracy\": 0.2, \"ambient_divisions\": 64, \"ambient_super_samples\": 0";
+    let without =
+        folder.file("without.json", text.replace("\"ambient_bounces\": 1", &format!("\"ambient_bounces\": 1, {keys}")));
+    let with = format!("\"ambient_bounces\": 1, {keys}, \"irradiance_cache\": {cache:?}");
+    let with = folder.file("with.json", text.replace("\"ambient_bounces\": 1", &with));
+    let refused = radsight(&["job", "run", &without, "-o", &folder.word("none.mtx")]);
+    assert!(refused.code == 1 && refused.messages.contains("radsight job cache"), "{}", refused.messages);
+    radsight(&["job", "cache", &with, "-o", &cache]).done();
+    let (first, second, merged) = (folder.word("0.mtx"), folder.word("1.mtx"), folder.word("merged.pfm"));
+    for (part, out) in [("0/2", &first), ("1/2", &second)] {
+        radsight(&["job", "run", &with, "--part", part, "-o", out]).done();
+    }
+    radsight(&["job", "merge", &first, &second, "-o", &merged]).done();
+    let (all, whole, path_by_path) = (folder.word("all.mtx"), folder.word("whole.pfm"), folder.word("paths.pfm"));
+    radsight(&["job", "run", &with, "-o", &all, "--threads", "1"]).done();
+    radsight(&["job", "merge", &all, "-o", &whole]).done();
+    assert_eq!(values(&folder, "merged.pfm"), values(&folder, "whole.pfm"));
+    radsight(&["job", "run", &job, "-o", &all]).done();
+    radsight(&["job", "merge", &all, "-o", &path_by_path]).done();
+    assert_ne!(values(&folder, "paths.pfm"), values(&folder, "whole.pfm"), "the cache is used");
+    // Parts with another cache are not merged.
+    let other = text.replace("\"ambient_bounces\": 1", &format!("\"seed\": 5, \"ambient_bounces\": 1, {keys}"));
+    folder.file("other.json", other);
+    radsight(&["job", "cache", &folder.word("other.json"), "-o", &folder.word("other.cache")]).done();
+    std::fs::copy(folder.path("other.cache"), folder.path("room.cache")).expect("a copy");
+    radsight(&["job", "run", &with, "--part", "1/2", "-o", &second]).done();
+    assert_eq!(radsight(&["job", "merge", &first, &second, "-o", &merged]).code, 1);
 }
 
 #[test]

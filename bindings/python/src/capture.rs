@@ -1,14 +1,16 @@
 //! Captures.
 
-use crate::errors::exception;
+use crate::errors::{exception, wrong};
 use crate::png;
-use crate::scene::{Files, Materials, Scene, Text, texts_of};
+use crate::scene::{Files, Materials, Scene, Text, files_first, texts_of};
 use crate::sensor::Sensor;
 use crate::supervise::{Watch, supervised};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use radsight::{FileKind, FileLoader, Loader, MemoryLoader, RecordingLoader, Stage};
+use radsight_camera::with_key;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -31,7 +33,7 @@ use std::time::Instant;
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct Capture {
     pub(crate) capture: radsight::Capture,
-    threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
     /// The camera file, and the files that it names.
     text: Text,
     files: Files,
@@ -158,12 +160,7 @@ impl Capture {
         let scene = self.lit(py, scenes)?;
         let exposed = supervised(py, self.threads, progress, &scene.raised, |watch: &Watch| {
             let image = self.capture.expose_with_progress(&scene.scene, watch)?;
-            let greys = match image.greys(&self.capture) {
-                Err(radsight::Error::NoSensor) => None,
-                greys => Some(greys?),
-            };
-            let seconds = begun.elapsed().as_secs_f64();
-            Ok(CapturedImage { image, greys, capture: self.capture.clone(), seconds })
+            Ok(CapturedImage::new(image, self.capture.clone(), begun.elapsed().as_secs_f64()))
         })?;
         exposed.map_err(exception)
     }
@@ -183,6 +180,25 @@ impl Capture {
         texts.extend(self.ring());
         let materials = scene.materials.iter().map(|(name, object)| (name.clone(), object.clone_ref(py))).collect();
         Scene::read(py, texts, (scene.files.clone(), FileLoader::default()), materials)
+    }
+
+    /// The same camera with some keys of its file replaced or added.
+    ///
+    /// Parameters
+    /// ----------
+    /// keys : dict of str to str
+    ///     Such as ``{"rig.ring_diameter_mm": "30"}``, the values as a camera file has them.
+    ///
+    /// Returns
+    /// -------
+    /// Capture
+    pub(crate) fn with_keys(&self, keys: BTreeMap<String, String>) -> PyResult<Capture> {
+        let mut text = String::from_utf8_lossy(&self.text.1).into_owned();
+        for (key, value) in &keys {
+            text = with_key(&text, key, value).map_err(|error| wrong("key", key, &error.to_string()))?;
+        }
+        let loader = RecordingLoader::new(files_first(&self.files, FileLoader::default()));
+        Capture::read((self.text.0.clone(), text.into_bytes()), loader, self.asked, self.threads)
     }
 
     /// The same on so many threads.
@@ -228,6 +244,14 @@ impl Capture {
     fn __repr__(&self) -> String {
         let (columns, rows) = self.size();
         format!("<radsight.Capture {columns} × {rows}>")
+    }
+}
+
+impl CapturedImage {
+    pub(crate) fn new(image: radsight::CapturedImage, capture: radsight::Capture, seconds: f64) -> CapturedImage {
+        // Without a sensor there are no grey values.
+        let greys = image.greys(&capture).ok();
+        CapturedImage { image, greys, capture, seconds }
     }
 }
 

@@ -9,7 +9,7 @@ create_exception!(
     _radsight,
     SceneError,
     RadsightError,
-    "A scene, camera file or job is wrong: file, line, caret and hint of each mistake. `mistakes` is a list of (file, line, column, message);\nfile, line and column are None for a mistake at no place."
+    "A scene, camera file, table of a series or job is wrong: file, line, caret and hint of each mistake. `mistakes` is a list of (file, line, column, message);\nfile, line and column are None for a mistake at no place."
 );
 
 type Mistake = (Option<String>, Option<u32>, Option<u32>, String);
@@ -21,6 +21,7 @@ pub(crate) fn exception(error: radsight::Error) -> PyErr {
         radsight::Error::Scene(report)
         | radsight::Error::Camera(report)
         | radsight::Error::Material(report)
+        | radsight::Error::Series(report)
         | radsight::Error::Job(report) => of_report(text, &report),
         _ => RadsightError::new_err(text),
     }

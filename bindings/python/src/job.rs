@@ -1,35 +1,46 @@
 //! Parts of pictures and captures for other processes.
 
-use crate::errors::exception;
+use crate::errors::{RadsightError, exception, wrong};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
-use radsight::JobTarget;
+use radsight::{JobTarget, RayFormat, RayQuantity};
+use std::ops::Range;
 
 use crate::scene::View;
 
-/// What is rendered, how exactly, and which rows of it: plain data, which can be pickled and is JSON for ``radsight job``.
+/// What is rendered, how exactly, and which part of it: plain data, which can be pickled and is JSON for ``radsight job``.
 ///
 /// Parameters
 /// ----------
 /// samples : int
-///     Rays through every pixel; a power of two converges fastest.
+///     Rays through every pixel; a power of two converges fastest. 1 for a job of rays.
 /// view : View, optional
 ///     For a picture within ``columns`` and ``rows``.
 /// columns, rows : int
 /// camera : str, optional
 ///     For a capture instead: the name of the camera file.
+/// rays : str, optional
+///     For rays instead: the name of the text file with six numbers a ray.
+/// quantity : str
+///     What a job of rays answers: ``radiance``, ``irradiance`` or ``surface_irradiance``.
 /// scenes : sequence of str
 ///     The scene's files, for ``radsight job run``.
 /// seed : int
 /// ambient_bounces : int
-///     Diffuse interreflections that are followed, path by path.
+///     Diffuse interreflections that are followed.
+/// ambient_accuracy : float
+///     0 follows them path by path. With more all parts share an irradiance cache (`Renderer.fill_irradiance_cache`).
+/// ambient_divisions, ambient_super_samples : int, optional
+///     Rays of a cache point, and further ones.
+/// irradiance_cache : str, optional
+///     The cache's file, for ``radsight job run``.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct RenderJob(pub(crate) radsight::RenderJob);
 
 #[pymethods]
 impl RenderJob {
     #[new]
-    #[pyo3(signature = (*, samples, view=None, columns=0, rows=0, camera=None, scenes=vec![], seed=0, ambient_bounces=0))]
+    #[pyo3(signature = (*, samples, view=None, columns=0, rows=0, camera=None, rays=None, quantity="radiance", scenes=vec![], seed=0, ambient_bounces=0, ambient_accuracy=0.0, ambient_divisions=None, ambient_super_samples=None, irradiance_cache=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         samples: u32,
@@ -37,16 +48,38 @@ impl RenderJob {
         columns: usize,
         rows: usize,
         camera: Option<String>,
+        rays: Option<String>,
+        quantity: &str,
         scenes: Vec<String>,
         seed: u64,
         ambient_bounces: u32,
+        ambient_accuracy: f64,
+        ambient_divisions: Option<u32>,
+        ambient_super_samples: Option<u32>,
+        irradiance_cache: Option<String>,
     ) -> PyResult<RenderJob> {
-        let target = match (view, camera) {
-            (Some(view), None) => JobTarget::picture(&view.0, columns, rows),
-            (None, Some(camera)) => JobTarget::capture(camera),
-            _ => return Err(crate::errors::RadsightError::new_err("expected either a view or a camera")),
+        let quantity = match quantity {
+            "radiance" => RayQuantity::Radiance,
+            "irradiance" => RayQuantity::Irradiance,
+            "surface_irradiance" => RayQuantity::SurfaceIrradiance,
+            other => return Err(wrong("quantity", other, "radiance, irradiance or surface_irradiance")),
         };
-        let job = radsight::RenderJob { scenes, seed, ambient_bounces, ..radsight::RenderJob::new(target, samples) };
+        let target = match (view, camera, rays) {
+            (Some(view), None, None) => JobTarget::picture(&view.0, columns, rows),
+            (None, Some(camera), None) => JobTarget::capture(camera),
+            (None, None, Some(rays)) => JobTarget::Trace { rays, format: RayFormat::default(), quantity },
+            _ => return Err(RadsightError::new_err("expected either a view, a camera or rays")),
+        };
+        let job = radsight::RenderJob {
+            scenes,
+            seed,
+            ambient_bounces,
+            ambient_accuracy,
+            ambient_divisions,
+            ambient_super_samples,
+            irradiance_cache,
+            ..radsight::RenderJob::new(target, samples)
+        };
         RenderJob::from_json(&job.to_json(), "<job>")
     }
 
@@ -75,8 +108,20 @@ impl RenderJob {
 
     /// The first row and the one after the last; ``None`` for all.
     #[getter]
-    fn rows(&self) -> Option<(usize, usize)> {
-        self.0.rows.clone().map(|rows| (rows.start, rows.end))
+    fn rows(&self) -> Option<Span> {
+        self.0.rows.as_ref().map(span)
+    }
+
+    /// The first column and the one after the last; ``None`` for all.
+    #[getter]
+    fn columns(&self) -> Option<Span> {
+        self.0.columns.as_ref().map(span)
+    }
+
+    /// The first ray and the one after the last; ``None`` for all.
+    #[getter]
+    fn rays(&self) -> Option<Span> {
+        self.0.rays.as_ref().map(span)
     }
 
     /// Columns and rows of the whole picture; of a capture the camera knows them.
@@ -85,14 +130,41 @@ impl RenderJob {
         self.0.picture_size().map(|[columns, rows]| (columns, rows)).map_err(exception)
     }
 
-    /// Jobs for at most so many parts, of a picture of ``rows`` rows.
-    #[pyo3(signature = (parts, rows=None))]
-    fn split(&self, parts: usize, rows: Option<usize>) -> PyResult<Vec<RenderJob>> {
-        let rows = match rows {
-            Some(rows) => rows,
-            None => self.picture_size()?.1,
-        };
-        self.0.split(parts, rows).map(|jobs| jobs.into_iter().map(RenderJob).collect()).map_err(exception)
+    /// Jobs for at most so many parts of about as many rows, or rays, each.
+    ///
+    /// Parameters
+    /// ----------
+    /// parts : int
+    /// size : (int, int), optional
+    ///     Columns and rows of the whole picture, where the job does not know them: `Capture.size`, or (n, 1) for n rays.
+    ///
+    /// Returns
+    /// -------
+    /// list of RenderJob
+    #[pyo3(signature = (parts, size=None))]
+    fn split(&self, parts: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
+        jobs(self.0.split(parts, self.size(size)?))
+    }
+
+    /// Jobs for rectangles of at most so many columns and rows.
+    ///
+    /// Parameters
+    /// ----------
+    /// columns, rows : int
+    /// size : (int, int), optional
+    ///     As for `split`.
+    ///
+    /// Returns
+    /// -------
+    /// list of RenderJob
+    #[pyo3(signature = (columns, rows, size=None))]
+    fn split_tiles(&self, columns: usize, rows: usize, size: Option<(usize, usize)>) -> PyResult<Vec<RenderJob>> {
+        jobs(self.0.split_tiles([columns, rows], self.size(size)?))
+    }
+
+    /// Jobs for at most so many rays each, of ``all``.
+    fn split_rays(&self, rays: usize, all: usize) -> PyResult<Vec<RenderJob>> {
+        jobs(self.0.split_rays(rays, all))
     }
 
     /// The same with other numbers of samples.
@@ -109,14 +181,37 @@ impl RenderJob {
     }
 
     fn __repr__(&self) -> String {
-        match self.rows() {
-            Some((first, end)) => format!("<radsight.RenderJob of rows {first} to {}>", end - 1),
-            None => "<radsight.RenderJob of all rows>".to_owned(),
+        let part = |what: &str, range: Option<Span>| range.map(|(first, end)| format!("{what} {first} to {}", end - 1));
+        let parts = [part("columns", self.columns()), part("rows", self.rows()), part("rays", self.rays())];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        match parts.is_empty() {
+            true => "<radsight.RenderJob of all>".to_owned(),
+            false => format!("<radsight.RenderJob of {}>", parts.join(", ")),
         }
     }
 }
 
-/// The pixels of some rows, with their standard errors. It can be pickled, and is a file of ``radsight job``.
+impl RenderJob {
+    fn size(&self, given: Option<(usize, usize)>) -> PyResult<[usize; 2]> {
+        match given {
+            Some((columns, rows)) => Ok([columns, rows]),
+            None => self.0.picture_size().map_err(exception),
+        }
+    }
+}
+
+fn jobs(split: Result<Vec<radsight::RenderJob>, radsight::Error>) -> PyResult<Vec<RenderJob>> {
+    split.map(|jobs| jobs.into_iter().map(RenderJob).collect()).map_err(exception)
+}
+
+/// The first, and the one after the last.
+type Span = (usize, usize);
+
+fn span(range: &Range<usize>) -> Span {
+    (range.start, range.end)
+}
+
+/// The pixels of a rectangle, or the answers of a range of rays, with their standard errors. It can be pickled, and is a file of ``radsight job``.
 #[pyclass(frozen, module = "radsight")]
 pub(crate) struct JobResult(pub(crate) radsight::JobResult);
 
@@ -134,7 +229,7 @@ impl JobResult {
         self.0.to_bytes().map_err(exception)
     }
 
-    /// The job, with its rows.
+    /// The job, with its part.
     #[getter]
     fn job(&self) -> RenderJob {
         RenderJob(self.0.job.clone())
@@ -146,7 +241,7 @@ impl JobResult {
     }
 
     fn __repr__(&self) -> String {
-        format!("<radsight.JobResult of rows {} to {}>", self.0.rows().start, self.0.rows().end - 1)
+        self.job().__repr__().replace("RenderJob", "JobResult")
     }
 }
 
@@ -179,19 +274,19 @@ impl MergedJob {
         self.array(py, &self.0.standard_errors)
     }
 
-    /// Estimated relative error of the rows that are there; ``None`` with one sample.
+    /// Estimated relative error of the pixels that are there; ``None`` with one sample.
     #[getter]
     fn relative_error(&self) -> Option<f64> {
         self.0.relative_error()
     }
 
-    /// Ranges of rows of which there is no part: the first row, and the one after the last.
+    /// Rectangles of which there is no part: (first column, the one after the last), (first row, the one after the last).
     #[getter]
-    fn missing_rows(&self) -> Vec<(usize, usize)> {
-        self.0.missing_rows().into_iter().map(|rows| (rows.start, rows.end)).collect()
+    fn missing(&self) -> Vec<(Span, Span)> {
+        self.0.missing().iter().map(|tile| (span(&tile.columns), span(&tile.rows))).collect()
     }
 
-    /// What was asked for, without rows.
+    /// What was asked for, without a part.
     #[getter]
     fn job(&self) -> RenderJob {
         RenderJob(self.0.job.clone())

@@ -12,6 +12,7 @@ mod renderer;
 mod retro;
 mod scene;
 mod sensor;
+mod series;
 mod supervise;
 mod traced;
 
@@ -29,6 +30,9 @@ fn _radsight(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<image::Image>()?;
     module.add_class::<capture::Capture>()?;
     module.add_class::<capture::CapturedImage>()?;
+    module.add_class::<series::CaptureSeries>()?;
+    module.add_class::<series::SeriesPicture>()?;
+    module.add_function(wrap_pyfunction!(series::series_pictures, module)?)?;
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<sensor::Calibration>()?;
     module.add_function(wrap_pyfunction!(sensor::calibrate, module)?)?;

@@ -7,10 +7,11 @@ use crate::image::Image;
 use crate::job::{JobResult, RenderJob};
 use crate::scene::{Scene, View};
 use crate::supervise::{Raised, Watch, stopped, supervised};
-use crate::traced::{TracedRays, rays_of};
+use crate::traced::{TracedRays, kept, rays_of};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use radsight::{ErrorBudget, Progress, TracedQuantity};
+use pyo3::types::PyBytes;
+use radsight::{ErrorBudget, TracedQuantity};
 use std::time::Instant;
 
 /// A scene that is ready to be rendered.
@@ -46,7 +47,7 @@ pub(crate) struct Renderer {
 #[pymethods]
 impl Renderer {
     #[new]
-    #[pyo3(signature = (scene, *, ambient_bounces=0, ambient_accuracy=0.2, ambient_divisions=512, ambient_super_samples=128, error=None, samples=None, seed=0, quantity="radiance", threads=None))]
+    #[pyo3(signature = (scene, *, ambient_bounces=0, ambient_accuracy=0.2, ambient_divisions=512, ambient_super_samples=128, error=None, samples=None, seed=0, quantity="radiance", threads=None, irradiance_cache=None))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
         py: Python<'_>,
@@ -60,6 +61,7 @@ impl Renderer {
         seed: u64,
         quantity: &str,
         threads: Option<usize>,
+        irradiance_cache: Option<Vec<u8>>,
     ) -> PyResult<Renderer> {
         let budget = match (error, samples) {
             (Some(_), Some(_)) => return Err(RadsightError::new_err("both error and samples are given, expected one")),
@@ -84,6 +86,9 @@ impl Renderer {
             .seed(seed)
             .budget(budget);
         renderer.options_mut().quantity = quantity;
+        if let Some(cache) = irradiance_cache {
+            renderer.only_irradiance_cache(cache);
+        }
         Ok(Renderer { renderer, threads, raised: scene.raised.clone() })
     }
 
@@ -111,11 +116,7 @@ impl Renderer {
         let renderer = &mut self.renderer;
         let begun = Instant::now();
         let image = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
-            let mut hear = |done: f64| {
-                watch.set_done(done);
-                !watch.stops()
-            };
-            renderer.render_with_progress(&view.0, columns, rows, &mut hear)
+            renderer.render_with_progress(&view.0, columns, rows, watch)
         })?;
         let image = image.map_err(exception)?.ok_or_else(stopped)?;
         Ok(Image { image, seconds: begun.elapsed().as_secs_f64() })
@@ -128,17 +129,29 @@ impl Renderer {
     /// camera : Camera
     ///     Its ``rays(film, aperture)`` is called with many points at once.
     /// columns, rows : int
+    /// progress : callable, optional
+    ///     Called with the share that is done.
     ///
     /// Returns
     /// -------
     /// Image
-    fn render_camera(&mut self, py: Python<'_>, camera: Py<PyAny>, columns: usize, rows: usize) -> PyResult<Image> {
+    #[pyo3(signature = (camera, columns, rows, progress=None))]
+    fn render_camera(
+        &mut self,
+        py: Python<'_>,
+        camera: Py<PyAny>,
+        columns: usize,
+        rows: usize,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Image> {
         let camera = PythonCamera::new(py, camera, &self.raised)?;
         let renderer = &mut self.renderer;
         let begun = Instant::now();
-        let image =
-            supervised(py, self.threads, None, &self.raised, |_| renderer.render_camera(&camera, columns, rows))?;
-        Ok(Image { image: image.map_err(exception)?, seconds: begun.elapsed().as_secs_f64() })
+        let image = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
+            renderer.render_camera_with_progress(&camera, columns, rows, watch)
+        })?;
+        let image = image.map_err(exception)?.ok_or_else(stopped)?;
+        Ok(Image { image, seconds: begun.elapsed().as_secs_f64() })
     }
 
     /// Answer rays.
@@ -166,9 +179,44 @@ impl Renderer {
         let rays = rays_of(&rays)?;
         let renderer = &mut self.renderer;
         let traced = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| {
-            renderer.trace_part(first, &rays, watch)
+            renderer.trace_part(first, &rays, kept, watch)
         })?;
-        traced.map_err(exception)?.map(TracedRays).ok_or_else(stopped)
+        TracedRays::new(py, traced.map_err(exception)?.ok_or_else(stopped)?)
+    }
+
+    /// Fill the irradiance cache for rays that `trace` is to answer, or for a whole job.
+    ///
+    /// Parameters
+    /// ----------
+    /// rays : (n, 6) array of float, optional
+    ///     All rays, in the order of the list whose parts are traced later.
+    /// job : RenderJob, optional
+    ///     The whole job, with an ``ambient_accuracy``. For a job of rays all of them are given, too.
+    /// progress : callable, optional
+    ///     Called now and then; an exception in it stops the work.
+    ///
+    /// Returns
+    /// -------
+    /// bytes or None
+    ///     For ``Renderer(…, irradiance_cache=…)``, here or in another process. ``None`` where the options ask for no cache.
+    #[pyo3(signature = (rays=None, *, job=None, progress=None))]
+    fn fill_irradiance_cache<'py>(
+        &mut self,
+        py: Python<'py>,
+        rays: Option<PyReadonlyArray2<'py, f64>>,
+        job: Option<&RenderJob>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        if rays.is_none() && job.is_none() {
+            return Err(RadsightError::new_err("expected rays, or a job"));
+        }
+        let rays = rays.as_ref().map(rays_of).transpose()?.unwrap_or_default();
+        let renderer = &mut self.renderer;
+        let filled = supervised(py, self.threads, progress, &self.raised, |watch: &Watch| match job {
+            Some(job) => renderer.irradiance_cache_for(&job.0, &rays, watch),
+            None => renderer.irradiance_cache_of(&rays, watch),
+        })?;
+        Ok(filled.map_err(exception)?.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
     /// What each ray owes to modifiers of these names, as ``rcontrib`` finds it.
@@ -207,23 +255,32 @@ impl Renderer {
         PyArray1::from_vec(py, values).reshape([rays.len(), names.len(), 3])
     }
 
-    /// Render the rows that a job asks for, with the job's own options.
+    /// Render the part that a job asks for, with the job's own options.
     ///
     /// Parameters
     /// ----------
     /// job : RenderJob
     /// camera : Capture, optional
     ///     For the job of a capture; the scene has its light ring (`Capture.with_ring`).
+    /// rays : (n, 6) array of float, optional
+    ///     For a job of rays: all rays of the whole job.
     ///
     /// Returns
     /// -------
     /// JobResult
-    #[pyo3(signature = (job, *, camera=None))]
-    fn run_job(&mut self, py: Python<'_>, job: &RenderJob, camera: Option<&Capture>) -> PyResult<JobResult> {
+    #[pyo3(signature = (job, *, camera=None, rays=None))]
+    fn run_job<'py>(
+        &mut self,
+        py: Python<'py>,
+        job: &RenderJob,
+        camera: Option<&Capture>,
+        rays: Option<PyReadonlyArray2<'py, f64>>,
+    ) -> PyResult<JobResult> {
+        let rays = rays.as_ref().map(rays_of).transpose()?.unwrap_or_default();
         let renderer = &mut self.renderer;
         let result = supervised(py, self.threads, None, &self.raised, |watch: &Watch| match camera {
             Some(camera) => camera.capture.run_job(renderer, &job.0, watch),
-            None => renderer.run_job_with_progress(&job.0, watch),
+            None => renderer.run_job_with_progress(&job.0, &rays, watch),
         })?;
         result.map_err(exception)?.map(JobResult).ok_or_else(stopped)
     }

@@ -73,25 +73,54 @@ impl Scene {
         materials: Materials,
     ) -> PyResult<Scene> {
         let raised = Raised::default();
-        let models: Vec<(String, PythonMaterial)> = materials
-            .iter()
-            .map(|(name, object)| Ok((name.clone(), PythonMaterial::new(py, object.clone_ref(py), &raised)?)))
-            .collect::<PyResult<_>>()?;
-        let memory = files.iter().fold(MemoryLoader::default(), |memory, (name, bytes)| memory.with(name, bytes));
-        let recorder = RecordingLoader::new(FilesFirst(memory, folders));
-        let scene = py.detach(|| {
-            let mut builder = radsight::Scene::builder().loader(recorder.clone());
-            for (name, text) in &texts {
-                builder = builder.text(name, text.clone());
-            }
-            for (name, model) in models {
-                builder = builder.material(&name, Arc::new(model));
-            }
-            builder.build()
-        });
+        let models = models_of(py, &materials, &raised)?;
+        let recorder = RecordingLoader::new(files_first(&files, folders));
+        let scene = py.detach(|| scene_builder(&texts, recorder.clone(), models).build());
         let files = recorder.named_files().into_iter().collect();
         Ok(Scene { scene: scene.map_err(exception)?, raised, texts, files, materials })
     }
+
+    /// What finds the files that it names.
+    pub(crate) fn loader(&self) -> impl Loader + Send + use<> {
+        files_first(&self.files, FileLoader::default())
+    }
+
+    /// Its materials in Python.
+    pub(crate) fn models(&self, py: Python<'_>) -> PyResult<Models> {
+        models_of(py, &self.materials, &self.raised)
+    }
+}
+
+/// Models in the place of materials of these names.
+pub(crate) type Models = Vec<(String, PythonMaterial)>;
+
+fn models_of(py: Python<'_>, materials: &Materials, raised: &Raised) -> PyResult<Models> {
+    let model = |(name, object): (&String, &Py<PyAny>)| {
+        Ok((name.clone(), PythonMaterial::new(py, object.clone_ref(py), raised)?))
+    };
+    materials.iter().map(model).collect()
+}
+
+/// Looks for files in memory, and then on the disk.
+pub(crate) fn files_first(files: &Files, folders: FileLoader) -> impl Loader + Clone + Send + use<> {
+    let memory = files.iter().fold(MemoryLoader::default(), |memory, (name, bytes)| memory.with(name, bytes));
+    FilesFirst(memory, folders)
+}
+
+/// What reads texts with models.
+pub(crate) fn scene_builder<'l>(
+    texts: &[Text],
+    loader: impl Loader + 'l,
+    models: Models,
+) -> radsight::SceneBuilder<'l> {
+    let mut builder = radsight::Scene::builder().loader(loader);
+    for (name, text) in texts {
+        builder = builder.text(name, text.clone());
+    }
+    for (name, model) in models {
+        builder = builder.material(&name, Arc::new(model));
+    }
+    builder
 }
 
 /// The texts of files, and the loader that finds what they name: in the working folder, and then beside them.

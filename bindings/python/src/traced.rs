@@ -4,19 +4,36 @@ use crate::errors::RadsightError;
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 use radsight::Ray;
 
-/// What rays found.
+/// Numbers that are kept of a ray: radiance, distance, point, normal.
+const NUMBERS: usize = 10;
+
+/// What rays found. Its arrays are views of one array.
 #[pyclass(frozen, module = "radsight")]
-pub(crate) struct TracedRays(pub(crate) Vec<radsight::Traced>);
+pub(crate) struct TracedRays(Py<PyArray2<f64>>);
+
+/// What is kept of an answer.
+pub(crate) fn kept(traced: radsight::Traced) -> [f64; NUMBERS] {
+    let distance = traced.first_hit.map_or(f64::INFINITY, |hit| hit.distance);
+    let near = traced.first_hit.filter(|hit| hit.distance.is_finite());
+    let [point, normal] = near.map_or([DVec3::NAN; 2], |hit| [hit.point, hit.perturbed_normal]);
+    let [red, green, blue] = traced.value;
+    [red, green, blue, distance, point.x, point.y, point.z, normal.x, normal.y, normal.z]
+}
 
 impl TracedRays {
-    fn vectors<'py>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&radsight::Traced) -> [f64; 3],
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        PyArray1::from_vec(py, self.0.iter().flat_map(of).collect()).reshape([self.0.len(), 3])
+    /// The vector's memory becomes the array's.
+    pub(crate) fn new(py: Python<'_>, rays: Vec<[f64; NUMBERS]>) -> PyResult<TracedRays> {
+        let count = rays.len();
+        let array = PyArray1::from_vec(py, rays.into_flattened()).reshape([count, NUMBERS])?;
+        Ok(TracedRays(array.unbind()))
+    }
+
+    fn columns<'py>(&self, py: Python<'py>, first: usize, end: usize) -> PyResult<Bound<'py, PyAny>> {
+        let columns = PySlice::new(py, first as isize, end as isize, 1);
+        self.0.bind(py).as_any().get_item((PySlice::full(py), columns))
     }
 }
 
@@ -24,37 +41,30 @@ impl TracedRays {
 impl TracedRays {
     /// Radiance of each ray in red, green and blue, W/(sr·m²): (n, 3).
     #[getter]
-    fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.vectors(py, |traced| traced.value)
+    fn radiance_w_per_sr_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.columns(py, 0, 3)
     }
 
     /// Distance to the first surface, scene units; infinite for none: (n,).
     #[getter]
-    fn distance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let distance = |traced: &radsight::Traced| traced.first_hit.map_or(f64::INFINITY, |hit| hit.distance);
-        PyArray1::from_vec(py, self.0.iter().map(distance).collect())
+    fn distance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.0.bind(py).as_any().get_item((PySlice::full(py), 3))
     }
 
     /// The first point, scene units; NaN for none: (n, 3).
     #[getter]
-    fn point<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.vectors(py, |traced| {
-            let near = traced.first_hit.filter(|hit| hit.distance.is_finite());
-            near.map_or([f64::NAN; 3], |hit| hit.point.to_array())
-        })
+    fn point<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.columns(py, 4, 7)
     }
 
     /// The unit normal there with textures; NaN for none: (n, 3).
     #[getter]
-    fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.vectors(py, |traced| {
-            let near = traced.first_hit.filter(|hit| hit.distance.is_finite());
-            near.map_or([f64::NAN; 3], |hit| hit.perturbed_normal.to_array())
-        })
+    fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.columns(py, 7, 10)
     }
 
-    fn __len__(&self) -> usize {
-        self.0.len()
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.0.bind(py).dims()[0]
     }
 }
 

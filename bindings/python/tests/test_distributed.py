@@ -91,7 +91,7 @@ def test_a_worker_that_is_killed_costs_no_bit(cluster, scene):
     killed = threading.Event()
 
     def partial(picture):
-        heard.append((len(picture.missing_rows), picture.relative_error))
+        heard.append((len(picture.missing), picture.relative_error))
         if not killed.is_set():
             killed.set()
             os.kill(victim, signal.SIGKILL)
@@ -112,9 +112,27 @@ def test_an_asked_error_is_reached_with_the_same_samples_everywhere(cluster, sce
     np.testing.assert_array_equal(pictures[0].values, pictures[1].values)
 
 
-def test_caches_of_irradiance_are_refused(scene):
-    rays = np.array([[0, 0, 1, 0, 0, -1.0]])
-    with pytest.raises(radsight.RadsightError, match="irradiance cache"):
-        distributed.trace(None, scene, rays, ambient_bounces=1, ambient_accuracy=0.1)
+@pytest.mark.parametrize("workers", [1, 2, 4])
+def test_an_irradiance_cache_is_made_once_for_any_number_of_workers(cluster, workers):
+    client = cluster(workers)
+    scene = radsight.Scene.from_text(TEXT + "grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6\n")
+    options = {"ambient_bounces": 2, "ambient_accuracy": 0.2, "ambient_divisions": 64, "ambient_super_samples": 0}
+    merged = distributed.render(client, scene, VIEW, 40, 30, samples=2, **options)
+    whole = radsight.render(scene, VIEW, 40, 30, samples=2, **options)
+    np.testing.assert_array_equal(merged.values, whole.radiance_w_per_sr_m2)
+    rays = np.array([[x, 0, 1, 0, 0, -1.0] for x in np.linspace(-2, 2, 100)])
+    traced = distributed.trace(client, scene, rays, rays_a_job=17, **options)
+    alone = radsight.trace(scene, rays, **options)
+    np.testing.assert_array_equal(traced["radiance_w_per_sr_m2"], alone["radiance_w_per_sr_m2"])
+
+
+def test_what_cannot_be_shared_out_is_refused(scene):
+    with pytest.raises(radsight.RadsightError, match="threads"):
+        distributed.trace(None, scene, np.zeros((1, 6)), threads=2)
     with pytest.raises(radsight.RadsightError, match="samples or error"):
         distributed.render(None, scene, VIEW, 8, 8)
+    with pytest.raises(TypeError, match="sample"):
+        distributed.render(None, scene, VIEW, 8, 8, sample=3)
+    camera = radsight.Capture.from_text(CAMERA)
+    with pytest.raises(radsight.RadsightError, match="ambient_accuracy"):
+        distributed.capture(None, camera, scene, samples=2, ambient_bounces=1, ambient_accuracy=0.1)

@@ -29,12 +29,17 @@ pixel_pitch_um = [2, 2]
 pixels = [2000, 2000]
 exposure_ms = 10
 ''', samples=4096)
+class Own:
+    def rays(self, film, aperture):
+        return np.concatenate([np.tile([0, 0, 3.9], (len(film), 1)), film - 0.5, np.full((len(film), 1), -1.0)], axis=1)
 print("ready", flush=True)
 """
 WORK = {
     "trace": "radsight.Renderer(scene, threads=1).trace(np.tile([[0, 0, 3.9, 0.1, 0, -1.0]], (4_000_000, 1)))",
     "render": "radsight.Renderer(scene, samples=256, threads=1).render(view, 2000, 2000)",
     "expose": "camera.expose(scene)",
+    "irradiance cache": "radsight.Renderer(scene, ambient_bounces=2, ambient_divisions=65536).render(view, 400, 400)",
+    "own camera": "radsight.Renderer(scene, samples=256, threads=1).render_camera(Own(), 2000, 2000)",
 }
 
 

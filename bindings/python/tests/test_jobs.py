@@ -25,10 +25,10 @@ def test_parts_merge_to_the_picture():
     merged = radsight.MergedJob([pickle.loads(pickle.dumps(part)) for part in parts[::-1]])
     whole = radsight.Renderer(scene, samples=4, seed=5).render(VIEW, 40, 30)
     np.testing.assert_array_equal(merged.values, whole.radiance_w_per_sr_m2)
-    assert merged.missing_rows == [] and merged.relative_error > 0
+    assert merged.missing == [] and merged.relative_error > 0
     assert merged.standard_errors.shape == merged.values.shape
     partial = radsight.MergedJob(parts[:2])
-    assert partial.missing_rows == [parts[2].job.rows]
+    assert partial.missing == [((0, 40), parts[2].job.rows)]
     assert np.isnan(partial.standard_errors[-1]).all() and partial.relative_error > 0
     assert merged._repr_png_().startswith(b"\x89PNG")
 
@@ -39,13 +39,31 @@ def test_captures_too():
     columns, rows = camera.size
     job = radsight.RenderJob(samples=2, camera="fig10.toml")
     renderer = radsight.Renderer(camera.with_ring(scene))
-    parts = [renderer.run_job(part, camera=camera) for part in job.split(2, rows)]
+    parts = [renderer.run_job(part, camera=camera) for part in job.split_tiles(50, 60, camera.size)]
     merged = radsight.MergedJob(parts)
     whole = pickle.loads(pickle.dumps(camera)).expose(scene)
     np.testing.assert_array_equal(merged.values[..., 0], whole.exposure_j_per_m2.astype(np.float32))
     grey = camera.sensor.grey(merged.values[..., 0].astype(np.float64))
     np.testing.assert_array_equal(grey, whole.grey)
     assert grey.shape == (rows, columns) and camera.sensor.largest == 255
+
+
+def test_ranges_of_rays_and_their_cache():
+    scene = radsight.Scene.from_text(TABLE + "grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6\n")
+    rays = np.array([[x, 0, 1, 0, 0, -1.0] for x in np.linspace(-2, 2, 100)])
+    options = {"ambient_bounces": 1, "ambient_accuracy": 0.2, "ambient_divisions": 64, "ambient_super_samples": 0}
+    job = radsight.RenderJob(samples=1, rays="points.txt", **options)
+    with pytest.raises(radsight.RadsightError, match="irradiance_cache"):
+        radsight.Renderer(scene).run_job(job, rays=rays)
+    cache = radsight.Renderer(scene).fill_irradiance_cache(rays, job=job)
+    renderer = radsight.Renderer(scene, irradiance_cache=cache)
+    merged = radsight.MergedJob([renderer.run_job(part, rays=rays) for part in job.split_rays(30, 100)])
+    whole = radsight.trace(scene, rays, **options)["radiance_w_per_sr_m2"]
+    np.testing.assert_array_equal(merged.values[0], whole.astype(np.float32))
+    again = radsight.Renderer(scene, **options).fill_irradiance_cache(rays)
+    half = radsight.Renderer(scene, irradiance_cache=again, **options).trace(rays[50:], first=50)
+    np.testing.assert_array_equal(half.radiance_w_per_sr_m2, whole[50:])
+    assert job.split(3, (100, 1))[1].rays == (33, 66) and "rays 33 to 65" in repr(job.split(3, (100, 1))[1])
 
 
 def test_the_programs_parts_are_pythons(tmp_path):

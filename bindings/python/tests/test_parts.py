@@ -95,7 +95,7 @@ def test_types_are_right(checker, tmp_path):
         f"image: radsight.Image = radsight.render(scene, radsight.View({VIEW!r}), 8, 8, samples=1)\n"
         "total: np.floating = image.radiance_w_per_sr_m2.sum()\n"
         "job = radsight.RenderJob(samples=4, camera='fig14.toml')\n"
-        "parts: list[radsight.RenderJob] = job.split(4, 165)\n"
+        "parts: list[radsight.RenderJob] = job.split(4, (192, 165))\n"
     )
     wrong = tmp_path / "wrong.py"
     wrong.write_text("import radsight\nradsight.Scene.from_text(5)\n")

@@ -19,7 +19,7 @@ mod view_camera;
 
 pub use adaptive::{Estimate, Film, SamplingBudget, Stop, TimeLeft};
 pub use interpolated::Interpolation;
-pub use part::{SampledPixel, sampled_rows};
+pub use part::{SampledPixel, sampled_tile};
 pub use sequence::MAX_SAMPLES;
 pub use single::average;
 pub use view_camera::{CameraRay, ViewCamera};

@@ -1,4 +1,4 @@
-//! Some rows of a picture, for who renders the others elsewhere.
+//! A rectangle of a picture, for who renders the rest elsewhere.
 
 use crate::sequence::{MAX_SAMPLES, SEQUENCE_LOG2};
 use crate::view_camera::{ViewCamera, traced};
@@ -16,19 +16,26 @@ pub struct SampledPixel {
     pub half_difference: [f64; 3],
 }
 
-/// The pixels of some rows, top row first, each with as many samples. Neither the other rows nor threads matter.
+/// The pixels of a rectangle, top row first, each with as many samples. Neither the other pixels nor threads matter.
 ///
 /// # Panics
-/// If the camera has fewer rows.
+/// If the camera has fewer columns or rows.
 #[must_use]
-pub fn sampled_rows(renderer: &Renderer, camera: &ViewCamera, rows: Range<usize>, samples: u32) -> Vec<SampledPixel> {
+pub fn sampled_tile(
+    renderer: &Renderer,
+    camera: &ViewCamera,
+    (columns, rows): (Range<usize>, Range<usize>),
+    samples: u32,
+) -> Vec<SampledPixel> {
+    assert!(columns.end <= camera.columns(), "columns to {} of {}", columns.end, camera.columns());
     assert!(rows.end <= camera.rows(), "rows to {} of {}", rows.end, camera.rows());
     let samples = samples.clamp(1, MAX_SAMPLES);
-    let columns = camera.columns();
-    (rows.start * columns..rows.end * columns)
+    let width = columns.len();
+    let pixel = |place: usize| (rows.start + place / width) * camera.columns() + columns.start + place % width;
+    (0..width * rows.len())
         .into_par_iter()
         .with_min_len(16)
-        .map_init(|| renderer.worker(), |worker, pixel| sampled(worker, renderer, camera, pixel, samples))
+        .map_init(|| renderer.worker(), |worker, place| sampled(worker, renderer, camera, pixel(place), samples))
         .collect()
 }
 

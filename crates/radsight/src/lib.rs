@@ -8,7 +8,7 @@
 //! | [`Renderer`] | a scene ready to answer rays; renders [`Image`]s within an asked error |
 //! | [`Capture`] | a real camera: finite pinhole, exposure in J/m², sensor, grey values |
 //! | [`CaptureSeries`] | many captures of nearly one scene: poses of parts, rings, exposures, sensors |
-//! | [`RenderJob`] | rows of a picture or capture as plain data, for another process or machine |
+//! | [`RenderJob`] | a rectangle of a picture or capture, or a range of rays, as plain data for another process or machine |
 //! | [`Error`] | what was wrong, as data: each message with file, line and column |
 //!
 //! Units: scene lengths are the scene's own, radiance is W/(sr·m²) in three bands (red, green, blue of Radiance's primaries),
@@ -40,6 +40,7 @@ mod error_budget;
 mod file_loader;
 mod image;
 mod integrator;
+mod irradiance_cache;
 mod material;
 mod part_move;
 mod recording_loader;
@@ -69,7 +70,7 @@ pub use radsight_render::Quantity as TracedQuantity;
 pub use radsight_render::{CacheError, Contribution, FirstHit, Ray, RenderOptions, Traced};
 pub use radsight_report::{ErrorMap, Page, Quantity, RunRecord, Stage, viridis};
 pub use recording_loader::RecordingLoader;
-pub use render_job::{JobResult, JobTarget, MergedJob, RenderJob};
+pub use render_job::{JobResult, JobTarget, MergedJob, RayFormat, RayQuantity, RenderJob, Tile};
 pub use renderer::{ModifierContribution, Renderer};
 pub use scene::{Scene, SceneBuilder};
 pub use series_file::{SeriesRow, read_series};

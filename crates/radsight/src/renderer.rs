@@ -5,6 +5,7 @@ use crate::error::{Error, Report};
 use crate::error_budget::ErrorBudget;
 use crate::image::{Image, Maps, RenderReport};
 use crate::integrator::{Integrator, PathIntegrator, RayQueries};
+use crate::irradiance_cache::CacheFilling;
 use crate::{Scene, View, report_page};
 use radsight_capture::{Progress, Silent};
 use radsight_diag::SourceMap;
@@ -13,6 +14,7 @@ use radsight_picture::Header;
 use radsight_render::{Gathering, Ray, RaySpacing, RayWorker, RenderOptions, RenderPlan, Traced, Uncached};
 use radsight_sampling::{DimensionSet, RaySampler};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Rays through a pixel of a camera of one's own, unless it is said.
 const USUAL_SAMPLES: u32 = 16;
@@ -23,11 +25,11 @@ const CAMERA_BATCH: usize = 4096;
 /// Rays after which it is asked whether to go on.
 const RAYS_AT_A_TIME: usize = 1 << 17;
 
+/// Rays that one thread answers in a row, at least.
+const RAYS_OF_A_THREAD: usize = 1024;
+
 /// Bits of a ray's number that tell the samples of a pixel.
 const SEQUENCE_LOG2: u32 = 16;
-
-/// Hears how much of the work is done, from 0 to 1; what it gives says whether to go on.
-type ProgressCallback<'p> = dyn FnMut(f64) -> bool + 'p;
 
 /// Renders a scene.
 ///
@@ -42,14 +44,15 @@ type ProgressCallback<'p> = dyn FnMut(f64) -> bool + 'p;
 /// ```
 #[derive(Debug)]
 pub struct Renderer {
-    scene: Scene,
-    options: RenderOptions,
+    pub(crate) scene: Scene,
+    pub(crate) options: RenderOptions,
     budget: ErrorBudget,
     jitter: Option<f64>,
     /// What answers rays, for the options with which it was made.
-    ready: Option<(RenderOptions, radsight_render::Renderer)>,
+    pub(crate) ready: Option<(RenderOptions, radsight_render::Renderer)>,
     /// An irradiance cache that was loaded, for each `ready` that is made.
-    loaded: Option<Vec<u8>>,
+    pub(crate) loaded: Option<Vec<u8>>,
+    pub(crate) filling: CacheFilling,
 }
 
 /// What a ray owes to one of the modifiers that were asked for.
@@ -90,7 +93,15 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn with_options(scene: &Scene, options: RenderOptions) -> Result<Renderer, Error> {
         let budget = ErrorBudget::default();
-        let mut renderer = Renderer { scene: scene.clone(), options, budget, jitter: None, ready: None, loaded: None };
+        let mut renderer = Renderer {
+            scene: scene.clone(),
+            options,
+            budget,
+            jitter: None,
+            ready: None,
+            loaded: None,
+            filling: CacheFilling::Gather,
+        };
         let options = renderer.options.clone();
         renderer.prepare(options)?;
         Ok(renderer)
@@ -161,11 +172,11 @@ impl Renderer {
     /// # Errors
     /// [`Error::Size`], [`Error::Option`], and [`Error::Material`] where a ray met a material that cannot be used.
     pub fn render(&mut self, view: &View, columns: usize, rows: usize) -> Result<Image, Error> {
-        let image = self.render_with_progress(view, columns, rows, &mut |_| true)?;
+        let image = self.render_with_progress(view, columns, rows, &Silent)?;
         Ok(image.expect("nobody stopped it"))
     }
 
-    /// The same; `progress` hears the share that is done and says whether to go on. `None` if it did not.
+    /// The same; `progress` hears how many rows are done, and can stop it, while an irradiance cache is filled too: it gives `None` then.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -174,7 +185,7 @@ impl Renderer {
         view: &View,
         columns: usize,
         rows: usize,
-        progress: &mut ProgressCallback<'_>,
+        progress: &dyn Progress,
     ) -> Result<Option<Image>, Error> {
         let (columns, rows) = view.0.fit(columns, rows, 1.0);
         Image::check_size(columns, rows)?;
@@ -186,8 +197,10 @@ impl Renderer {
         let (asked, used) = (self.budget.asked_error(), options.clone());
         let side = self.budget.prepass_spacing();
         let sources = self.scene.sources.clone();
-        let renderer = self.prepare(options)?;
-        renderer.gather_irradiance(&camera.prepass_rays(side), camera.spread(side));
+        if self.gather(&options, || camera.prepass_rays(side), camera.spread(side), progress)?.is_none() {
+            return Ok(None);
+        }
+        let renderer = &*self.prepare(options)?;
         let mut film = Film::new(renderer, camera, pixels);
         let mut image = Vec::with_capacity(columns * rows);
         let mut row = 0;
@@ -203,7 +216,8 @@ impl Renderer {
             };
             image.extend(film.finish_block(block.clone()));
             row = block.end;
-            if !progress(row as f64 / rows as f64) {
+            progress.report(row as u64, rows as u64);
+            if progress.stops() {
                 return Ok(None);
             }
         }
@@ -222,6 +236,20 @@ impl Renderer {
         self.render_with(&PathIntegrator, camera, columns, rows)
     }
 
+    /// The same; `progress` hears how many pixels are done, and can stop it: it gives `None` then.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_camera_with_progress(
+        &mut self,
+        camera: &dyn Camera,
+        columns: usize,
+        rows: usize,
+        progress: &dyn Progress,
+    ) -> Result<Option<Image>, Error> {
+        self.render_until(&PathIntegrator, camera, [columns, rows], progress)
+    }
+
     /// The same with an integrator of one's own.
     ///
     /// # Errors
@@ -233,6 +261,17 @@ impl Renderer {
         columns: usize,
         rows: usize,
     ) -> Result<Image, Error> {
+        let image = self.render_until(integrator, camera, [columns, rows], &Silent)?;
+        Ok(image.expect("nobody stopped it"))
+    }
+
+    fn render_until(
+        &mut self,
+        integrator: &dyn Integrator,
+        camera: &dyn Camera,
+        [columns, rows]: [usize; 2],
+        progress: &dyn Progress,
+    ) -> Result<Option<Image>, Error> {
         Image::check_size(columns, rows)?;
         let mut options = self.options.clone();
         let samples = match self.budget.apply(&mut options) {
@@ -242,7 +281,6 @@ impl Renderer {
         check_budget(SamplingBudget::Samples(samples))?;
         let used = options.clone();
         let (seed, sources) = (options.seed, self.scene.sources.clone());
-        let renderer = self.prepare(options)?;
         let place = |pixel: usize, [x, y]: [f64; 2]| {
             [((pixel % columns) as f64 + x) / columns as f64, ((pixel / columns) as f64 + y) / rows as f64]
         };
@@ -254,14 +292,19 @@ impl Renderer {
             let rays = camera.rays(&film, &vec![[0.5; 2]; film.len()]);
             first.extend(rays.into_iter().map(|ray| ray.and_then(camera::checked).map(|(ray, _)| ray)));
         }
-        renderer.gather_irradiance(&first, RaySpacing::UNKNOWN);
-        let renderer = &*renderer;
-        let at_once = (CAMERA_BATCH / samples as usize).max(1);
-        let batches: Vec<Vec<[f32; 3]>> = (0..pixels.div_ceil(at_once))
+        if self.gather(&options, || first, RaySpacing::UNKNOWN, progress)?.is_none() {
+            return Ok(None);
+        }
+        let renderer = &*self.prepare(options)?;
+        let (at_once, done) = ((CAMERA_BATCH / samples as usize).max(1), AtomicU64::new(0));
+        let batches: Option<Vec<Vec<[f32; 3]>>> = (0..pixels.div_ceil(at_once))
             .into_par_iter()
             .map_init(
                 || renderer.worker(),
                 |worker, batch| {
+                    if progress.stops() {
+                        return None;
+                    }
                     let range = batch * at_once..pixels.min((batch + 1) * at_once);
                     let numbers = range.clone().flat_map(|pixel| {
                         (0..samples).map(move |sample| (pixel as u64) << SEQUENCE_LOG2 | u64::from(sample))
@@ -280,15 +323,19 @@ impl Renderer {
                         let sum = &mut sums[(index >> SEQUENCE_LOG2) as usize - range.start];
                         *sum = std::array::from_fn(|band| sum[band] + weight * value[band]);
                     }
-                    sums.into_iter().map(|sum| sum.map(|band| (band / f64::from(samples)) as f32)).collect()
+                    let before = done.fetch_add(range.len() as u64, Ordering::Relaxed);
+                    progress.report(before + range.len() as u64, pixels as u64);
+                    let mean = |sum: [f64; 3]| sum.map(|band| (band / f64::from(samples)) as f32);
+                    Some(sums.into_iter().map(mean).collect())
                 },
             )
             .collect();
+        let Some(batches) = batches else { return Ok(None) };
         let pixels = batches.concat();
         check_materials(renderer.plan(), &sources)?;
         let maps = Maps { relative_errors: None, samples: Some(vec![samples; columns * rows]) };
         let image = Image::new(columns, pixels, header(""), report(renderer, None));
-        Ok(image.with_accounts(maps, report_page::record(renderer, &used), None))
+        Ok(Some(image.with_accounts(maps, report_page::record(renderer, &used), None)))
     }
 
     /// Answers rays: radiance (or irradiance, as the options ask), first hit and effective distance of each. Rays are told apart by
@@ -297,35 +344,44 @@ impl Renderer {
     /// # Errors
     /// [`Error::Material`] where a ray met a material that cannot be used.
     pub fn trace(&mut self, rays: &[Ray]) -> Result<Vec<Traced>, Error> {
-        Ok(self.trace_part(0, rays, &Silent)?.expect("nobody stopped it"))
+        Ok(self.trace_part(0, rays, |traced| traced, &Silent)?.expect("nobody stopped it"))
     }
 
-    /// The same for a part of a longer list, in which the first of these rays has the place `first`: without cached irradiance
-    /// the answers are those of the whole list. `progress` hears how far it is, and can stop it: it gives `None` then.
+    /// The same for a part of a longer list, in which the first of these rays has the place `first`: without cached irradiance, and with only that of
+    /// [`Renderer::only_irradiance_cache`], the answers are those of the whole list. Each answer is turned into what `of` makes of it on the thread that has it, so that no
+    /// more than that is kept. `progress` hears how far it is, and can stop it: it gives `None` then.
     ///
     /// # Errors
     /// As [`Renderer::trace`].
-    pub fn trace_part(
+    pub fn trace_part<T: Send>(
         &mut self,
         first: u64,
         rays: &[Ray],
+        of: impl Fn(Traced) -> T + Sync,
         progress: &dyn Progress,
-    ) -> Result<Option<Vec<Traced>>, Error> {
+    ) -> Result<Option<Vec<T>>, Error> {
         let mut options = self.options.clone();
         options.gathering.uncached = Uncached::Split;
-        let renderer = self.prepare(options)?;
-        let all: Vec<Option<Ray>> = rays.iter().copied().map(Some).collect();
-        renderer.gather_irradiance(&all, RaySpacing::UNKNOWN);
-        let mut traced = Vec::with_capacity(all.len());
-        for some in all.chunks(RAYS_AT_A_TIME) {
+        let all = || rays.iter().copied().map(Some).collect();
+        if self.gather(&options, all, RaySpacing::UNKNOWN, progress)?.is_none() {
+            return Ok(None);
+        }
+        let renderer = &*self.prepare(options)?;
+        let mut told = Vec::with_capacity(rays.len());
+        for some in rays.chunks(RAYS_AT_A_TIME) {
             if progress.stops() {
                 return Ok(None);
             }
-            traced.extend(renderer.trace_all(first + traced.len() as u64, some).into_iter().flatten());
-            progress.report(traced.len() as u64, all.len() as u64);
+            let number = first + told.len() as u64;
+            let answer =
+                |worker: &mut RayWorker<'_>, (place, ray): (usize, &Ray)| of(worker.trace(number + place as u64, ray));
+            told.par_extend(
+                some.par_iter().enumerate().with_min_len(RAYS_OF_A_THREAD).map_init(|| renderer.worker(), answer),
+            );
+            progress.report(told.len() as u64, rays.len() as u64);
         }
         self.check_met()?;
-        Ok(Some(traced))
+        Ok(Some(told))
     }
 
     /// What each ray owes to modifiers of these names: the radiance of emitters among them times what of it arrives, as `rcontrib`
@@ -372,8 +428,8 @@ impl Renderer {
     }
 
     /// What answers rays with these options.
-    pub(crate) fn ready_for(&mut self, options: RenderOptions) -> Result<&radsight_render::Renderer, Error> {
-        self.prepare(options).map(|renderer| &*renderer)
+    pub(crate) fn ready_for(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
+        self.prepare(options)
     }
 
     /// Whether a ray met a material that cannot be used.
@@ -381,57 +437,14 @@ impl Renderer {
         self.ready.as_ref().map_or(Ok(()), |(_, renderer)| check_materials(renderer.plan(), &self.scene.sources))
     }
 
-    /// The irradiance that pictures and rays have cached so far, as bytes for [`Renderer::load_irradiance_cache`]; `None` where there is none.
-    ///
-    /// ```
-    /// use radsight::{Renderer, Scene, View};
-    /// # fn main() -> Result<(), radsight::Error> {
-    /// let text = "void plastic grey 0 0 5 .5 .5 .5 0 0 grey sphere ball 0 0 4 0 9 0 2 void glow sky 0 0 4 1 1 1 0 sky source dome 0 0 4 0 0 1 360";
-    /// let scene = Scene::from_text(text)?;
-    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
-    /// let mut first = Renderer::new(&scene)?.ambient_bounces(1);
-    /// let image = first.render(&view, 16, 16)?;
-    /// let cache = first.save_irradiance_cache().expect("a bounce fills it");
-    /// // In another process:
-    /// let mut second = Renderer::new(&scene)?.ambient_bounces(1).seed(7);
-    /// assert!(second.load_irradiance_cache(cache)? > 0);
-    /// # let _ = (image, second.render(&view, 16, 16)?);
-    /// # Ok(())
-    /// # }
-    /// ```
-    pub fn save_irradiance_cache(&mut self) -> Option<Vec<u8>> {
-        let scene = self.scene.scene.fingerprint();
-        let cached = self.ready.as_mut().and_then(|(_, renderer)| renderer.save_irradiance_cache(scene));
-        cached.or_else(|| self.loaded.clone())
-    }
-
-    /// Takes over irradiance that was saved for the same scene and for options that count the same light, and says from how many points it is. Rays for which it was
-    /// gathered get the same answers, bit for bit.
-    ///
-    /// # Errors
-    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
-    pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
-        let (before, options) = (self.loaded.take(), self.options.clone());
-        let scene = self.scene.scene.fingerprint();
-        let records = match self.prepare(options)?.load_irradiance_cache(&bytes, scene) {
-            Ok(records) => records,
-            Err(error) => {
-                self.loaded = before;
-                return Err(error.into());
-            }
-        };
-        self.loaded = Some(bytes);
-        Ok(records)
-    }
-
     /// What answers rays with these options; made anew where they are others than before.
-    fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
+    pub(crate) fn prepare(&mut self, options: RenderOptions) -> Result<&mut radsight_render::Renderer, Error> {
         if self.ready.as_ref().is_none_or(|(made, _)| *made != options) {
             self.ready = None;
             let plan = RenderPlan::new(self.scene.scene.clone(), options.clone(), &self.scene.materials)
                 .map_err(|errors| Error::Scene(Report::new(errors, self.scene.sources.clone())))?;
             let mut renderer = radsight_render::Renderer::new(plan);
-            if let Some(cache) = &self.loaded {
+            if let Some(cache) = self.loaded.as_ref().filter(|_| renderer.caches_irradiance()) {
                 renderer.load_irradiance_cache(cache, self.scene.scene.fingerprint())?;
             }
             self.ready = Some((options, renderer));

@@ -1,8 +1,11 @@
 //! What the library promises: units, errors as data, and results that do not depend on who asks.
 
 use glam::DVec3;
-use radsight::{CacheError, Capture, Error, ErrorBudget, FileLoader, Ray, Renderer, SamplingBudget, Scene, View};
+use radsight::{
+    CacheError, Capture, Error, ErrorBudget, FileLoader, Progress, Ray, Renderer, SamplingBudget, Scene, View,
+};
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 const TABLE: &str = "void light lamp 0 0 3 100 100 100  void plastic grey 0 0 5 .5 .4 .3 0 0
     lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .05  grey ring table 0 0 8 0 0 0 0 0 1 0 6";
@@ -79,13 +82,51 @@ fn a_smaller_error_takes_more_rays() {
     assert!(rays(0.005) > 1.5 * rays(0.1));
 }
 
+/// Stops at once.
+struct Stopped;
+
+impl Progress for Stopped {
+    fn report(&self, _done: u64, _total: u64) {}
+
+    fn stops(&self) -> bool {
+        true
+    }
+}
+
 #[test]
 fn rendering_can_be_stopped() {
     let scene = Scene::from_text(TABLE).unwrap();
     let view = View::from_args("-vp 0 -4 3 -vd 0 4 -3").unwrap();
     let mut renderer = Renderer::new(&scene).unwrap();
-    let stopped = renderer.render_with_progress(&view, 16, 300, &mut |_| false).unwrap();
+    let stopped = renderer.render_with_progress(&view, 16, 300, &Stopped).unwrap();
     assert!(stopped.is_none());
+}
+
+#[test]
+fn filling_an_irradiance_cache_can_be_stopped_and_leaves_no_half_of_it() {
+    let scene = Scene::from_text(format!("{TABLE} grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6")).unwrap();
+    let rays: Vec<Ray> =
+        (0..40).map(|x| Ray::new(DVec3::new(0.1 * f64::from(x) - 2.0, 0.3, 1.0), -DVec3::Z).unwrap()).collect();
+    let renderer = || Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_divisions(64, 0);
+    let values = |traced: Vec<radsight::Traced>| traced.into_iter().map(|traced| traced.value).collect::<Vec<_>>();
+    // It is stopped while it is filled, since rays come after that.
+    for asked in [1, 3, 20] {
+        let mut stopped = renderer();
+        let later = StopsLater(AtomicU32::new(asked));
+        assert!(stopped.irradiance_cache_of(&rays, &later).unwrap().is_none());
+        assert_eq!(values(stopped.trace(&rays).unwrap()), values(renderer().trace(&rays).unwrap()), "{asked}");
+    }
+}
+
+/// Stops when it was asked so often.
+struct StopsLater(AtomicU32);
+
+impl Progress for StopsLater {
+    fn report(&self, _done: u64, _total: u64) {}
+
+    fn stops(&self) -> bool {
+        self.0.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(1)).is_err()
+    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Parts of pictures and captures: whole bits, mistakes, and what is missing.
 
-use radsight::{Capture, Error, FileLoader, JobResult, JobTarget, MergedJob, RenderJob, Renderer, Scene, Silent, View};
+use glam::DVec3;
+use radsight::{
+    Capture, Error, FileLoader, JobResult, JobTarget, MergedJob, Ray, RenderJob, Renderer, Scene, Silent, View,
+};
 
 const TABLE: &str = "void light lamp 0 0 3 100 100 100  void plastic grey 0 0 5 .5 .4 .3 0 0
     lamp ring bulb 0 0 8 0 0 4 0 0 -1 0 .05  grey ring table 0 0 8 0 0 0 0 0 1 0 6  grey sphere ball 0 0 4 .5 .5 .4 .4";
@@ -15,8 +18,7 @@ fn picture() -> RenderJob {
 
 fn results(job: &RenderJob, parts: usize) -> Vec<JobResult> {
     let scene = Scene::from_text(TABLE).unwrap();
-    let [_, rows] = job.picture_size().unwrap();
-    let jobs = job.split(parts, rows).unwrap();
+    let jobs = job.split(parts, job.picture_size().unwrap()).unwrap();
     // Each in a renderer of its own, as on another machine, and in another order.
     jobs.iter().rev().map(|job| Renderer::new(&scene).unwrap().run_job(job).unwrap()).collect()
 }
@@ -30,7 +32,7 @@ fn parts_of_a_picture_merge_to_the_bits_of_the_whole() {
     let whole = { renderer }.render(&View::from_args(view).unwrap(), 40, 31).unwrap();
     for parts in [1, 2, 5, 1000] {
         let merged = MergedJob::of(&results(&job, parts)).unwrap();
-        assert!(merged.missing_rows().is_empty());
+        assert!(merged.missing().is_empty());
         assert_eq!(merged.values, whole.pixels().concat(), "{parts} parts");
     }
 }
@@ -40,13 +42,102 @@ fn parts_of_a_capture_merge_to_the_bits_of_the_whole() {
     let capture = Capture::from_text("c.toml", CAMERA.as_bytes(), &FileLoader::default()).unwrap().samples(8).seed(3);
     let scene = capture.with_ring(Scene::builder().text("table.rad", TABLE)).build().unwrap();
     let job = RenderJob { seed: 3, ..RenderJob::new(JobTarget::capture("c.toml"), 8) };
-    let parts = job.split(3, 18).unwrap();
+    let parts = job.split(3, [24, 18]).unwrap();
     let mut renderer = Renderer::new(&scene).unwrap();
     let parts: Vec<JobResult> =
         parts.iter().map(|job| capture.run_job(&mut renderer, job, &Silent).unwrap().unwrap()).collect();
     let whole = capture.expose(&scene).unwrap();
     let whole: Vec<f32> = whole.exposure_j_per_m2.iter().map(|value| *value as f32).collect();
     assert_eq!(MergedJob::of(&parts).unwrap().values, whole);
+}
+
+#[test]
+fn tiles_merge_to_the_bits_of_the_whole_and_what_is_missing_is_rectangles() {
+    let job = picture();
+    let size = job.picture_size().unwrap();
+    let scene = Scene::from_text(TABLE).unwrap();
+    let whole = Renderer::new(&scene).unwrap().run_job(&job).unwrap();
+    let tiles = job.split_tiles([16, 10], size).unwrap();
+    assert_eq!(tiles.len(), size[0].div_ceil(16) * size[1].div_ceil(10));
+    let mut renderer = Renderer::new(&scene).unwrap();
+    let mut parts: Vec<JobResult> = tiles.iter().rev().map(|tile| renderer.run_job(tile).unwrap()).collect();
+    assert_eq!(MergedJob::of(&parts).unwrap().values, whole.values);
+    let again = JobResult::from_bytes("tile", &parts[1].to_bytes().unwrap()).unwrap();
+    assert_eq!(again, parts[1]);
+    let gone = [parts.remove(5), parts.remove(0)].map(|part| part.tile().unwrap());
+    assert_eq!(MergedJob::of(&parts).unwrap().missing(), gone);
+    // Tiles of the camera's pixels, too.
+    let capture = Capture::from_text("c.toml", CAMERA.as_bytes(), &FileLoader::default()).unwrap();
+    let scene = capture.with_ring(Scene::builder().text("table.rad", TABLE)).build().unwrap();
+    let job = RenderJob::new(JobTarget::capture("c.toml"), 4);
+    let mut renderer = Renderer::new(&scene).unwrap();
+    let mut run = |job: &RenderJob| capture.run_job(&mut renderer, job, &Silent).unwrap().unwrap();
+    let parts: Vec<JobResult> = job.split_tiles([7, 7], [24, 18]).unwrap().iter().map(&mut run).collect();
+    assert_eq!(MergedJob::of(&parts).unwrap().values, run(&job).values);
+}
+
+#[test]
+fn ranges_of_rays_merge_to_the_answers_of_all() {
+    let scene = Scene::from_text(TABLE).unwrap();
+    let rays: Vec<Ray> =
+        (0..100).map(|x| Ray::new(DVec3::new(0.05 * f64::from(x) - 2.0, 0.3, 1.0), -DVec3::Z).unwrap()).collect();
+    let job =
+        RenderJob { ambient_bounces: 1, ambient_divisions: Some(16), ..RenderJob::new(JobTarget::trace("rays"), 1) };
+    let run =
+        |job: &RenderJob| Renderer::new(&scene).unwrap().run_job_with_progress(job, &rays, &Silent).unwrap().unwrap();
+    let parts: Vec<JobResult> = job.split_rays(17, 100).unwrap().iter().rev().map(run).collect();
+    let merged = MergedJob::of(&parts).unwrap();
+    let mut renderer =
+        Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_accuracy(0.0).ambient_divisions(16, 128);
+    let alone = renderer.trace(&rays).unwrap().into_iter().flat_map(|traced| traced.value.map(|value| value as f32));
+    assert_eq!(merged.values, alone.collect::<Vec<f32>>());
+    assert_eq!((merged.size, merged.relative_error()), ([100, 1], None));
+    let tiles = job.split_tiles([8, 8], [100, 1]);
+    assert!(matches!(tiles, Err(Error::Option { option: "tiles", .. })), "{tiles:?}");
+    assert!(matches!(picture().split_rays(8, 100), Err(Error::Option { option: "rays", .. })));
+    assert!(matches!(RenderJob { samples: 2, ..job }.render_options(), Err(Error::Option { option: "samples", .. })));
+}
+
+#[test]
+fn a_cache_made_once_gives_parts_the_bits_of_a_single_process() {
+    let text = format!("{TABLE} grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6");
+    let scene = Scene::from_text(text).unwrap();
+    let job =
+        RenderJob { ambient_accuracy: 0.2, ambient_divisions: Some(64), ambient_super_samples: Some(0), ..picture() };
+    let JobTarget::Picture { view, .. } = &job.target else { panic!("a picture") };
+    let single = || Renderer::new(&scene).unwrap().ambient_bounces(1).ambient_divisions(64, 0).seed(7).samples(8);
+    let whole = single().render(&View::from_args(view).unwrap(), 40, 31).unwrap();
+    let alone = Renderer::new(&scene).unwrap().run_job(&job);
+    assert!(matches!(alone, Err(Error::Option { option: "irradiance_cache", .. })), "{alone:?}");
+    let cache = Renderer::new(&scene).unwrap().irradiance_cache_for(&job, &[], &Silent).unwrap().unwrap();
+    let run = |job: &RenderJob| {
+        let mut renderer = Renderer::new(&scene).unwrap();
+        renderer.only_irradiance_cache(cache.clone());
+        renderer.run_job(job).unwrap()
+    };
+    let parts: Vec<JobResult> =
+        job.split_tiles([16, 16], job.picture_size().unwrap()).unwrap().iter().map(run).collect();
+    assert_eq!(MergedJob::of(&parts).unwrap().values, whole.pixels().concat());
+    let uncached = Renderer::new(&scene).unwrap().run_job(&RenderJob { ambient_accuracy: 0.0, ..job.clone() }).unwrap();
+    assert_ne!(uncached.values, whole.pixels().concat(), "the cache is used");
+}
+
+#[test]
+fn a_cache_for_all_rays_gives_parts_of_them_the_same_answers() {
+    let text = format!("{TABLE} grey ring ceiling 0 0 8 0 0 5 0 0 -1 0 6");
+    let scene = Scene::from_text(text).unwrap();
+    let rays: Vec<Ray> =
+        (0..300).map(|x| Ray::new(DVec3::new(0.01 * f64::from(x) - 2.0, 0.3, 1.0), -DVec3::Z).unwrap()).collect();
+    let renderer = || Renderer::new(&scene).unwrap().ambient_bounces(2).ambient_divisions(64, 0);
+    let value = |traced: radsight::Traced| traced.value;
+    let whole = renderer().trace_part(0, &rays, value, &Silent).unwrap().unwrap();
+    let cache = renderer().irradiance_cache_of(&rays, &Silent).unwrap().unwrap();
+    let part = |first: usize, last: usize| {
+        let mut renderer = renderer();
+        renderer.only_irradiance_cache(cache.clone());
+        renderer.trace_part(first as u64, &rays[first..last], value, &Silent).unwrap().unwrap()
+    };
+    assert_eq!([part(0, 110), part(110, 300)].concat(), whole);
 }
 
 #[test]
@@ -78,7 +169,7 @@ fn what_is_missing_is_told_and_strangers_are_refused() {
     let mut parts = results(&picture(), 4);
     let gone = parts.remove(1);
     let merged = MergedJob::of(&parts).unwrap();
-    assert_eq!(merged.missing_rows(), [gone.rows()]);
+    assert_eq!(merged.missing(), [gone.tile().unwrap()]);
     assert!(merged.relative_error().is_some());
     let stranger = results(&RenderJob { seed: 8, ..picture() }, 4).remove(1);
     parts.push(stranger);
@@ -97,6 +188,8 @@ fn jobs_come_back_from_json_and_mistakes_have_their_places() {
     assert_eq!(report.position(&report.diagnostics[0]).map(|(name, line, _)| (name, line)), Some(("job.json", 3)));
     let none = job.to_json().replace("\"samples\": 8", "\"samples\": 0");
     assert!(matches!(RenderJob::from_json("job", none.as_bytes()), Err(Error::Option { option: "samples", .. })));
-    assert!(matches!(job.split(0, 31), Err(Error::Option { option: "parts", .. })));
-    assert!(matches!(job.split(2, 5), Err(Error::Option { option: "rows", .. })));
+    let of_rays = RenderJob { rays: Some(0..2), ..picture() };
+    assert!(matches!(of_rays.tile_of([40, 31]), Err(Error::Option { option: "rays", .. })));
+    assert!(matches!(job.split(0, [40, 31]), Err(Error::Option { option: "parts", .. })));
+    assert!(matches!(job.split(2, [40, 5]), Err(Error::Option { option: "rows", .. })));
 }

@@ -89,16 +89,32 @@ const SENSOR_LOOKS: usize = 4096;
 /// Looks there are numbered apart.
 const FIRST_LOOK_BEYOND: u64 = 1 << 40;
 
+/// Says whether gathering is to be given up; once it is so it stays so.
+pub(crate) type Stops<'s> = dyn Fn() -> bool + Sync + 's;
+
 /// Gathers for these rays, and says how many places are new. The result is a function of the plan and all rays so far: threads only share the
-/// work of a group.
+/// work of a group. `None` if it was stopped: what was gathered is given up then, since half of it would be other irradiance.
 pub(crate) fn gather<const BANDS: usize>(
-    plan: &RenderPlan,
+    (plan, stops): (&RenderPlan, &Stops<'_>),
     gathered: &mut Option<GatheredIrradiance<BANDS>>,
     rays: &[Option<Ray>],
     spread: RaySpacing,
+) -> Option<usize> {
+    let found = gather_for((plan, stops), gathered.get_or_insert_with(|| GatheredIrradiance::new(plan)), rays, spread);
+    if stops() {
+        *gathered = None;
+        return None;
+    }
+    Some(found)
+}
+
+fn gather_for<const BANDS: usize>(
+    (plan, stops): (&RenderPlan, &Stops<'_>),
+    gathered: &mut GatheredIrradiance<BANDS>,
+    rays: &[Option<Ray>],
+    spread: RaySpacing,
 ) -> usize {
-    let GatheredIrradiance { seen, beyond, bright, served } =
-        gathered.get_or_insert_with(|| GatheredIrradiance::new(plan));
+    let GatheredIrradiance { seen, beyond, bright, served } = gathered;
     let asked = ray_set(rays, spread);
     if served.contains(&asked) {
         return 0;
@@ -107,14 +123,14 @@ pub(crate) fn gather<const BANDS: usize>(
     if plan.options.ambient_bounces > 1 && pays_to_go_beyond(plan, rays.len()) {
         let looks = SecondaryGathers::new(plan, &seen.cache, rays, spread);
         beyond.budget = beyond.rays + seen.allowance(rays) / SHARE_BEYOND;
-        beyond.gather(plan, ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
+        beyond.gather((plan, stops), ([None; 2], bright), (looks.len(), looks.spread), |cache, order, asked| {
             looks.cache_query(plan, cache, order, asked)
         });
     }
     let before = seen.cache.len();
     seen.budget = seen.rays + seen.allowance(rays);
     let caches = [None, Some(&beyond.cache)];
-    seen.gather(plan, (caches, bright), (rays.len(), spread), |cache, order, asked| {
+    seen.gather((plan, stops), (caches, bright), (rays.len(), spread), |cache, order, asked| {
         cache_query(plan, cache, rays, order, asked)
     });
     seen.cache.len() - before
@@ -285,7 +301,7 @@ impl<const BANDS: usize> Level<BANDS> {
     /// Fills the cache for `count` surveyed rays; `cache_query` says what some of them want of it.
     fn gather(
         &mut self,
-        plan: &RenderPlan,
+        (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
         (count, spread): (usize, RaySpacing),
         cache_query: impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
@@ -294,18 +310,21 @@ impl<const BANDS: usize> Level<BANDS> {
         self.least_own_rays = least_own_rays(plan, count);
         let surveys = if plan.has_caustics { PREPASSES_FOR_CAUSTICS } else { PREPASSES };
         for round in 0..surveys {
+            if stops() {
+                return;
+            }
             if round > 0 {
                 self.cache.shorten_reaches();
             }
             let known = self.cache.len();
-            self.fill(plan, (caches, bright), (count, spread), &cache_query);
+            self.fill((plan, stops), (caches, bright), (count, spread), &cache_query);
             if self.cache.len() == known {
                 break;
             }
             self.settle();
             if plan.has_caustics {
                 self.count_served(plan, before, count, &cache_query);
-                if self.gather_again(plan, (caches, bright), before) > 0 {
+                if self.gather_again((plan, stops), (caches, bright), before) > 0 {
                     self.settle();
                 }
             }
@@ -315,7 +334,7 @@ impl<const BANDS: usize> Level<BANDS> {
         }
         self.count_served(plan, before, count, &cache_query);
         for _ in 0..FURTHER_ROUNDS {
-            if self.gather_again(plan, (caches, bright), before) == 0 {
+            if self.gather_again((plan, stops), (caches, bright), before) == 0 {
                 break;
             }
             self.settle();
@@ -326,14 +345,14 @@ impl<const BANDS: usize> Level<BANDS> {
     /// Looks around where surveyed rays want irradiance that is not there.
     fn fill(
         &mut self,
-        plan: &RenderPlan,
+        (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
         (count, spread): (usize, RaySpacing),
         cache_query: &impl Fn(&Cache<BANDS>, &[usize], &CacheQuery<BANDS>) -> Vec<CacheQuery<BANDS>>,
     ) {
         let order = scattered(count);
         let (mut first, mut batch) = (0, FIRST_BATCH);
-        while first < order.len() && self.rays < self.budget {
+        while first < order.len() && self.rays < self.budget && !stops() {
             let end = (first + batch).min(order.len());
             let surveys = cache_query(&self.cache, &order[first..end], &CacheQuery::Missing(Vec::new(), spread));
             let missing: Vec<_> = surveys.into_iter().flat_map(CacheQuery::missing).collect();
@@ -344,10 +363,10 @@ impl<const BANDS: usize> Level<BANDS> {
                     .map(|place| (place.clone(), place.next_gather(&self.cache)))
                     .collect();
                 let knew_nothing = self.knows_nothing(bright);
-                let mut records = self.gather_at(plan, (caches, bright), &uncovered);
+                let mut records = self.gather_at((plan, stops), (caches, bright), &uncovered);
                 if knew_nothing && !bright.is_empty() {
                     // By chance these saw more or less of what is bright: now that it is known they see it again.
-                    records = self.gather_at(plan, (caches, bright), &uncovered);
+                    records = self.gather_at((plan, stops), (caches, bright), &uncovered);
                 }
                 for ((place, look), record) in uncovered.into_iter().zip(records) {
                     self.cache.insert(record, look);
@@ -382,7 +401,7 @@ impl<const BANDS: usize> Level<BANDS> {
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
     fn gather_again(
         &mut self,
-        plan: &RenderPlan,
+        (plan, stops): (&RenderPlan, &Stops<'_>),
         known: (Caches<'_, BANDS>, &mut GuidingRecords),
         first: usize,
     ) -> usize {
@@ -406,7 +425,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 again.push((self.places[index - self.taken_over].clone(), self.cache.take_gather(index)));
             }
         }
-        let records = self.gather_at(plan, known, &again);
+        let records = self.gather_at((plan, stops), known, &again);
         for (index, record) in weak.iter().zip(records) {
             self.cache.add(*index, &record);
         }
@@ -433,7 +452,7 @@ impl<const BANDS: usize> Level<BANDS> {
 
     fn gather_at(
         &mut self,
-        plan: &RenderPlan,
+        (plan, stops): (&RenderPlan, &Stops<'_>),
         (caches, bright): (Caches<'_, BANDS>, &mut GuidingRecords),
         places: &[(CachePoint<BANDS>, usize)],
     ) -> Vec<Record<BANDS>> {
@@ -445,14 +464,18 @@ impl<const BANDS: usize> Level<BANDS> {
             .map_init(
                 || PathIntegrator::new(plan, caches),
                 |tracer, (index, (place, sample))| {
+                    if stops() {
+                        return None;
+                    }
                     let number = first + index as u64;
                     let look = HemisphereGather { hemisphere, sample: Some(*sample), number, bright: Some(known) };
                     let (record, around) = tracer.gather_at(place, &look, limits);
                     // What is seen in each cell is in the record: of a million looks it would fill the memory.
                     let HemisphereSamples { bright, rays, .. } = around;
-                    (record.beside(tracer.direct_irradiance(place, number)), bright, rays)
+                    Some((record.beside(tracer.direct_irradiance(place, number)), bright, rays))
                 },
             )
+            .while_some()
             .collect();
         self.looks += places.len() as u64;
         let mut records = Vec::with_capacity(looked.len());

@@ -83,11 +83,21 @@ impl Renderer {
     /// gathered for other rays before is kept. The rays should be
     /// spread over all that will be asked for later: one a pixel is plenty. Details that are smaller than their `spread` are not looked for.
     pub fn gather_irradiance(&mut self, rays: &[Option<Ray>], spread: RaySpacing) -> usize {
+        self.gather_irradiance_until(rays, spread, &|| false).expect("nobody stops it")
+    }
+
+    /// The same until `stops`, which is asked often and on all threads: it gives `None` then, and nothing is gathered any more, neither before nor now.
+    pub fn gather_irradiance_until(
+        &mut self,
+        rays: &[Option<Ray>],
+        spread: RaySpacing,
+        stops: &(dyn Fn() -> bool + Sync),
+    ) -> Option<usize> {
         if !caches_irradiance(&self.plan) {
-            return 0;
+            return Some(0);
         }
         let plan = &self.plan;
-        in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather(plan, gathered, rays, spread))
+        in_bands!(&mut self.shared, CachedIrradiance(gathered) => gather((plan, stops), gathered, rays, spread))
     }
 
     /// The irradiance that was gathered or loaded so far, as bytes that [`Renderer::load_irradiance_cache`] reads; `None` before any was. `scene` is a number by

@@ -6,7 +6,7 @@ use crate::failure::{Failure, Outcome, say};
 use crate::input::{history, read_file};
 use crate::output::{check_writable, write_image_file};
 use crate::trust::{Existing, Trust};
-use radsight::{JobResult, JobTarget, MergedJob};
+use radsight::{JobResult, JobTarget, MergedJob, Tile};
 use radsight_picture::Image;
 
 /// Runs the command.
@@ -19,16 +19,33 @@ pub(super) fn run(arguments: &Merge, trust: &Trust) -> Outcome {
         parts.push(JobResult::from_bytes(path, &read_file(path, "part")?).map_err(failure)?);
     }
     let merged = MergedJob::of(&parts).map_err(|error| named(error, &arguments.parts))?;
-    let missing: Vec<String> =
-        merged.missing_rows().iter().map(|rows| format!("{} to {}", rows.start, rows.end - 1)).collect();
-    if !missing.is_empty() && !arguments.partial {
-        return Err(Failure::input(format!(
-            "rows {} of {} are in no part\nhint: --partial writes what is there",
-            missing.join(", "),
-            merged.size[1]
-        )));
+    let missing = told(&merged);
+    match &missing {
+        Some(missing) if !arguments.partial => {
+            Err(Failure::input(format!("{missing} are in no part\nhint: --partial writes what is there")))
+        }
+        _ => write(arguments, &merged, missing.as_deref()),
     }
-    write(arguments, &merged, &missing)
+}
+
+/// What is missing, in words; `None` if nothing is.
+fn told(merged: &MergedJob) -> Option<String> {
+    let missing = merged.missing();
+    let [columns, rows] = merged.size;
+    let range = |range: &std::ops::Range<usize>| format!("{} to {}", range.start, range.end - 1);
+    let each = |of: &dyn Fn(&Tile) -> String| missing.iter().map(of).collect::<Vec<_>>().join(", ");
+    let is_trace = matches!(merged.job.target, JobTarget::Trace { .. });
+    match () {
+        () if missing.is_empty() => None,
+        () if is_trace => Some(format!("rays {} of {columns}", each(&|tile| range(&tile.columns)))),
+        () if missing.iter().all(|tile| tile.columns.len() == columns) => {
+            Some(format!("rows {} of {rows}", each(&|tile| range(&tile.rows))))
+        }
+        () => {
+            let tile = |tile: &Tile| format!("rows {} of columns {}", range(&tile.rows), range(&tile.columns));
+            Some(format!("{}, of {columns} columns and {rows} rows,", each(&tile)))
+        }
+    }
 }
 
 /// A part by its file.
@@ -42,7 +59,7 @@ fn named(error: radsight::Error, files: &[String]) -> Failure {
     }
 }
 
-fn write(arguments: &Merge, merged: &MergedJob, missing: &[String]) -> Outcome {
+fn write(arguments: &Merge, merged: &MergedJob, missing: Option<&str>) -> Outcome {
     let mut header = history();
     header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
     if let JobTarget::Picture { view, .. } = &merged.job.target {
@@ -52,8 +69,8 @@ fn write(arguments: &Merge, merged: &MergedJob, missing: &[String]) -> Outcome {
     if let Some(error) = error {
         say(&format!("radsight: estimated error {:.3} %, {} rays a pixel\n", 100.0 * error, merged.job.samples));
     }
-    if !missing.is_empty() {
-        header.push_variable("PARTIAL", &format!(" rows {} of {} are missing", missing.join(", "), merged.size[1]));
+    if let Some(missing) = missing {
+        header.push_variable("PARTIAL", &format!(" {missing} are missing"));
     }
     let image = |values: &[f32]| {
         let image = Image::new(merged.size[0], merged.size[1], merged.components, values.to_vec());

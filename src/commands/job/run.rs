@@ -1,14 +1,14 @@
 //! `radsight job run`.
 
-use super::{Run, camera, failure, picture_size, read_job};
-use crate::args::Reading;
+use super::inputs::Inputs;
+use super::{Run, failure};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Planned, conclude, plan, use_threads};
+use crate::input::{Planned, conclude, use_threads};
 use crate::output::{check_writable, write_file};
 use crate::progress::Bar;
 use crate::read_once;
 use crate::trust::{Existing, Trust};
-use radsight::RenderJob;
+use radsight::{JobTarget, RenderJob};
 use radsight_output::{inputs, interrupt};
 use radsight_render::Renderer;
 use sha2::{Digest, Sha256};
@@ -19,26 +19,19 @@ pub(super) fn run(arguments: &Run, trust: &Trust) -> Outcome {
     let output = trust.output(&arguments.output, Existing::Kept)?;
     check_writable(&output)?;
     use_threads(arguments.threads)?;
-    let job = read_job(&arguments.job)?;
-    let camera = camera(&job)?;
-    let [_, rows] = picture_size(&job, camera.as_ref())?;
-    let job = match &arguments.part {
-        Some(part) => part_of(&job, part, rows)?,
-        None => job,
-    };
-    if job.scenes.is_empty() {
-        return Err(Failure::input(format!("\"{}\" names no scene, expected \"scenes\": [\"FILE\"]", arguments.job)));
+    let mut inputs = Inputs::read(&arguments.job)?;
+    if let Some(part) = &arguments.part {
+        inputs.job = part_of(&inputs.job, part, inputs.size)?;
     }
-    let mut reading = Reading::trusted(&trust.for_file());
-    reading.plugin_guard = arguments.plugin_guard.clone();
-    let options = job.render_options().map_err(failure)?;
-    let Planned { plan, registry, sources, .. } = plan(&job.scenes, camera.as_ref(), &reading, options)?;
-    let renderer = Renderer::new(plan);
+    let (Planned { plan, registry, sources, fingerprint }, reading) = inputs.plan(&arguments.plugin_guard, trust)?;
+    let mut renderer = Renderer::new(plan);
+    inputs.load_cache(&mut renderer, fingerprint)?;
     let bar = Bar::new("rendering");
     let postponed = interrupt::postpone();
-    let result = match &camera {
-        Some(camera) => job.expose(&renderer, camera, &bar),
-        None => job.render(&renderer, &bar),
+    let result = match (&inputs.job.target, &inputs.camera) {
+        (_, Some(camera)) => inputs.job.expose(&renderer, camera, &bar),
+        (JobTarget::Trace { .. }, None) => inputs.job.trace(&renderer, &inputs.rays, &bar),
+        (_, None) => inputs.job.render(&renderer, &bar),
     };
     bar.finish();
     postponed.end();
@@ -52,7 +45,7 @@ pub(super) fn run(arguments: &Run, trust: &Trust) -> Outcome {
 }
 
 /// The part of a job that `K/N` says.
-fn part_of(job: &RenderJob, part: &str, rows: usize) -> Result<RenderJob, Failure> {
+fn part_of(job: &RenderJob, part: &str, size: [usize; 2]) -> Result<RenderJob, Failure> {
     let numbers = part.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
     let wrong = || {
         Failure::usage(format!(
@@ -60,12 +53,10 @@ fn part_of(job: &RenderJob, part: &str, rows: usize) -> Result<RenderJob, Failur
         ))
     };
     let (part, parts): (usize, usize) = numbers.filter(|(part, parts)| part < parts).ok_or_else(wrong)?;
-    let of_job = job.split(parts, rows).map_err(failure)?;
-    let rows = of_job.len();
+    let of_job = job.split(parts, size).map_err(failure)?;
+    let most = of_job.len();
     of_job.into_iter().nth(part).ok_or_else(|| {
-        Failure::usage(format!(
-            "option \"--part\" is \"{part}/{parts}\", but the job has only {rows} rows to be parted"
-        ))
+        Failure::usage(format!("option \"--part\" is \"{part}/{parts}\", but the job has only {most} rows or rays"))
     })
 }
 

@@ -16,6 +16,7 @@ from ._radsight import (
     Calibration,
     Capture,
     CapturedImage,
+    CaptureSeries,
     Image,
     JobResult,
     MergedJob,
@@ -25,18 +26,20 @@ from ._radsight import (
     Scene,
     SceneError,
     Sensor,
+    SeriesPicture,
     TracedRays,
     View,
     __version__,
     calibrate,
 )
-from ._shortcuts import capture, contributions, progress_bar, render, trace
+from ._shortcuts import capture, contributions, progress_bar, read_series, render, trace
 from .own import Camera, Material
 
 __all__ = [
     "Calibration",
     "Camera",
     "Capture",
+    "CaptureSeries",
     "CapturedImage",
     "Image",
     "JobResult",
@@ -48,6 +51,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Sensor",
+    "SeriesPicture",
     "TracedRays",
     "View",
     "__version__",
@@ -55,6 +59,7 @@ __all__ = [
     "capture",
     "contributions",
     "progress_bar",
+    "read_series",
     "render",
     "retro",
     "trace",

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from os import PathLike
-from typing import Any
+from os import PathLike, fspath
+from pathlib import Path as File
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._radsight import Capture, CapturedImage, Image, Renderer, Scene, View
+from ._radsight import Capture, CapturedImage, Image, Renderer, Scene, SeriesPicture, View, series_pictures
+
+if TYPE_CHECKING:
+    import pandas
 
 Path = str | PathLike[str]
 
@@ -135,6 +139,37 @@ def capture(
     elif options:
         raise TypeError("options are for a camera file; a Capture has its own")
     return camera.expose(*scenes, progress=progress)
+
+
+def read_series(table: Path | pandas.DataFrame, camera: Path | Capture, **options: Any) -> list[SeriesPicture]:
+    """The pictures that a table names, for `CaptureSeries.expose`.
+
+    Parameters
+    ----------
+    table : path-like or pandas.DataFrame
+        A row each; a file is separated by commas. A column is ``name``, a key of the camera file such as ``rig.ring_diameter_mm``, or
+        ``move NAME`` with the transform of the surfaces of that name. Empty cells change nothing.
+    camera : path-like or Capture
+        A camera file.
+    **options
+        As for `Capture`, where a file is given.
+
+    Returns
+    -------
+    list of SeriesPicture
+
+    Raises
+    ------
+    RadsightError
+        With file, line and caret of each mistake.
+    """
+    if not isinstance(camera, Capture):
+        camera = Capture(camera, **options)
+    elif options:
+        raise TypeError("options are for a camera file; a Capture has its own")
+    if isinstance(table, (str, PathLike)):
+        return series_pictures(File(table).read_text(encoding="utf-8"), camera, name=fspath(table))
+    return series_pictures(table.to_csv(index=False), camera, name="<table>")
 
 
 def progress_bar(bar: Any) -> Callable[[float], None]:

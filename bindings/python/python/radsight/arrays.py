@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._radsight import CapturedImage, Image, MergedJob, TracedRays
+from ._radsight import CapturedImage, Image, MergedJob, SeriesPicture, TracedRays
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-__all__ = ["to_dataset", "to_frame"]
+__all__ = ["series_to_dataset", "series_to_frame", "to_dataset", "to_frame"]
 
 _BANDS = ["red", "green", "blue"]
 
@@ -76,3 +77,53 @@ def to_frame(traced: TracedRays) -> pandas.DataFrame:
     )
     names = [f"radiance_{band}_w_per_sr_m2" for band in _BANDS]
     return pandas.DataFrame(columns, columns=[*names, "distance", "x", "y", "z"])
+
+
+def series_to_dataset(pictures: Sequence[SeriesPicture], images: Sequence[CapturedImage]) -> xarray.Dataset:
+    """The pictures of a series as an `xarray.Dataset`, by picture, row and column.
+
+    Parameters
+    ----------
+    pictures : sequence of SeriesPicture
+    images : sequence of CapturedImage
+        Of one size, as `CaptureSeries.expose` gives them.
+
+    Returns
+    -------
+    xarray.Dataset
+        The variables of `to_dataset` that all images have. The pictures' names and keys of the camera file are coordinates.
+    """
+    import xarray
+
+    dataset = xarray.concat([to_dataset(image) for image in images], dim="picture", join="exact", data_vars="all")
+    keys = sorted({key for picture in pictures for key in picture.keys})
+    columns: dict[str, Any] = {key: ("picture", [picture.keys.get(key, "") for picture in pictures]) for key in keys}
+    return dataset.assign_coords(picture=[picture.name for picture in pictures], **columns)
+
+
+def series_to_frame(pictures: Sequence[SeriesPicture], images: Sequence[CapturedImage]) -> pandas.DataFrame:
+    """What is known of each picture of a series as a `pandas.DataFrame`, a row each.
+
+    Parameters
+    ----------
+    pictures : sequence of SeriesPicture
+    images : sequence of CapturedImage
+
+    Returns
+    -------
+    pandas.DataFrame
+        By name: replaced keys of the camera file, mean exposure, its estimated relative error, rays, mean grey value (NaN without a sensor).
+    """
+    import pandas
+
+    def row(picture: SeriesPicture, image: CapturedImage) -> dict[str, Any]:
+        return {
+            **picture.keys,
+            "mean_exposure_j_per_m2": image.exposure_j_per_m2.mean(),
+            "estimated_error": image.estimated_error,
+            "rays": image.rays,
+            "mean_grey": image.grey.mean() if image.has_sensor else np.nan,
+        }
+
+    names = pandas.Index([picture.name for picture in pictures], name="picture")
+    return pandas.DataFrame([row(*pair) for pair in zip(pictures, images, strict=True)], index=names)

@@ -4,7 +4,7 @@ Scheduling, retries, spilling and the dashboard are Dask's. A scene is sent to t
 few hundred bytes. A pixel or ray depends on scene, options, samples and seed alone, so the results are the same bits for any number of
 workers, whatever happens to them: Dask runs the jobs of a lost worker again, and only these.
 
-Irradiance caches are not shared between workers: light between diffuse surfaces is followed path by path (``ambient_accuracy=0``).
+With an ``ambient_accuracy`` the irradiance cache is made once, by one worker on all processors of its machine, and goes from worker to worker.
 
 >>> import dask.distributed, radsight                                                      # doctest: +SKIP
 >>> client = dask.distributed.Client("scheduler:8786")                                     # doctest: +SKIP
@@ -19,6 +19,7 @@ import pickle
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,8 +28,7 @@ from dask.distributed import Client, Future, as_completed
 
 from ._radsight import Capture, JobResult, MergedJob, RadsightError, RenderJob, Renderer, Scene, View
 
-__all__ = ["capture", "capture_series", "contributions", "render", "trace"]
-
+__all__ = ["Sampling", "capture", "capture_series", "contributions", "render", "trace"]
 
 
 #: Samples of every pixel before it is decided how many an asked error needs.
@@ -46,20 +46,71 @@ _MOST_RENDERERS = 4
 Partial = Callable[[MergedJob], object]
 
 
-def render(
-    client: Client,
-    scene: Scene,
-    view: View | str,
-    columns: int,
-    rows: int,
-    *,
-    samples: int | None = None,
-    error: float | None = None,
-    seed: int = 0,
-    ambient_bounces: int = 0,
-    jobs: int | None = None,
-    partial: Partial | None = None,
-) -> MergedJob:
+@dataclass(frozen=True, kw_only=True)
+class Sampling:
+    """How exactly `render` and `capture` work, and in how many jobs: their keyword arguments.
+
+    Parameters
+    ----------
+    samples : int, optional
+        Rays through every pixel.
+    error : float, optional
+        Relative error instead, such as 0.02: all pixels get as many rays as this needs, at most 65536. Of a capture it is the rms over the
+        pixels as a share of the mean exposure. The bias of cached irradiance does not count.
+    seed, ambient_bounces : int
+    ambient_accuracy : float
+        As for `RenderJob`: 0 follows light path by path, with more an irradiance cache is made first.
+    ambient_divisions, ambient_super_samples : int, optional
+        Rays of a cache point, and further ones.
+    jobs : int, optional
+        Into about how many rectangles the picture is split; four a thread of the workers if not given. The result does not depend on it.
+    partial : callable, optional
+        Called with the picture so far and its error whenever a job has ended.
+    """
+
+    samples: int | None = None
+    error: float | None = None
+    seed: int = 0
+    ambient_bounces: int = 0
+    ambient_accuracy: float = 0.0
+    ambient_divisions: int | None = None
+    ambient_super_samples: int | None = None
+    jobs: int | None = None
+    partial: Partial | None = None
+
+    def job(self, **target: Any) -> RenderJob:
+        """The whole job for a view or a camera."""
+        if (self.samples is None) == (self.error is None):
+            raise RadsightError("expected either samples or error")
+        if self.error is not None and not (self.error > 0 and np.isfinite(self.error)):
+            raise RadsightError(f"error is {self.error}, expected a share above 0, such as 0.02")
+        return RenderJob(
+            samples=_FIRST_SAMPLES if self.samples is None else self.samples,
+            seed=self.seed,
+            ambient_bounces=self.ambient_bounces,
+            ambient_accuracy=self.ambient_accuracy,
+            ambient_divisions=self.ambient_divisions,
+            ambient_super_samples=self.ambient_super_samples,
+            **target,
+        )
+
+    def run(self, client: Client, shared: Future, job: RenderJob, size: tuple[int, int]) -> MergedJob:
+        """Run the parts of a job, with ever more samples until its error is the asked one. How many is decided by pixels alone."""
+        caches = self.ambient_bounces > 0 and self.ambient_accuracy > 0
+        cache = client.submit(_fill_for_job, shared, job, pure=False) if caches else None
+        while True:
+            parts = job.split_tiles(*_tile(size, _jobs(client, self.jobs)), size)
+            futures = [client.submit(_run_job, shared, cache, part, pure=False) for part in parts]
+            merged = _merged(client, futures, self.partial)
+            reached = merged.relative_error
+            if self.error is None or reached is None or reached <= self.error or job.samples >= _MOST_SAMPLES:
+                return merged
+            # The error of independent samples falls with the square root; more than that at once would be a guess.
+            doublings = int(np.ceil(np.clip(2 * np.log2(reached / self.error), 1, 6)))
+            job = job.with_samples(min(job.samples << doublings, _MOST_SAMPLES))
+
+
+def render(client: Client, scene: Scene, view: View | str, columns: int, rows: int, **sampling: Any) -> MergedJob:
     """Render a view.
 
     Parameters
@@ -69,51 +120,21 @@ def render(
     view : View or str
     columns, rows : int
         The picture is within this size, in the view's own proportions.
-    samples : int, optional
-        Rays through every pixel.
-    error : float, optional
-        Relative error instead, such as 0.02: all pixels get as many rays as this needs, at most 65536.
-    seed, ambient_bounces : int
-    jobs : int, optional
-        Into how many jobs the picture is split; four a thread of the workers if not given. The result does not depend on it.
-    partial : callable, optional
-        Called with the picture so far and its error whenever a job has ended.
+    **sampling
+        As for `Sampling`.
 
     Returns
     -------
     MergedJob
         To the bit what one process gives for as many samples.
     """
-    view = View(view) if isinstance(view, str) else view
-    job = RenderJob(
-        samples=_samples(samples, error),
-        view=view,
-        columns=columns,
-        rows=rows,
-        seed=seed,
-        ambient_bounces=ambient_bounces,
-    )
+    how = Sampling(**sampling)
+    job = how.job(view=View(view) if isinstance(view, str) else view, columns=columns, rows=rows)
     with _Shared(client, scene) as shared:
-
-        def run(job: RenderJob) -> MergedJob:
-            parts = job.split(_jobs(client, jobs))
-            return _merged(client, [client.submit(_run_job, shared, part, pure=False) for part in parts], partial)
-
-        return _to_error(run, job, error)
+        return how.run(client, shared, job, job.picture_size)
 
 
-def capture(
-    client: Client,
-    camera: Capture,
-    scene: Scene,
-    *,
-    samples: int | None = None,
-    error: float | None = None,
-    seed: int = 0,
-    ambient_bounces: int = 0,
-    jobs: int | None = None,
-    partial: Partial | None = None,
-) -> MergedJob:
+def capture(client: Client, camera: Capture, scene: Scene, **sampling: Any) -> MergedJob:
     """Expose a camera to a scene, with its light ring.
 
     Parameters
@@ -122,22 +143,18 @@ def capture(
     camera : Capture
         Its camera file counts, not its ``error`` or ``samples``.
     scene : Scene
-    samples, error, seed, ambient_bounces, jobs, partial
-        As for `render`; the error is the rms over the pixels as a share of the mean exposure.
+    **sampling
+        As for `Sampling`; light is followed path by path.
 
     Returns
     -------
     MergedJob
         ``values`` are exposures, J/m²: (rows, columns, 1).
     """
-    job = RenderJob(samples=_samples(samples, error), camera="camera", seed=seed, ambient_bounces=ambient_bounces)
+    how = Sampling(**sampling)
+    job = how.job(camera="camera")
     with _Shared(client, (camera, camera.with_ring(scene))) as shared:
-
-        def run(job: RenderJob) -> MergedJob:
-            parts = job.split(_jobs(client, jobs), camera.size[1])
-            return _merged(client, [client.submit(_expose_job, shared, part, pure=False) for part in parts], partial)
-
-        return _to_error(run, job, error)
+        return how.run(client, shared, job, camera.size)
 
 
 def capture_series(
@@ -193,17 +210,21 @@ def trace(
         As for `radsight.trace`.
     rays_a_job : int
     **options
-        As for `Renderer`.
+        As for `Renderer`, with the same defaults. Where they ask for an irradiance cache, one worker makes it for all rays.
 
     Returns
     -------
     dict of str to array
         To the bit what `radsight.trace` gives.
     """
-    options = _uncached(options)
+    _check_threads(options)
     with _Shared(client, scene) as shared:
+        caches = options.get("ambient_bounces", 0) > 0 and options.get("ambient_accuracy", 1) > 0
+        cache = client.submit(_fill_for_rays, shared, options, rays, pure=False) if caches else None
         futures = [
-            client.submit(_trace_job, shared, options, rays[first : first + rays_a_job], first, tuple(ask), pure=False)
+            client.submit(
+                _trace_job, shared, cache, options, rays[first : first + rays_a_job], first, tuple(ask), pure=False
+            )
             for first in range(0, len(rays), rays_a_job)
         ]
         parts = client.gather(futures)
@@ -236,7 +257,7 @@ def contributions(
     (n, m, 3) array of float
         To the bit what `radsight.contributions` gives.
     """
-    options = _uncached(options)
+    _check_threads(options)
     with _Shared(client, scene) as shared:
         futures = [
             client.submit(
@@ -325,12 +346,12 @@ class _Renderers(threading.local):
     def __init__(self) -> None:
         self.made: OrderedDict[str, Renderer] = OrderedDict()
 
-    def of(self, sent: _Sent, options: dict[str, Any]) -> Renderer:
-        key = f"{sent.key} {sorted(options.items())}"
+    def of(self, sent: _Sent, cache: _Sent | None, options: dict[str, Any]) -> Renderer:
+        key = f"{sent.key} {cache.key if cache else ''} {sorted(options.items())}"
         if key not in self.made:
             # A thread of the worker is one processor for Dask.
-            scene = sent.thing[1] if isinstance(sent.thing, tuple) else sent.thing
-            self.made[key] = Renderer(scene, threads=1, **options)
+            data = cache.data if cache else None
+            self.made[key] = Renderer(_scene(sent), threads=1, irradiance_cache=data, **options)
             while len(self.made) > _MOST_RENDERERS:
                 self.made.popitem(last=False)
         self.made.move_to_end(key)
@@ -340,13 +361,28 @@ class _Renderers(threading.local):
 _renderers = _Renderers()
 
 
-def _run_job(sent: _Sent, job: RenderJob) -> JobResult:
-    return _renderers.of(sent, {}).run_job(job)
+def _scene(sent: _Sent) -> Scene:
+    """The scene, alone or beside its camera."""
+    scene: Scene = sent.thing[1] if isinstance(sent.thing, tuple) else sent.thing
+    return scene
 
 
-def _expose_job(sent: _Sent, job: RenderJob) -> JobResult:
-    camera, _ = sent.thing
-    return _renderers.of(sent, {}).run_job(job, camera=camera)
+def _fill_for_job(sent: _Sent, job: RenderJob) -> _Sent | None:
+    # The other workers wait for it, so it takes all processors of its machine.
+    return _sent(Renderer(_scene(sent)).fill_irradiance_cache(job=job))
+
+
+def _fill_for_rays(sent: _Sent, options: dict[str, Any], rays: npt.NDArray[np.float64]) -> _Sent | None:
+    return _sent(Renderer(_scene(sent), **options).fill_irradiance_cache(np.ascontiguousarray(rays)))
+
+
+def _sent(data: bytes | None) -> _Sent | None:
+    return None if data is None else _Sent(data)
+
+
+def _run_job(sent: _Sent, cache: _Sent | None, job: RenderJob) -> JobResult:
+    camera = sent.thing[0] if isinstance(sent.thing, tuple) else None
+    return _renderers.of(sent, cache, {}).run_job(job, camera=camera)
 
 
 def _expose_whole(camera: _Sent, scene: _Sent) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint16] | None]:
@@ -355,16 +391,21 @@ def _expose_whole(camera: _Sent, scene: _Sent) -> tuple[npt.NDArray[np.float64],
 
 
 def _trace_job(
-    sent: _Sent, options: dict[str, Any], rays: npt.NDArray[np.float64], first: int, ask: tuple[str, ...]
+    sent: _Sent,
+    cache: _Sent | None,
+    options: dict[str, Any],
+    rays: npt.NDArray[np.float64],
+    first: int,
+    ask: tuple[str, ...],
 ) -> dict[str, npt.NDArray[np.float64]]:
-    traced = _renderers.of(sent, options).trace(np.ascontiguousarray(rays), first=first)
+    traced = _renderers.of(sent, cache, options).trace(np.ascontiguousarray(rays), first=first)
     return {name: getattr(traced, name) for name in ask}
 
 
 def _contributions_job(
     sent: _Sent, options: dict[str, Any], rays: npt.NDArray[np.float64], first: int, modifiers: list[str]
 ) -> npt.NDArray[np.float64]:
-    return _renderers.of(sent, options).contributions(np.ascontiguousarray(rays), modifiers, first=first)
+    return _renderers.of(sent, None, options).contributions(np.ascontiguousarray(rays), modifiers, first=first)
 
 
 def _merged(client: Client, futures: list[Future], partial: Partial | None) -> MergedJob:
@@ -381,39 +422,17 @@ def _merged(client: Client, futures: list[Future], partial: Partial | None) -> M
     return MergedJob(parts)
 
 
-def _to_error(run: Callable[[RenderJob], MergedJob], job: RenderJob, error: float | None) -> MergedJob:
-    """Runs a job with ever more samples until its error is the asked one. How many is decided by pixels alone."""
-    merged = run(job)
-    while error is not None and job.samples < _MOST_SAMPLES:
-        reached = merged.relative_error
-        if reached is None or reached <= error:
-            break
-        # The error of independent samples falls with the square root; more than that at once would be a guess.
-        doublings = int(np.ceil(np.clip(2 * np.log2(reached / error), 1, 6)))
-        job = job.with_samples(min(job.samples << doublings, _MOST_SAMPLES))
-        merged = run(job)
-    return merged
-
-
-def _samples(samples: int | None, error: float | None) -> int:
-    if (samples is None) == (error is None):
-        raise RadsightError("expected either samples or error")
-    if error is not None and not (error > 0 and np.isfinite(error)):
-        raise RadsightError(f"error is {error}, expected a share above 0, such as 0.02")
-    return _FIRST_SAMPLES if samples is None else samples
+def _tile(size: tuple[int, int], jobs: int) -> tuple[int, int]:
+    """Columns and rows of the rectangles, nearly squares, of which there are about so many in a picture."""
+    columns, rows = size
+    bands = int(np.clip(round(float(np.sqrt(jobs * rows / columns))), 1, rows))
+    return -(-columns // min(columns, -(-jobs // bands))), -(-rows // bands)
 
 
 def _jobs(client: Client, asked: int | None) -> int:
-    return asked if asked is not None else max(1, _JOBS_A_THREAD * sum(client.nthreads().values()))
+    return max(1, asked if asked is not None else _JOBS_A_THREAD * sum(client.nthreads().values()))
 
 
-def _uncached(options: dict[str, Any]) -> dict[str, Any]:
-    """Options with which a ray's answer does not depend on other rays."""
-    if options.get("ambient_bounces", 0) > 0 and options.get("ambient_accuracy", 0) != 0:
-        raise RadsightError(
-            "ambient_accuracy is not 0: each worker would fill an irradiance cache of its own, with other values; "
-            "expected 0 with ambient_bounces"
-        )
+def _check_threads(options: dict[str, Any]) -> None:
     if "threads" in options:
         raise RadsightError("threads are the workers', expected none")
-    return {**options, "ambient_accuracy": 0.0}

@@ -1,8 +1,9 @@
 //! Parts of a picture or a capture as plain data, for other processes and other machines.
 //!
-//! A [`RenderJob`] says what is seen, how many samples each pixel has, the seed, and which rows are asked for. It is split into
-//! jobs for fewer rows; each gives a [`JobResult`]; these are merged to the whole. A pixel depends on scene, options, samples
-//! and seed alone, so the merged picture is the one that a single process renders, to the last bit, however it was split.
+//! A [`RenderJob`] says what is seen, how many samples each pixel has, the seed, and which rectangle of the pixels, or range of
+//! the rays, is asked for. It is split into jobs for smaller parts; each gives a [`JobResult`]; these are merged to the whole. A
+//! pixel depends on scene, options, samples, seed and irradiance cache alone, so the merged picture is the one that a single
+//! process renders, to the last bit, however it was split.
 //!
 //! ```
 //! use radsight::{JobTarget, MergedJob, RenderJob, Renderer, Scene, View};
@@ -12,11 +13,11 @@
 //! let mut renderer = Renderer::new(&scene)?;
 //! let whole = RenderJob::new(JobTarget::picture(&view, 32, 32), 4);
 //! let mut parts = Vec::new();
-//! for job in whole.split(3, 32)? {
+//! for job in whole.split(3, [32, 32])? {
 //!     parts.push(renderer.run_job(&job)?); // on another machine
 //! }
 //! let merged = MergedJob::of(&parts)?;
-//! assert!(merged.missing_rows().is_empty());
+//! assert!(merged.missing().is_empty());
 //! assert_eq!(merged.values, renderer.samples(4).render(&view, 32, 32)?.pixels().concat());
 //! # Ok(())
 //! # }
@@ -24,26 +25,23 @@
 
 mod merged;
 mod result;
+mod run;
+mod tile;
 
 pub use merged::MergedJob;
 pub use result::JobResult;
+pub use tile::Tile;
 
+use crate::View;
 use crate::error::{Error, Report};
-use crate::{Capture, Image, Renderer, View};
-use radsight_camera::CameraFile;
-use radsight_capture::{Exposer, Progress};
 use radsight_diag::{Diagnostic, SourceMap};
-use radsight_film::{MAX_SAMPLES, ViewCamera, sampled_rows};
-use radsight_pinhole::Rays;
-use radsight_render::RenderOptions;
+use radsight_film::MAX_SAMPLES;
+use radsight_render::Quantity;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// The format of jobs.
 const FORMAT: u32 = 1;
-
-/// Rows of a picture that are rendered between two reports of progress.
-const ROWS_AT_A_TIME: usize = 16;
 
 /// What is rendered, how exactly, and which part of it. As JSON it is what `radsight job` reads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,7 +55,7 @@ pub struct RenderJob {
     /// What sees the scene.
     #[serde(flatten)]
     pub target: JobTarget,
-    /// Rays through every pixel; a power of two converges fastest.
+    /// Rays through every pixel; a power of two converges fastest. 1 for a job of rays.
     pub samples: u32,
     /// Chooses the sample sequence.
     #[serde(default)]
@@ -65,9 +63,27 @@ pub struct RenderJob {
     /// Diffuse interreflections that are followed (`-ab`).
     #[serde(default)]
     pub ambient_bounces: u32,
-    /// Which rows are asked for; all of them if it is not said.
+    /// Error at which interpolation of irradiance aims (`-aa`); 0 follows light path by path. With more the parts share a cache that is made before.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub ambient_accuracy: f64,
+    /// Rays of a cache point (`-ad`); as the renderer's default if it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ambient_divisions: Option<u32>,
+    /// Further rays of it (`-as`); as the renderer's default if it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ambient_super_samples: Option<u32>,
+    /// The file of the irradiance cache, for who reads it; a library user may give the cache itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub irradiance_cache: Option<String>,
+    /// Which columns of a picture or capture are asked for; all of them if it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub columns: Option<Range<usize>>,
+    /// Which rows of it are asked for; all of them if it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rows: Option<Range<usize>>,
+    /// Which rays of a job of rays are asked for; all of them if it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rays: Option<Range<usize>>,
     /// Says which inputs the values are made from, so that no others are merged with them; the program writes a SHA-256 here.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub inputs: String,
@@ -92,6 +108,53 @@ pub enum JobTarget {
         /// Its name, for who reads it; a library user may give the camera itself.
         camera: String,
     },
+    /// Rays; the values are what each brings.
+    Trace {
+        /// The file of the rays, for who reads it: six numbers a ray, origin and direction. A library user may give the rays themselves.
+        rays: String,
+        /// How the numbers are written.
+        #[serde(default)]
+        format: RayFormat,
+        /// What is answered.
+        #[serde(default)]
+        quantity: RayQuantity,
+    },
+}
+
+/// How a file of rays has its numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayFormat {
+    /// As text.
+    #[default]
+    Ascii,
+    /// In single precision, in the machine's order of bytes.
+    Float,
+    /// In double precision.
+    Double,
+}
+
+/// What a job of rays answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayQuantity {
+    /// Radiance along the ray, W/(sr·m²).
+    #[default]
+    Radiance,
+    /// Irradiance at the ray's origin on a surface that faces the ray's direction, W/m².
+    Irradiance,
+    /// Irradiance of the first surface that is neither a light nor lets light through, W/m².
+    SurfaceIrradiance,
+}
+
+impl From<RayQuantity> for Quantity {
+    fn from(quantity: RayQuantity) -> Quantity {
+        match quantity {
+            RayQuantity::Radiance => Quantity::Radiance,
+            RayQuantity::Irradiance => Quantity::Irradiance,
+            RayQuantity::SurfaceIrradiance => Quantity::SurfaceIrradiance,
+        }
+    }
 }
 
 impl JobTarget {
@@ -106,10 +169,16 @@ impl JobTarget {
     pub fn capture(camera: impl Into<String>) -> JobTarget {
         JobTarget::Capture { camera: camera.into() }
     }
+
+    /// The radiance of rays of a text file of this name.
+    #[must_use]
+    pub fn trace(rays: impl Into<String>) -> JobTarget {
+        JobTarget::Trace { rays: rays.into(), format: RayFormat::default(), quantity: RayQuantity::default() }
+    }
 }
 
 impl RenderJob {
-    /// All rows, with seed 0 and without interreflections.
+    /// All pixels or rays, with seed 0 and without interreflections.
     #[must_use]
     pub fn new(target: JobTarget, samples: u32) -> RenderJob {
         RenderJob {
@@ -119,7 +188,13 @@ impl RenderJob {
             samples,
             seed: 0,
             ambient_bounces: 0,
+            ambient_accuracy: 0.0,
+            ambient_divisions: None,
+            ambient_super_samples: None,
+            irradiance_cache: None,
+            columns: None,
             rows: None,
+            rays: None,
             inputs: String::new(),
         }
     }
@@ -145,182 +220,28 @@ impl RenderJob {
         text
     }
 
-    /// The size of the whole picture, pixels in a row and rows. Of a capture the camera knows it.
-    ///
-    /// # Errors
-    /// [`Error::View`] and [`Error::Size`]; [`Error::Option`] for a capture.
-    pub fn picture_size(&self) -> Result<[usize; 2], Error> {
-        let (_, columns, rows) = self.view()?;
-        Ok([columns, rows])
-    }
-
-    /// Jobs for at most so many parts of about equally many rows, of a picture of `rows` rows in all.
-    ///
-    /// # Errors
-    /// [`Error::Option`] for no parts, and for rows that the picture does not have.
-    pub fn split(&self, parts: usize, rows: usize) -> Result<Vec<RenderJob>, Error> {
-        if parts == 0 {
-            return Err(wrong("parts", parts, "at least 1"));
-        }
-        let all = self.rows_of(rows)?;
-        let parts = parts.min(all.len());
-        let bound = |part: usize| all.start + all.len() * part / parts;
-        let job = |part: usize| RenderJob { rows: Some(bound(part)..bound(part + 1)), ..self.clone() };
-        Ok((0..parts).map(job).collect())
-    }
-
-    /// The rows that are asked for, of a picture of so many.
-    ///
-    /// # Errors
-    /// [`Error::Option`] where they are none of the picture's.
-    pub fn rows_of(&self, rows: usize) -> Result<Range<usize>, Error> {
-        let asked = self.rows.clone().unwrap_or(0..rows);
-        if asked.start >= asked.end || asked.end > rows {
-            return Err(Error::Option {
-                option: "rows",
-                value: format!("{} to {}", asked.start, asked.end),
-                expected: "some rows of the picture, the first from 0 and the last not counted",
-            });
-        }
-        Ok(asked)
-    }
-
-    /// The options with which the scene is to be compiled.
-    ///
-    /// # Errors
-    /// [`Error::Option`] for a number that is out of its range.
-    pub fn render_options(&self) -> Result<RenderOptions, Error> {
-        self.check()?;
-        let mut options = match self.target {
-            JobTarget::Picture { .. } => Renderer::picture_options(),
-            JobTarget::Capture { .. } => RenderOptions::default(),
-        };
-        (options.seed, options.ambient_bounces) = (self.seed, self.ambient_bounces);
-        if self.ambient_bounces > 0 {
-            // Each process would fill a cache of its own, with other values: paths are followed one by one.
-            options.gathering.accuracy = 0.0;
-        }
-        Ok(options)
-    }
-
-    /// Renders the rows of a picture. `renderer` is made with [`RenderJob::render_options`]; `progress` is as for captures.
-    ///
-    /// # Errors
-    /// [`Error::View`], [`Error::Size`] and [`Error::Option`]. `None` if the work was stopped.
-    pub fn render(
-        &self,
-        renderer: &radsight_render::Renderer,
-        progress: &dyn Progress,
-    ) -> Result<Option<JobResult>, Error> {
-        let (view, columns, all) = self.view()?;
-        let rows = self.rows_of(all)?;
-        let mut camera = ViewCamera::new(view.0, columns, all);
-        camera.jitter = 1.0;
-        let mut result = JobResult::new(self, [columns, all], rows.clone(), 3);
-        for first in rows.clone().step_by(ROWS_AT_A_TIME) {
-            if progress.stops() {
-                return Ok(None);
-            }
-            let last = (first + ROWS_AT_A_TIME).min(rows.end);
-            for pixel in sampled_rows(renderer, &camera, first..last, self.samples) {
-                result.push(&pixel.mean, &pixel.half_difference);
-            }
-            progress.report((last - rows.start) as u64, rows.len() as u64);
-        }
-        Ok(Some(result))
-    }
-
-    /// Exposes the rows of a camera. `renderer` is made with [`RenderJob::render_options`] and the camera's light ring.
-    ///
-    /// # Errors
-    /// [`Error::Bands`], and [`Error::Option`] for a camera whose rows cannot be exposed apart. `None` if the work was stopped.
-    pub fn expose(
-        &self,
-        renderer: &radsight_render::Renderer,
-        camera: &CameraFile,
-        progress: &dyn Progress,
-    ) -> Result<Option<JobResult>, Error> {
-        let [columns, all] = [camera.camera.columns() as usize, camera.camera.rows() as usize];
-        let rows = self.rows_of(all)?;
-        let rays = Rays::new(&camera.camera, self.samples, self.seed);
-        if rays.cells() != camera.camera.pixel_count() || !camera.flickering.is_empty() {
-            return Err(wrong(
-                "camera",
-                "one with diffraction or flicker",
-                "one whose pixels are exposed each by itself",
-            ));
-        }
-        let weights = camera.band_weights_for(renderer.plan().bands());
-        let weights = weights.map_err(|error| Error::Bands(error.to_string()))?;
-        let exposer = Exposer { renderer, rays: &rays, weights: &weights, by_row: &[] };
-        let cells = (rows.start * columns) as u64..(rows.end * columns) as u64;
-        let exposed = exposer.cells(cells, progress);
-        Ok(exposed.map(|exposed| {
-            let mut result = JobResult::new(self, [columns, all], rows, 1);
-            exposed.iter().for_each(|[exposure, half]| result.push(&[*exposure], &[*half]));
-            result
-        }))
-    }
-
-    fn view(&self) -> Result<(View, usize, usize), Error> {
-        let JobTarget::Picture { view, columns, rows } = &self.target else {
-            return Err(wrong("target", "a capture", "a picture"));
-        };
-        let view = View::from_args(view)?;
-        let (columns, rows) = view.0.fit(*columns, *rows, 1.0);
-        Image::check_size(columns, rows)?;
-        Ok((view, columns, rows))
-    }
-
     fn check(&self) -> Result<(), Error> {
+        let is_trace = matches!(self.target, JobTarget::Trace { .. });
         match self.samples {
-            1..=MAX_SAMPLES => Ok(()),
-            samples => Err(wrong("samples", samples, "1 to 65536")),
+            1 => {}
+            samples if is_trace => return Err(wrong("samples", samples, "1: each ray is answered once")),
+            2..=MAX_SAMPLES => {}
+            samples => return Err(wrong("samples", samples, "1 to 65536")),
         }
+        let accuracy = self.ambient_accuracy;
+        if !(accuracy >= 0.0 && accuracy.is_finite()) {
+            return Err(wrong("ambient_accuracy", accuracy, "0 or more"));
+        }
+        if accuracy > 0.0 && matches!(self.target, JobTarget::Capture { .. }) {
+            return Err(wrong("ambient_accuracy", accuracy, "0 for a capture, whose light is followed path by path"));
+        }
+        Ok(())
     }
 }
 
-impl Renderer {
-    /// Renders the rows of a picture that a job asks for, with the job's options.
-    ///
-    /// # Errors
-    /// As [`RenderJob::render`], and [`Error::Material`] where a ray met a material that cannot be used.
-    pub fn run_job(&mut self, job: &RenderJob) -> Result<JobResult, Error> {
-        let result = self.run_job_with_progress(job, &radsight_capture::Silent)?;
-        Ok(result.expect("nobody stopped it"))
-    }
-
-    /// The same; `progress` hears how far it is, and can stop it: it gives `None` then.
-    ///
-    /// # Errors
-    /// As [`Renderer::run_job`].
-    pub fn run_job_with_progress(
-        &mut self,
-        job: &RenderJob,
-        progress: &dyn Progress,
-    ) -> Result<Option<JobResult>, Error> {
-        let renderer = self.ready_for(job.render_options()?)?;
-        let result = job.render(renderer, progress)?;
-        self.check_met()?;
-        Ok(result)
-    }
-}
-
-impl Capture {
-    /// Exposes the rows that a job asks for, with the job's options and samples. `renderer` is for a scene with the camera's light ring.
-    ///
-    /// # Errors
-    /// As [`RenderJob::expose`] and [`Capture::expose`]. `None` if the work was stopped.
-    pub fn run_job(
-        &self,
-        renderer: &mut Renderer,
-        job: &RenderJob,
-        progress: &dyn Progress,
-    ) -> Result<Option<JobResult>, Error> {
-        let result = job.expose(renderer.ready_for(job.render_options()?)?, self.camera_file(), progress)?;
-        renderer.check_met()?;
-        Ok(result)
-    }
+/// Whether a number is the default that is not written.
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 fn wrong(option: &'static str, value: impl ToString, expected: &'static str) -> Error {

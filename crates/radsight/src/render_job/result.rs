@@ -1,9 +1,8 @@
 //! What a job gives.
 
-use super::RenderJob;
+use super::{RenderJob, Tile};
 use crate::error::Error;
 use radsight_picture::{FileFormat, Header, Image as Values, read_image, write_image};
-use std::ops::Range;
 
 /// The line of a header that holds a job as JSON.
 const JOB: &str = "RENDERJOB";
@@ -11,12 +10,12 @@ const JOB: &str = "RENDERJOB";
 /// The line of a header with the size of the whole picture.
 const SIZE: &str = "WHOLESIZE";
 
-/// The pixels of some rows, with their errors.
+/// The pixels of a rectangle, or the answers of a range of rays, with their errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobResult {
-    /// What was asked for; its rows are said.
+    /// What was asked for; its part is said.
     pub job: RenderJob,
-    /// Pixels in a row and rows of the whole picture.
+    /// Pixels in a row and rows of the whole picture; rays are one row.
     pub size: [usize; 2],
     /// 3 for radiances in red, green and blue, W/(sr·m²); 1 for exposures, J/m².
     pub components: usize,
@@ -27,10 +26,10 @@ pub struct JobResult {
 }
 
 impl JobResult {
-    pub(super) fn new(job: &RenderJob, size: [usize; 2], rows: Range<usize>, components: usize) -> JobResult {
-        let numbers = rows.len() * size[0] * components;
+    pub(super) fn new(job: &RenderJob, size: [usize; 2], tile: &Tile, components: usize) -> JobResult {
+        let numbers = tile.pixels() * components;
         let (values, standard_errors) = (Vec::with_capacity(numbers), Vec::with_capacity(numbers));
-        JobResult { job: RenderJob { rows: Some(rows), ..job.clone() }, size, components, values, standard_errors }
+        JobResult { job: job.for_tile(tile, size), size, components, values, standard_errors }
     }
 
     pub(super) fn push(&mut self, values: &[f64], half_differences: &[f64]) {
@@ -38,21 +37,24 @@ impl JobResult {
         self.standard_errors.extend(half_differences.iter().map(|half| half.abs() as f32));
     }
 
-    /// The rows that are there.
-    #[must_use]
-    pub fn rows(&self) -> Range<usize> {
-        self.job.rows.clone().unwrap_or(0..self.size[1])
+    /// The pixels that are there.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where the fields do not fit each other.
+    pub fn tile(&self) -> Result<Tile, Error> {
+        self.job.tile_of(self.size)
     }
 
     /// The bytes of a file: a Radiance float matrix, each pixel its values and then its standard errors, with the job in its header.
     ///
     /// # Errors
-    /// [`Error::Part`] when the fields do not fit each other.
+    /// [`Error::Part`] and [`Error::Option`] where the fields do not fit each other.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         let bad = |reason: String| Error::Part { name: "<result>".to_owned(), reason };
         let pixels = self.values.chunks(self.components).zip(self.standard_errors.chunks(self.components));
         let data = pixels.flat_map(|(values, errors)| values.iter().chain(errors).copied()).collect();
-        let image = Values::new(self.size[0], self.rows().len(), 2 * self.components, data);
+        let tile = self.tile()?;
+        let image = Values::new(tile.columns.len(), tile.rows.len(), 2 * self.components, data);
         let mut header = Header::new("RADIANCE");
         header.push_variable("SOFTWARE", concat!(" radsight ", env!("CARGO_PKG_VERSION")));
         header.push_variable(JOB, &format!(" {}", serde_json::to_string(&self.job).expect("text and numbers")));
@@ -77,14 +79,15 @@ impl JobResult {
         let size = size.and_then(|size| <[usize; 2]>::try_from(size).ok());
         let size = size.ok_or_else(|| bad(format!("its header has no line {SIZE}= with columns and rows")))?;
         crate::Image::check_size(size[0], size[1])?;
-        let rows = job.rows_of(size[1])?;
+        let tile = job.tile_of(size)?;
         let image = read.image;
-        if [image.width(), image.height()] != [size[0], rows.len()] || ![2, 6].contains(&image.components()) {
+        let expected = [tile.columns.len(), tile.rows.len()];
+        if [image.width(), image.height()] != expected || ![2, 6].contains(&image.components()) {
             let found = format!("{} by {} pixels of {}", image.width(), image.height(), image.components());
-            return Err(bad(format!("{found} numbers, expected {} by {} of 2 or 6", size[0], rows.len())));
+            return Err(bad(format!("{found} numbers, expected {} by {} of 2 or 6", expected[0], expected[1])));
         }
         let components = image.components() / 2;
-        let mut result = JobResult::new(&job, size, rows, components);
+        let mut result = JobResult::new(&job, size, &tile, components);
         for pixel in image.pixels() {
             result.values.extend(&pixel[..components]);
             result.standard_errors.extend(&pixel[components..]);

@@ -1,0 +1,107 @@
+//! The irradiance cache of a renderer: filled, saved, loaded.
+
+use crate::Renderer;
+use crate::error::Error;
+use radsight_capture::Progress;
+use radsight_render::{Ray, RaySpacing, RenderOptions, Uncached};
+
+/// Whether a renderer's rays gather irradiance where the cache has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CacheFilling {
+    /// They do.
+    Gather,
+    /// There is what was loaded, and nothing more; elsewhere paths are followed.
+    Loaded,
+}
+
+impl Renderer {
+    /// The irradiance that pictures and rays have cached so far, as bytes for
+    /// [`Renderer::load_irradiance_cache`]; `None` where there is none.
+    ///
+    /// ```
+    /// use radsight::{Renderer, Scene, View};
+    /// # fn main() -> Result<(), radsight::Error> {
+    /// let text = "void plastic grey 0 0 5 .5 .5 .5 0 0 grey sphere ball 0 0 4 0 9 0 2 void glow sky 0 0 4 1 1 1 0 sky source dome 0 0 4 0 0 1 360";
+    /// let scene = Scene::from_text(text)?;
+    /// let view = View::from_args("-vp 0 0 0 -vd 0 1 0 -vh 40 -vv 40")?;
+    /// let mut first = Renderer::new(&scene)?.ambient_bounces(1);
+    /// let image = first.render(&view, 16, 16)?;
+    /// let cache = first.save_irradiance_cache().expect("a bounce fills it");
+    /// // In another process:
+    /// let mut second = Renderer::new(&scene)?.ambient_bounces(1).seed(7);
+    /// assert!(second.load_irradiance_cache(cache)? > 0);
+    /// # let _ = (image, second.render(&view, 16, 16)?);
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn save_irradiance_cache(&mut self) -> Option<Vec<u8>> {
+        let scene = self.scene.scene.fingerprint();
+        let cached = self.ready.as_mut().and_then(|(_, renderer)| renderer.save_irradiance_cache(scene));
+        cached.or_else(|| self.loaded.clone())
+    }
+
+    /// Takes over irradiance that was saved for the same scene and for options that count the same
+    /// light, and says from how many points it is. Rays for which it was gathered get the same
+    /// answers, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Cache`] where it was saved for another scene or other options, here and where options are changed later; as [`Renderer::new`].
+    pub fn load_irradiance_cache(&mut self, bytes: Vec<u8>) -> Result<usize, Error> {
+        let (before, options) = (self.loaded.take(), self.options.clone());
+        let scene = self.scene.scene.fingerprint();
+        let records = match self.prepare(options)?.load_irradiance_cache(&bytes, scene) {
+            Ok(records) => records,
+            Err(error) => {
+                self.loaded = before;
+                return Err(error.into());
+            }
+        };
+        self.loaded = Some(bytes);
+        Ok(records)
+    }
+
+    /// Rests on this cache alone, which was saved for the same scene and light: rays gather nothing
+    /// more, and follow paths where it has nothing. So parts of a list of rays get the answers of
+    /// the whole list, where the cache was filled for that. Whether it fits is found when rays are
+    /// traced.
+    pub fn only_irradiance_cache(&mut self, bytes: Vec<u8>) {
+        (self.loaded, self.filling, self.ready) = (Some(bytes), CacheFilling::Loaded, None);
+    }
+
+    /// Fills the irradiance cache for rays that [`Renderer::trace`] is to answer, and gives it as
+    /// bytes; `None` where the options ask for none, or where `progress` stopped it.
+    ///
+    /// # Errors
+    /// As [`Renderer::trace`].
+    pub fn irradiance_cache_of(&mut self, rays: &[Ray], progress: &dyn Progress) -> Result<Option<Vec<u8>>, Error> {
+        let mut options = self.options.clone();
+        options.gathering.uncached = Uncached::Split;
+        let all = || rays.iter().copied().map(Some).collect();
+        if self.gather(&options, all, RaySpacing::UNKNOWN, progress)?.is_none() {
+            return Ok(None);
+        }
+        self.check_met()?;
+        Ok(self.save_irradiance_cache())
+    }
+
+    /// Gathers irradiance for rays where that is asked for. `None` if it was stopped.
+    pub(crate) fn gather(
+        &mut self,
+        options: &RenderOptions,
+        rays: impl FnOnce() -> Vec<Option<Ray>>,
+        spacing: RaySpacing,
+        progress: &dyn Progress,
+    ) -> Result<Option<()>, Error> {
+        let filling = self.filling;
+        let renderer = self.prepare(options.clone())?;
+        if filling == CacheFilling::Loaded || !renderer.caches_irradiance() {
+            return Ok(Some(()));
+        }
+        let found = renderer.gather_irradiance_until(&rays(), spacing, &|| progress.stops());
+        if found.is_none() {
+            // What was loaded is taken over again when rays are traced the next time.
+            self.ready = None;
+        }
+        Ok(found.map(drop))
+    }
+}

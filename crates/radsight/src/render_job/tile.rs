@@ -1,0 +1,139 @@
+//! Parts of a picture: rectangles of its pixels, and ranges of rays.
+
+use super::{JobTarget, RenderJob, wrong};
+use crate::error::Error;
+use std::ops::Range;
+
+/// A rectangle of pixels. Rays are one row of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Its columns, the first column of the picture is 0.
+    pub columns: Range<usize>,
+    /// Its rows, the top row of the picture is 0.
+    pub rows: Range<usize>,
+}
+
+impl Tile {
+    /// How many pixels it has.
+    #[must_use]
+    pub fn pixels(&self) -> usize {
+        self.columns.len() * self.rows.len()
+    }
+}
+
+impl RenderJob {
+    /// The pixels that are asked for, of a picture of so many columns and rows; rays are one row.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where they are none of the picture's.
+    pub fn tile_of(&self, [columns, rows]: [usize; 2]) -> Result<Tile, Error> {
+        if let JobTarget::Trace { .. } = self.target {
+            none("columns", self.columns.as_ref(), "none for rays, whose range is \"rays\"")?;
+            none("rows", self.rows.as_ref(), "none for rays, whose range is \"rays\"")?;
+            return Ok(Tile { columns: within("rays", self.rays.as_ref(), columns)?, rows: 0..1 });
+        }
+        none("rays", self.rays.as_ref(), "none for a picture, whose part is \"columns\" and \"rows\"")?;
+        let columns = within("columns", self.columns.as_ref(), columns)?;
+        Ok(Tile { columns, rows: within("rows", self.rows.as_ref(), rows)? })
+    }
+
+    /// Jobs for at most so many parts of about equally many rows, or rays, of a picture of so many
+    /// columns and rows.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for no parts, and for rows or rays that there are not.
+    pub fn split(&self, parts: usize, size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
+        if parts == 0 {
+            return Err(wrong("parts", parts, "at least 1"));
+        }
+        let tile = self.tile_of(size)?;
+        let is_trace = matches!(self.target, JobTarget::Trace { .. });
+        let all = if is_trace { tile.columns } else { tile.rows };
+        let parts = parts.min(all.len());
+        let bound = |part: usize| Some(all.start + all.len() * part / parts);
+        let range = |part: usize| bound(part).zip(bound(part + 1)).map(|(start, end)| start..end);
+        let job = |part: usize| match is_trace {
+            true => RenderJob { rays: range(part), ..self.clone() },
+            false => RenderJob { rows: range(part), ..self.clone() },
+        };
+        Ok((0..parts).map(job).collect())
+    }
+
+    /// Jobs for rectangles of at most so many columns and rows.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a rectangle without pixels, for a job of rays, and for pixels that the picture does not have.
+    pub fn split_tiles(&self, [width, height]: [usize; 2], size: [usize; 2]) -> Result<Vec<RenderJob>, Error> {
+        if width == 0 || height == 0 {
+            return Err(wrong("tiles", format!("{width}x{height}"), "at least one pixel"));
+        }
+        if let JobTarget::Trace { .. } = self.target {
+            return Err(wrong("tiles", format!("{width}x{height}"), "a number of rays for a job of rays"));
+        }
+        let tile = self.tile_of(size)?;
+        let rows = pieces(&tile.rows, height);
+        let job = |(rows, columns): (Range<usize>, Range<usize>)| {
+            let columns = Some(columns).filter(|columns| *columns != (0..size[0]));
+            RenderJob { rows: Some(rows), columns, ..self.clone() }
+        };
+        Ok(rows
+            .flat_map(|rows| pieces(&tile.columns, width).map(move |columns| (rows.clone(), columns)))
+            .map(job)
+            .collect())
+    }
+
+    /// Jobs for at most so many rays each, of so many in all.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for no rays, for a job of a picture, and for rays that there are not.
+    pub fn split_rays(&self, rays: usize, all: usize) -> Result<Vec<RenderJob>, Error> {
+        if rays == 0 {
+            return Err(wrong("rays", rays, "at least 1"));
+        }
+        let JobTarget::Trace { .. } = self.target else {
+            return Err(wrong("rays", rays, "the size of a tile for a job of a picture"));
+        };
+        let tile = self.tile_of([all, 1])?;
+        Ok(pieces(&tile.columns, rays).map(|rays| RenderJob { rays: Some(rays), ..self.clone() }).collect())
+    }
+
+    /// The job without a part: what all parts have in common.
+    pub(super) fn whole(&self) -> RenderJob {
+        RenderJob { columns: None, rows: None, rays: None, ..self.clone() }
+    }
+
+    /// The job for a rectangle of a picture of so many columns and rows.
+    pub(super) fn for_tile(&self, tile: &Tile, size: [usize; 2]) -> RenderJob {
+        let whole = self.whole();
+        match self.target {
+            JobTarget::Trace { .. } => RenderJob { rays: Some(tile.columns.clone()), ..whole },
+            _ => {
+                let columns = Some(tile.columns.clone()).filter(|columns| *columns != (0..size[0]));
+                RenderJob { columns, rows: Some(tile.rows.clone()), ..whole }
+            }
+        }
+    }
+}
+
+/// Ranges of at most so many.
+fn pieces(all: &Range<usize>, most: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+    let end = all.end;
+    all.clone().step_by(most).map(move |start| start..end.min(start.saturating_add(most)))
+}
+
+/// A range of so many, all of them if none is said.
+fn within(what: &'static str, asked: Option<&Range<usize>>, all: usize) -> Result<Range<usize>, Error> {
+    let asked = asked.cloned().unwrap_or(0..all);
+    if asked.start >= asked.end || asked.end > all {
+        let found = format!("{} to {}", asked.start, asked.end);
+        return Err(wrong(what, found, "some that there are, the first from 0 and the last not counted"));
+    }
+    Ok(asked)
+}
+
+fn none(what: &'static str, asked: Option<&Range<usize>>, expected: &'static str) -> Result<(), Error> {
+    match asked {
+        Some(asked) => Err(wrong(what, format!("{} to {}", asked.start, asked.end), expected)),
+        None => Ok(()),
+    }
+}
