@@ -31,7 +31,7 @@ const LEAST_FORESHORTENING: f64 = 0.1;
 const ROUND_SHARE: f64 = 0.2;
 
 impl<const BANDS: usize> GaussianTransmission<BANDS> {
-    /// `f·|cos θ_i|/τ` in 1/sr and the density of [`Self::draw`] in 1/sr.
+    /// `f·|cos θ_i|/τ` in 1/sr and the density of [`Self::sample_about`] in 1/sr.
     ///
     /// `axis` is the direction d where the lobe has its peak, unit, with z < 0; `cosine` is that of the outgoing angle. Directions on
     /// the wrong side have neither value nor density: who draws one has drawn nothing.
@@ -53,15 +53,15 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
     /// Draws an incident direction; it may lie on the wrong side, where the lobe is zero.
     #[inline]
     #[must_use]
-    pub fn draw(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    pub fn sample_about(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let [x, y] = self.roughness;
         if x != y {
             return match u < ROUND_SHARE {
-                true => self.round().draw(axis, [u / ROUND_SHARE, v]),
-                false => self.draw_azimuth_first(axis, [(u - ROUND_SHARE) / (1.0 - ROUND_SHARE), v]),
+                true => self.round().sample_about(axis, [u / ROUND_SHARE, v]),
+                false => self.sample_azimuth_first(axis, [(u - ROUND_SHARE) / (1.0 - ROUND_SHARE), v]),
             };
         }
-        self.draw_azimuth_first(axis, [u, v])
+        self.sample_azimuth_first(axis, [u, v])
     }
 
     /// The lobe with the larger width for both.
@@ -70,7 +70,7 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         GaussianTransmission { roughness: [widest; 2], ..*self }
     }
 
-    fn draw_azimuth_first(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    fn sample_azimuth_first(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let about = Azimuths::new(self, axis);
         let [x, y] = self.roughness;
         let (sin, cos) = (TAU * v).sin_cos();
@@ -86,7 +86,7 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         (axis * (1.0 - 0.5 * squared) + (about.upright * a + about.level * b) * sine).normalize()
     }
 
-    /// The density of [`Self::draw`], 1/sr.
+    /// The density of [`Self::sample_about`], 1/sr.
     fn density(&self, axis: DVec3, incident: DVec3) -> f64 {
         let density = self.azimuth_first_density(axis, incident);
         if self.roughness[0] == self.roughness[1] {
@@ -157,7 +157,7 @@ impl<const BANDS: usize> Brdf for GaussianTransmission<BANDS> {
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
-        let incident = self.draw(-outgoing, [u[0], u[1]]);
+        let incident = self.sample_about(-outgoing, [u[0], u[1]]);
         if outgoing.z <= 0.0 || incident.z >= 0.0 {
             return None;
         }
