@@ -71,7 +71,7 @@ fn a_model_as_a_plugin_gives_the_same_bits_as_built_in() {
     assert_eq!(three.faults().total() + one.faults().total() + lambert.faults().total(), 0);
     assert!(three.lobes().glossy && !three.lobes().diffuse);
     let refused = instantiate(&path, "lambert", &[0.9, 0.5, 0.1], 2).unwrap_err();
-    assert_eq!(refused.to_string(), "plugin \"builtin\" cannot make \"lambert\": it works in 1 or 3 bands, not in 2");
+    assert_eq!(refused.to_string(), "plugin \"builtin\" cannot create \"lambert\": it works in 1 or 3 bands, not in 2");
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn a_wrong_parameter_names_its_token() {
     let refused = instantiate(&path, "lambert", &[0.125, 0.5, 0.5], 3).unwrap_err();
     assert_eq!(
         (refused.token(), refused.to_string().as_str()),
-        (Token::Number(0), "plugin \"chalk\" cannot make \"lambert\": reflectance: one eighth is an unlucky number")
+        (Token::Number(0), "plugin \"chalk\" cannot create \"lambert\": reflectance: one eighth is an unlucky number")
     );
     let unknown = instantiate(&path, "lamber", &[], 3).unwrap_err();
     assert_eq!(unknown.to_string(), "plugin \"chalk\" has no model \"lamber\"; it has \"lambert\"");

@@ -33,11 +33,11 @@ fn honest_models_give_no_warning() {
 fn dishonest_models_are_told_with_angle_and_value_and_refused_when_strict() {
     let folder = tempfile::tempdir().unwrap();
     for (define, message) in [
-        ("ENERGY", "130.00 % of the light comes back at outgoing angle"),
-        ("RECIPROCITY", "with the directions exchanged in band 0 at outgoing angle"),
+        ("ENERGY", "the albedo is 130.00 % at outgoing angle"),
+        ("RECIPROCITY", "with exchanged directions in band 0 at outgoing angle"),
         ("GRAZING", "value NaN at outgoing angle"),
         ("WEIGHT", "the weight of a sample is"),
-        ("ANISOTROPY", "when both directions turn about the normal at outgoing angle"),
+        ("ANISOTROPY", "when both directions are rotated about the normal at outgoing angle"),
     ] {
         let Some(path) = c_plugin(folder.path(), "lambert.c", &define.to_lowercase(), &[&format!("-DBROKEN_{define}")])
         else {

@@ -16,15 +16,15 @@ use std::f64::consts::{PI, TAU};
 pub struct WardIsotropic<const BANDS: usize> {
     /// ρ_s, in each band.
     pub specularity: [f64; BANDS],
-    /// α: rms slope of the facets, above zero.
+    /// α: root mean square slope of the facets, above zero.
     pub roughness: f64,
 }
 
 impl<const BANDS: usize> WardIsotropic<BANDS> {
-    /// `f/ρ_s` in 1/sr and the density of [`Brdf::sample`] in 1/sr.
+    /// `f/ρ_s` in 1/sr, and the density of [`Brdf::sample`] in 1/sr.
     ///
-    /// The half vector is drawn with density `exp(−tan²δ/α²)/(π α² cos³δ)` per solid angle; reflecting about it divides
-    /// by `4 ĥ·o`.
+    /// The half vector is sampled with density `exp(−tan²δ/α²)/(π α² cos³δ)` per solid angle;
+    /// reflection about it divides the density by `4 ĥ·o`.
     #[inline]
     #[must_use]
     pub fn shape(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {

@@ -6,7 +6,7 @@ use crate::context::BsdfContext;
 use crate::sample::PdfRequest;
 use crate::sheet::Sheet;
 use glam::DVec3;
-use radsight_brdf::check::{self, CheckOptions, Effort};
+use radsight_brdf::check::{self, CheckLevel, CheckOptions};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, Scene};
@@ -100,7 +100,7 @@ fn sheet(specularity: f64, roughness: f64, transmissivity: f64, transmitted_spec
 
 #[test]
 fn samples_of_both_sides_have_the_density_of_eval() {
-    let options = CheckOptions { isotropic: false, effort: Effort::Quick, ..CheckOptions::default() };
+    let options = CheckOptions { isotropic: false, level: CheckLevel::Quick, ..CheckOptions::default() };
     let scene = Scene::default();
     for sheet in [sheet(0.1, 0.15, 0.6, 0.7), sheet(0.3, 0.01, 0.5, 0.5)] {
         for perturbation in [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)] {
@@ -115,7 +115,7 @@ fn samples_of_both_sides_have_the_density_of_eval() {
 
 #[test]
 fn a_white_sheet_conserves_energy() {
-    let options = CheckOptions { effort: Effort::Quick, ..CheckOptions::default() };
+    let options = CheckOptions { level: CheckLevel::Quick, ..CheckOptions::default() };
     let scene = Scene::default();
     for (sheet, least) in
         [(sheet(0.1, 0.05, 0.5, 0.5), 0.99), (sheet(0.5, 0.2, 0.5, 0.8), 0.93), (sheet(0.0, 0.0, 1.0, 0.0), 0.999)]
