@@ -3,10 +3,10 @@
 use crate::error::{not_negative, positive};
 use crate::{BitDepth, ExposureUnit, SensorError};
 
-/// A power-law sensor as it was asked for; [`PowerLaw::new`] checks it.
+/// Parameters of a power-law sensor; [`PowerLaw::new`] checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLawDescription {
-    /// K, grey levels at an exposure of 1 `exposure_unit`, above the background.
+    /// K: grey levels above the background at an exposure of 1 `exposure_unit`.
     pub k: f64,
     /// γ, dimensionless.
     pub gamma: f64,
@@ -14,9 +14,9 @@ pub struct PowerLawDescription {
     pub grey_background: f64,
     /// G_max, the grey level at saturation.
     pub grey_max: f64,
-    /// The unit of E.
+    /// Unit of E.
     pub exposure_unit: ExposureUnit,
-    /// Width of the grey values.
+    /// Bit depth of the grey values.
     pub bits: BitDepth,
 }
 
@@ -25,10 +25,10 @@ pub struct PowerLawDescription {
 pub struct PowerLaw(PowerLawDescription);
 
 impl PowerLaw {
-    /// Checks a description.
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// The first quantity that is out of its range.
+    /// The first quantity that is out of range.
     pub fn new(asked: &PowerLawDescription) -> Result<Self, SensorError> {
         positive("k", asked.k)?;
         positive("gamma", asked.gamma)?;
@@ -44,19 +44,20 @@ impl PowerLaw {
         Ok(PowerLaw(*asked))
     }
 
-    /// The quantities of the sensor.
+    /// Parameters of the sensor.
     #[must_use]
     pub fn description(&self) -> &PowerLawDescription {
         &self.0
     }
 
-    /// The width of the grey values.
+    /// Bit depth of the grey values.
     #[must_use]
     pub fn bits(&self) -> BitDepth {
         self.0.bits
     }
 
-    /// Eq. 5 before rounding, saturated. An exposure (J/m²) of 0 or less, or NaN, gives the background.
+    /// Eq. 5, saturated, before rounding. An exposure (J/m²) of 0 or less, or NaN, gives the
+    /// background.
     #[must_use]
     pub fn exact_grey(&self, exposure: f64) -> f64 {
         let asked = &self.0;
@@ -70,7 +71,7 @@ impl PowerLaw {
         self.0.bits.quantise(self.exact_grey(exposure))
     }
 
-    /// The exposure (J/m²) at which the sensor saturates: `E_sat = ((G_max − G₀)/K)^(1/γ)`.
+    /// Exposure (J/m²) at which the sensor saturates: `E_sat = ((G_max − G₀)/K)^(1/γ)`.
     #[must_use]
     pub fn saturation_exposure(&self) -> f64 {
         let asked = &self.0;
@@ -105,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn saturation_begins_where_it_says() {
+    fn saturation_begins_at_the_saturation_exposure() {
         let sensor = PowerLaw::new(&paper()).unwrap();
         let edge = sensor.saturation_exposure();
         assert!((sensor.exact_grey(edge * 0.999) - 161.0).abs() < 0.2);
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_sensors_are_refused() {
+    fn impossible_sensors_are_rejected() {
         let message = |asked: PowerLawDescription| PowerLaw::new(&asked).unwrap_err().to_string();
         assert_eq!(message(PowerLawDescription { k: -1.0, ..paper() }), "k must be positive and finite, not -1");
         assert_eq!(
