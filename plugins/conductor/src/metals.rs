@@ -8,7 +8,8 @@
 /// Wavelength in nanometres, n, k.
 type Row = (f64, f64, f64);
 
-/// `n` and `k` of a metal at a wavelength (metres), linear between the measured ones, the last one beyond.
+/// `n` and `k` of a metal at a wavelength (metres): linear between measured wavelengths, constant
+/// outside.
 pub(crate) fn optical_constants(table: &[Row], wavelength_m: f64) -> (f64, f64) {
     let wavelength = wavelength_m * 1e9;
     let above = table.partition_point(|row| row.0 < wavelength);

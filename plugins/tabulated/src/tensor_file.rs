@@ -39,7 +39,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// All arrays of floating-point numbers in a file; text and others are left out.
+/// All arrays of floating-point numbers in a file; others are ignored.
 pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Field>, String> {
     let mut cursor = Cursor { bytes, at: 0 };
     if !bytes.starts_with(MAGIC) {
@@ -79,7 +79,7 @@ fn numbers(bytes: &[u8], name: String, kind: u8, offset: u64, shape: &[u64]) -> 
         _ => return Ok(None),
     };
     let count = shape.iter().try_fold(1u64, |count, &size| count.checked_mul(size));
-    // Sizes are checked against what the file can hold before memory is taken.
+    // Sizes are checked against the file before memory is allocated.
     let range = count
         .and_then(|count| count.checked_mul(size))
         .and_then(|length| Some((usize::try_from(offset).ok()?, usize::try_from(offset.checked_add(length)?).ok()?)))
