@@ -35,7 +35,8 @@ pub(crate) struct Loaded {
     one_thread: Mutex<()>,
 }
 
-// SAFETY: the entry holds pointers to functions and constants; functions marked [one thread] are called under the mutex only.
+// SAFETY: the entry holds pointers to functions and constants; functions marked [one thread] are
+// called under the mutex only.
 unsafe impl Send for Loaded {}
 // SAFETY: as above.
 unsafe impl Sync for Loaded {}
@@ -212,7 +213,8 @@ impl Library {
             return worker.manual();
         }
         let text = self.extension(c"radsight.manual", 1).cast::<c_char>();
-        // SAFETY: the header says that this extension is null or a C string that lives as long as the library.
+        // SAFETY: the header says that this extension is null or a C string that lives as long as
+        // the library.
         let text = unsafe { text_at(text) };
         (!text.is_empty()).then_some(text)
     }
@@ -257,7 +259,8 @@ impl Loaded {
 }
 
 unsafe extern "C" fn host_log(host: *const abi::Host, level: u32, text: *const c_char) {
-    // SAFETY: plugins pass the pointer that they got, which leads to a `LibraryHost`, and a C string.
+    // SAFETY: plugins pass the pointer that they got, which leads to a `LibraryHost`, and a C
+    // string.
     let (host, text) = unsafe { (host.cast::<LibraryHost>().as_ref(), text_at(text)) };
     let Some(host) = host else { return };
     let mut messages = host.messages.lock().unwrap_or_else(PoisonError::into_inner);
@@ -280,7 +283,8 @@ fn load_entry(path: &Path) -> Result<abi::Entry, Error> {
     })?;
     // The library is never unloaded.
     let library = std::mem::ManuallyDrop::new(library);
-    // SAFETY: the symbol is a constant; its type is only relied on as far as its magic and sizes have been checked.
+    // SAFETY: the symbol is a constant; its type is only relied on as far as its magic and sizes
+    // have been checked.
     let symbol = unsafe { library.get::<*const u8>(abi::ENTRY_SYMBOL) }
         .map_err(|_| Error::MissingEntry { path: path.to_owned() })?;
     // SAFETY: what the file exports under this name is an entry, and the library stays.
@@ -370,7 +374,8 @@ unsafe fn read_model(descriptor: *const abi::Model) -> Result<ModelInfo, String>
     }
     let mut parameters = Vec::new();
     for index in 0..model.parameter_count as usize {
-        // SAFETY: the table has `parameter_count` rows of `stride` bytes, whose strings are C strings or null.
+        // SAFETY: the table has `parameter_count` rows of `stride` bytes, whose strings are C
+        // strings or null.
         let row = unsafe {
             let at = model.parameters.cast::<u8>().add(index * stride);
             read_parameter(&copy_known::<abi::Parameter>(at, stride))

@@ -1,4 +1,5 @@
-//! The quick check of every instance before it is used, and the last words of a crash while rendering.
+//! The quick check of every instance before it is used, and the last words of a crash while
+//! rendering.
 
 use radsight_brdf::Brdf;
 use radsight_brdf_host::check::CHECK_BANDS;

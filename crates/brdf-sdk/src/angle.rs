@@ -35,8 +35,8 @@ pub fn frame(axis: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// The unit vector at `polar` radians from the unit vector `axis`, at `azimuth` radians about it (from [`frame`]'s first vector
-/// towards its second).
+/// The unit vector at `polar` radians from the unit vector `axis`, at `azimuth` radians about it
+/// (from [`frame`]'s first vector towards its second).
 #[inline]
 #[must_use]
 pub fn direction_near(axis: DVec3, polar: f64, azimuth: f64) -> DVec3 {

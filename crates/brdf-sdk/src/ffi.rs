@@ -141,12 +141,14 @@ pub unsafe fn create(
     instance: *mut abi::Instance,
 ) -> abi::Status {
     let Some(model) = table.models.get(index as usize) else { return status::BAD_ARGUMENT };
-    // SAFETY: the host passes null or a valid structure, which no other thread touches during the call.
+    // SAFETY: the host passes null or a valid structure, which no other thread touches during the
+    // call.
     let (Some(call), Some(instance)) = (unsafe { call.as_ref() }, unsafe { instance.as_mut() }) else {
         return status::BAD_ARGUMENT;
     };
     keep_panic_messages(call.host);
-    // SAFETY: the host's arrays have the lengths that it states, and live until this function returns.
+    // SAFETY: the host's arrays have the lengths that it states, and live until this function
+    // returns.
     let outcome = catch_unwind(AssertUnwindSafe(|| unsafe { create_checked(model, call) }));
     match outcome {
         Ok(Ok(made)) => {
@@ -233,14 +235,15 @@ unsafe fn create_checked(model: &ModelFunctions, call: &abi::Create) -> Result<M
 
 unsafe extern "C" fn eval_pdf<M: Model>(data: *const c_void, call: *const abi::Eval) -> abi::Status {
     guarded(|| {
-        // SAFETY: `data` is what `make::<M>` gave to the host, not yet destroyed; the host passes a valid call.
+        // SAFETY: `data` is what `make::<M>` gave to the host, not yet destroyed; the host passes a
+        // valid call.
         let (boxed, call) = unsafe { (&*data.cast::<Boxed<M>>(), &*call) };
         let count = call.count as usize;
         if count == 0 {
             return;
         }
-        // SAFETY: the host's arrays have the lengths of the header, do not overlap, and live until this function returns;
-        // scratch is aligned and as long as `create` asked for.
+        // SAFETY: the host's arrays have the lengths of the header, do not overlap, and live until
+        // this function returns; scratch is aligned and as long as `create` asked for.
         let mut batch = unsafe {
             EvalBatch {
                 outgoing: DVec3::from_array(call.outgoing),
@@ -320,8 +323,8 @@ unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
 /// # Safety
 /// `pointer` points to `count` numbers that nothing else uses.
 unsafe fn scratch<'a>(pointer: *mut c_void, count: usize) -> &'a mut [f64] {
-    // SAFETY: the caller's promise; the host aligns scratch to 64 bytes and every bit pattern is a number. The content is undefined
-    // to the plugin but initialised by the host.
+    // SAFETY: the caller's promise; the host aligns scratch to 64 bytes and every bit pattern is a
+    // number. The content is undefined to the plugin but initialised by the host.
     unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) }
 }
 

@@ -61,8 +61,8 @@ pub mod private {
     pub use std::ffi::{c_char, c_void};
 }
 
-/// Exports models: `export!(OrenNayar, Lambert);`, or with a manual page `export!(manual = TEXT;
-/// OrenNayar);`.
+/// Exports models: `export!(OrenNayar, Lambert);`, or with a manual page
+/// `export!(manual = TEXT; OrenNayar);`.
 ///
 /// `TEXT` may be `include_str!("lib.rs")`: the page is then the file's leading `//!` lines.
 #[macro_export]

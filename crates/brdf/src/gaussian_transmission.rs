@@ -138,8 +138,8 @@ impl Azimuths {
         Azimuths { level, upright, inward, foreshortening }
     }
 
-    /// `cos²/α_x² + sin²/α_y²` of the azimuth in the plane that corresponds to the direction `(a,
-    /// b)` about the axis.
+    /// `cos²/α_x² + sin²/α_y²` of the azimuth in the plane that corresponds to the direction
+    /// `(a, b)` about the axis.
     fn width<const BANDS: usize>(&self, lobe: &GaussianTransmission<BANDS>, a: f64, b: f64) -> f64 {
         let in_plane = self.inward * (a * self.foreshortening) + self.level * b;
         let [x, y] = lobe.roughness;

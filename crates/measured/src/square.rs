@@ -1,6 +1,7 @@
 //! Area-preserving, continuous map between the unit disk and the unit square.
 //!
-//! Source: Shirley and Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997.
+//! Source: Shirley and Chiu, "A low distortion map between disk and square", Journal of Graphics
+//! Tools 2(3), 1997.
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -1,6 +1,8 @@
-//! Values beside real Radiance's: a surface with the BSDF under a small distant light, by `rtrace`, without jitter.
+//! Values beside real Radiance's: a surface with the BSDF under a small distant light, by `rtrace`,
+//! without jitter.
 //!
-//! Skipped where `RADSIGHT_RADIANCE` names no folder with `bin` and `lib` and no `oconv` is on the path.
+//! Skipped where `RADSIGHT_RADIANCE` names no folder with `bin` and `lib` and no `oconv` is on the
+//! path.
 
 use glam::DVec3;
 use radsight_measured::MeasuredBsdf;

@@ -1,8 +1,8 @@
 //! Sampling of a lobe that depends on the observation angle alone.
 //!
-//! The density is piecewise linear in `1 − cos δ`, in which solid angle is uniform: `dω = 2π d(1 −
-//! cos δ)`. Its integral is quadratic in each cell and inverted in closed form, so that the density
-//! of the samples is exact.
+//! The density is piecewise linear in `1 − cos δ`, in which solid angle is uniform:
+//! `dω = 2π d(1 − cos δ)`. Its integral is quadratic in each cell and inverted in closed form, so
+//! that the density of the samples is exact.
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

@@ -1,8 +1,8 @@
 //! `table`: measured coefficients of retroreflection, as in data sheets and ASTM D4956.
 //!
-//! R_A is given on a grid of observation, entrance and rotation angles. Between grid points `ln
-//! R_A` is linear in each angle. Below the smallest observation angle R_A is constant; above the
-//! largest it falls as in the last interval, and by at least a half per width of that interval.
+//! R_A is given on a grid of observation, entrance and rotation angles. Between grid points
+//! `ln R_A` is linear in each angle. Below the smallest observation angle R_A is constant; above
+//! the largest it falls as in the last interval, and by at least a half per width of that interval.
 //! Entrance angles are taken without their sign; above the largest R_A falls linearly to zero at
 //! 90°. Rotation angles are periodic in 360°.
 //!

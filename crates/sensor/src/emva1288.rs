@@ -1,11 +1,11 @@
 //! A linear sensor by the model of EMVA Standard 1288, release 4.0 (linear).
 //!
 //! Photons per pixel are `μ_p = A·E·λ/(h·c)`. Electrons are Poisson with mean `η·μ_p + I_d·t`, plus
-//! Gaussian read noise of standard deviation `σ_d`, up to the full well. The grey value is `y =
-//! y_dark + K·electrons`, rounded once. Mean and variance of the grey value then follow the photon
-//! transfer line `σ_y² = K²σ_d² + 1/12 + K(μ_y − y_dark)`, by which the standard measures K. A
-//! [`NonUniformity`] multiplies each pixel's photoelectrons (PRNU) and adds an offset to its signal
-//! (DSNU).
+//! Gaussian read noise of standard deviation `σ_d`, up to the full well. The grey value is
+//! `y = y_dark + K·electrons`, rounded once. Mean and variance of the grey value then follow the
+//! photon transfer line `σ_y² = K²σ_d² + 1/12 + K(μ_y − y_dark)`, by which the standard measures K.
+//! A [`NonUniformity`] multiplies each pixel's photoelectrons (PRNU) and adds an offset to its
+//! signal (DSNU).
 
 use crate::error::{not_negative, positive, within};
 use crate::{BitDepth, NonUniformity, SensorError};

@@ -72,7 +72,8 @@ impl Estimate {
     }
 }
 
-/// Quantile of the chi-squared distribution at the normal quantile `z` (Wilson and Hilferty, PNAS 17, 1931).
+/// Quantile of the chi-squared distribution at the normal quantile `z` (Wilson and Hilferty, PNAS
+/// 17, 1931).
 fn chi_squared_quantile(degrees: f64, z: f64) -> f64 {
     let part = 2.0 / (9.0 * degrees);
     degrees * (1.0 - part + z * part.sqrt()).max(0.05).powi(3)

@@ -49,7 +49,8 @@ pub(crate) fn cumulative(wavelength_nm: f64) -> [f64; 3] {
     }
 }
 
-/// x̄, ȳ and z̄ of the CIE 1931 2° standard observer in steps of 5 nm (CIE 15:2018, table T.4; ISO/CIE 11664-1).
+/// x̄, ȳ and z̄ of the CIE 1931 2° standard observer in steps of 5 nm (CIE 15:2018, table T.4;
+/// ISO/CIE 11664-1).
 #[rustfmt::skip]
 const MATCHING: [[f64; 3]; 95] = [
     [0.0001299, 3.917e-6, 0.0006061], [0.0002321, 6.965e-6, 0.001086], [0.0004149, 1.239e-5, 0.001946],

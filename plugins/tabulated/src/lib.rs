@@ -1,7 +1,7 @@
 //! tabulated: measured reflectance from files
 //!
-//! Reads the two public collections of measured materials: MERL (100 isotropic materials, `.binary`) and RGL (isotropic and anisotropic
-//! materials, spectral and RGB, `.bsdf`).
+//! Reads the two public collections of measured materials: MERL (100 isotropic materials,
+//! `.binary`) and RGL (isotropic and anisotropic materials, spectral and RGB, `.bsdf`).
 //!
 //! ```text
 //! void brdfplugin brass
@@ -29,9 +29,10 @@
 //! end near 80°; negative (missing) values count as zero. The coordinates make the model
 //! reciprocal.
 //!
-//! `rgl`: Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", SIGGRAPH Asia 2018. A file with
-//! spectra is averaged over each band; one with RGB serves three bands, and single bands by their wavelength. Measured values are
-//! not made reciprocal.
+//! `rgl`: Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
+//! Rendering", SIGGRAPH Asia 2018. A file with spectra is averaged over each band; one with RGB
+//! serves three bands, and single bands by their wavelength. Measured values are not made
+//! reciprocal.
 //!
 //! Measurements that reflect more than all light at grazing angles are used unchanged; the
 //! self-check reports them.

@@ -1,7 +1,8 @@
 //! The container of RGL's files: named arrays of numbers.
 //!
-//! "tensor_file" and a zero byte, version (2 bytes), number of fields (u32), and for each field: length of its name (u16), name, number of
-//! dimensions (u16), type (u8), offset (u64), sizes (u64 each). All little-endian.
+//! "tensor_file" and a zero byte, version (2 bytes), number of fields (u32), and for each field:
+//! length of its name (u16), name, number of dimensions (u16), type (u8), offset (u64), sizes (u64
+//! each). All little-endian.
 
 /// One array.
 #[derive(Clone, Debug)]

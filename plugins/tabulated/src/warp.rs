@@ -1,7 +1,7 @@
 //! Piecewise bilinear functions on the unit square, and sampling with such densities.
 
-/// Functions on the unit square, one per parameter: `numbers[(parameter · rows + row) · columns +
-/// column]`, with x along a row.
+/// Functions on the unit square, one per parameter:
+/// `numbers[(parameter · rows + row) · columns + column]`, with x along a row.
 #[derive(Clone, Debug)]
 pub(crate) struct Grids {
     numbers: Vec<f32>,

@@ -78,7 +78,8 @@ mod at_start {
     static WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
     extern "C" fn inspect() {
-        // SAFETY: has no conditions; it runs before the standard library is ready, and uses none of it.
+        // SAFETY: has no conditions; it runs before the standard library is ready, and uses none of
+        // it.
         let flags = unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) };
         WAS_CLOSED.store(flags == -1, Ordering::Relaxed);
     }

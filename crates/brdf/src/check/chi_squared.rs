@@ -15,8 +15,8 @@ const FEWEST_EXPECTED: f64 = 10.0;
 const CONSISTENCY_TOLERANCE: f64 = 1e-5;
 
 /// Samples directions at each outgoing angle and compares the counts in cells with the integral of
-/// the density (chi²), the density of each sample with `eval_pdf`, each weight with `f |cos θ_i| /
-/// pdf`, and the mean weight with the albedo.
+/// the density (chi²), the density of each sample with `eval_pdf`, each weight with
+/// `f |cos θ_i| / pdf`, and the mean weight with the albedo.
 #[must_use]
 pub fn sampling(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut findings = Vec::new();

@@ -242,7 +242,8 @@ fn logarithmic_edges(first: f64, last: f64, per_decade: usize) -> Vec<f64> {
     std::iter::once(0.0).chain((0..=intervals).map(edge)).collect()
 }
 
-/// Nodes and weights of Gauss and Legendre on (0, 1): roots of the Legendre polynomial by Newton's method.
+/// Nodes and weights of Gauss and Legendre on (0, 1): roots of the Legendre polynomial by Newton's
+/// method.
 fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)

@@ -1,6 +1,6 @@
-//! Our function files against the originals, both evaluated by us: that we evaluate the originals as `rcalc` and `rtrace` do
-//! is tested elsewhere. `RADSIGHT_FUNCTION_FILES` names further folders with originals, separated by colons, for the files
-//! that a package of Radiance may lack.
+//! Our function files against the originals, both evaluated by us: that we evaluate the originals
+//! as `rcalc` and `rtrace` do is tested elsewhere. `RADSIGHT_FUNCTION_FILES` names further folders
+//! with originals, separated by colons, for the files that a package of Radiance may lack.
 
 use crate::close;
 use crate::library::{call, definitions, records};
@@ -50,7 +50,8 @@ fn original(radiance: &Radiance, name: &str) -> Option<String> {
         .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Compares what two texts define under the original's names. How many values were compared, of how many names.
+/// Compares what two texts define under the original's names. How many values were compared, of how
+/// many names.
 fn compare(name: &str, original: &str, ours: &str) -> (usize, usize) {
     let extra = match name {
         "bezier2.cal" | "patch3w.cal" => POINTS,

@@ -1,4 +1,5 @@
-//! The function files of real Radiance: evaluated by `rcalc`, by us, and from our equivalents of them.
+//! The function files of real Radiance: evaluated by `rcalc`, by us, and from our equivalents of
+//! them.
 
 use crate::close;
 use crate::oracle::{Radiance, to_bytes, to_numbers};
@@ -46,7 +47,8 @@ pub(crate) fn definitions(text: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// A call whose arguments are columns of a record, or functions where the bits of `functions` say so.
+/// A call whose arguments are columns of a record, or functions where the bits of `functions` say
+/// so.
 pub(crate) fn call(name: &str, arity: usize, functions: usize) -> String {
     let argument = |index| match functions >> index & 1 {
         0 => format!("${}", CHANNELS + 1 + index),
@@ -174,8 +176,9 @@ impl Theirs<'_> {
         }
     }
 
-    /// The values of a function that `rcalc` does not accept with numbers alone: with functions as arguments, and with
-    /// definitions for what it finds undefined. The call, the definitions and the values.
+    /// The values of a function that `rcalc` does not accept with numbers alone: with functions as
+    /// arguments, and with definitions for what it finds undefined. The call, the definitions and
+    /// the values.
     fn coax(&self, name: &str, arity: usize) -> Option<(String, String, Vec<f64>)> {
         for functions in 0..1 << arity.min(5) {
             let call = call(name, arity, functions);
@@ -259,7 +262,8 @@ fn functions_of_the_library_have_the_values_of_rcalc() {
             match result {
                 Ok(0) => left_out.push(format!("{name}: {call}")),
                 Ok(compared) => (functions, points) = (functions + 1, points + compared),
-                // Definitions invented here may ask for the impossible, which not every build notices.
+                // Definitions invented here may ask for the impossible, which not every build
+                // notices.
                 Err(problem) if problem.contains("bad constant") && !radiance.sees_faults => {
                     left_out.push(format!("{name}: {call}"));
                 }

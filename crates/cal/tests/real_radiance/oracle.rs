@@ -8,7 +8,8 @@ use std::process::{Command, Output, Stdio};
 pub(crate) struct Radiance {
     bin: Option<PathBuf>,
     pub(crate) lib: Option<PathBuf>,
-    /// Whether it notices that a function's value is not a number. Builds with fast mathematics do not.
+    /// Whether it notices that a function's value is not a number. Builds with fast mathematics do
+    /// not.
     pub(crate) sees_faults: bool,
 }
 

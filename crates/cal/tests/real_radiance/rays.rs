@@ -1,4 +1,5 @@
-//! Patterns on surfaces, as `rtrace` sees them: scopes of files, real arguments, noise, what a ray gives.
+//! Patterns on surfaces, as `rtrace` sees them: scopes of files, real arguments, noise, what a ray
+//! gives.
 
 use crate::close;
 use crate::oracle::{Radiance, to_bytes, to_numbers};

@@ -164,7 +164,8 @@ mod tests {
         assert!((found - 2.0 / 3.0 * 0.96 * 0.96).abs() < 1e-12, "{found}");
     }
 
-    /// Yoder, "Study of Light Deviation Errors in Triple Mirrors and Tetrahedral Prisms", JOSA 48(7), 1958: 3.27 n ε.
+    /// Yoder, "Study of Light Deviation Errors in Triple Mirrors and Tetrahedral Prisms", JOSA
+    /// 48(7), 1958: 3.27 n ε.
     #[test]
     fn a_dihedral_error_splits_the_light_into_six_spots_at_yoders_angle() {
         let (index, error) = (1.5, 1e-5);
