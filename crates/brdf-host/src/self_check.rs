@@ -38,6 +38,6 @@ pub(crate) fn self_check(brdf: &PluginBrdf, mode: SelfCheck) -> Vec<String> {
     let raw = brdf.unfiltered();
     let checks: [Check; 5] = [check::finite, check::isotropy, check::reciprocity, check::energy, check::sampling];
     let found = checks.iter().map(|check| check(&raw, &options)).find(|findings| !findings.is_empty());
-    debug_assert_eq!(brdf.faults(), FaultCounts::default(), "checks look at unfiltered numbers");
+    debug_assert_eq!(brdf.faults(), FaultCounts::default(), "checks use unfiltered numbers");
     found.into_iter().flatten().map(|finding| finding.message).collect()
 }

@@ -71,7 +71,7 @@ macro_rules! export {
         static RADSIGHT_BRDF_TABLE: $crate::private::Table =
             $crate::private::Table::new(&[$($crate::private::model_functions::<$model>()),+], $manual);
 
-        /// What the host looks for.
+        /// The exported constant, which the host loads.
         #[unsafe(no_mangle)]
         #[allow(non_upper_case_globals)]
         pub static radsight_brdf_entry: $crate::private::EntryConstant = {

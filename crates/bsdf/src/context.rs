@@ -75,8 +75,8 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
         if self.appearance.perturbation == DVec3::ZERO || self.interaction.is_smoothed() {
             return direction;
         }
-        let bent = direction - self.appearance.perturbation;
-        if bent.dot(self.interaction.normal) < -GRAZING { bent.normalize() } else { direction }
+        let turned = direction - self.appearance.perturbation;
+        if turned.dot(self.interaction.normal) < -GRAZING { turned.normalize() } else { direction }
     }
 
     /// Frame on the shading normal with x along an orientation function's vector; none if the

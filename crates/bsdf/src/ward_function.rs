@@ -100,7 +100,7 @@ impl WardFunctionKind {
         let main = Seen { color: context.appearance.color, normal: context.normal };
         let mut reflection = self.specular(&self.reflection, context, scratch);
         let transmission = self.specular(&self.transmission, context, scratch);
-        let behind_look = self.seen(&self.diffuse_transmission, context, scratch);
+        let behind_appearance = self.seen(&self.diffuse_transmission, context, scratch);
         let (coat, left) = coat(&mut reflection, outgoing);
         let colored = |color: Rgb, seen: &Seen<BANDS>, left: f64| -> [f64; BANDS] {
             let own: [f64; BANDS] = bands(color);
@@ -118,7 +118,7 @@ impl WardFunctionKind {
         };
         let through = transmission.share.map(|band| band * left);
         let diffuse = colored(reflected, &main, left);
-        let transmitted_diffuse = colored(transmitted, &behind_look, left);
+        let transmitted_diffuse = colored(transmitted, &behind_appearance, left);
         let candidate = |part: &Specular<BANDS>, color: [f64; BANDS], diffuse: &[f64; BANDS]| match part.roughness {
             Some(_) => LobeStrength { share: luminance(&color), color, diffuse: luminance(diffuse) },
             None => LobeStrength::NONE,
@@ -141,7 +141,7 @@ impl WardFunctionKind {
             let shape = GaussianTransmission { transmittance: through, roughness };
             TransmissionLobe::new(shape, through_frame, straight, outgoing)
         });
-        let beyond = Transmission::new(behind_look.normal, transmitted_diffuse, lobe);
+        let transmitted = Transmission::new(behind_appearance.normal, transmitted_diffuse, lobe);
         let mirror = match reflection.roughness {
             None => SpecularBounce::new(point.mirror_direction(), reflection.share),
             Some(_) => None,
@@ -150,7 +150,7 @@ impl WardFunctionKind {
             None => SpecularBounce::new(straight, through),
             Some(_) => None,
         };
-        SurfaceScattering { point: point.with_transmission(beyond), mirror, straight }
+        SurfaceScattering { point: point.with_transmission(transmitted), mirror, straight }
     }
 
     fn specular<const BANDS: usize>(
@@ -207,8 +207,8 @@ impl WardFunctionKind {
         if turn == DVec3::ZERO || interaction.is_smoothed() {
             return interaction.direction;
         }
-        let bent = interaction.direction - if interaction.behind { -turn } else { turn };
-        if bent.dot(interaction.normal) < 0.0 { bent.normalize() } else { interaction.direction }
+        let turned = interaction.direction - if interaction.behind { -turn } else { turn };
+        if turned.dot(interaction.normal) < 0.0 { turned.normalize() } else { interaction.direction }
     }
 }
 

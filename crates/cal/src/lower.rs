@@ -243,7 +243,7 @@ impl<'a> Lowering<'a> {
         if let Some(fault) = self.lacking(symbol, count, needed, span) {
             return Ok(fault);
         }
-        // A frame of its own, so that an argument is looked at once.
+        // A frame of its own, so that an argument is lowered once.
         self.frames.push(Frame { arguments, caller: frame });
         let own = self.frames.len() - 1;
         let value = match (known.and_then(|symbol| symbol.builtin), host) {

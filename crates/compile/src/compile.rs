@@ -37,7 +37,7 @@ pub(crate) fn compile_shaders(
 ) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
     let (shaders, table) = compile_for(scene, models, 3, layout)?;
     if !layout.sampling().is_rgb() {
-        return Ok((shaders, table, layout.places()));
+        return Ok((shaders, table, layout.elements()));
     }
     let may_be_grey = skipping.allows(Skip::EqualBands) && shaders.iter().all(Shader::is_grey);
     if !may_be_grey || !surroundings.iter().all(|color| color.is_grey()) {
@@ -128,12 +128,12 @@ impl Compiler<'_> {
 
     /// Shader of a modifier, compiled once.
     fn compile_chain(&mut self, chains: &mut Chains<'_>, modifier: Option<ModifierHandle>) -> ShaderId {
-        let place = modifier.map_or(0, |handle| handle.index() + 1);
-        if chains.of_modifier[place] != NO_SHADER {
-            return chains.of_modifier[place];
+        let index = modifier.map_or(0, |handle| handle.index() + 1);
+        if chains.of_modifier[index] != NO_SHADER {
+            return chains.of_modifier[index];
         }
         let id = self.compile_after(chains, modifier, &[]);
-        chains.of_modifier[place] = id;
+        chains.of_modifier[index] = id;
         id
     }
 

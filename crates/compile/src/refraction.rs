@@ -85,10 +85,10 @@ impl DielectricInterface {
         let perpendicular = ((cosine - ratio * inner) / (cosine + ratio * inner)).powi(2);
         let parallel = ((1.0 / cosine - ratio / inner) / (1.0 / cosine + ratio / inner)).powi(2);
         let reflectance = 0.5 * (perpendicular + parallel);
-        let bend = ratio * cosine - inner;
-        let mut transmitted = direction * ratio + normal * bend;
+        let along_normal = ratio * cosine - inner;
+        let mut transmitted = direction * ratio + normal * along_normal;
         if perturbation != DVec3::ZERO && transmitted.dot(side) >= -GRAZING {
-            transmitted = direction * ratio + side * bend;
+            transmitted = direction * ratio + side * along_normal;
         }
         let transmitted = transmitted.normalize_or(direction);
         Refracted { reflectance, transmitted: Some((transmitted, (1.0 - reflectance) * ratio * ratio)), normal, cosine }

@@ -18,8 +18,8 @@ impl RenderPlan {
         let (geometry, scene, frame) = (&self.geometry, &self.scene, RayFrame::new(ray));
         let (distance, tolerance) = (crossing.distance, geometry.tolerance());
         let is_there = |veil: &MemberId| {
-            let met = geometry.intersect(scene, *veil, ray, &frame, from, distance + tolerance);
-            met.is_some_and(|met| met.distance >= distance - tolerance)
+            let hit = geometry.intersect(scene, *veil, ray, &frame, from, distance + tolerance);
+            hit.is_some_and(|hit| hit.distance >= distance - tolerance)
         };
         (self.veils.len() > MANY || self.veils.iter().any(is_there))
             && geometry.chosen_near(scene, ray, from, distance) != Some(crossing.primitive)

@@ -199,9 +199,9 @@ impl IllumSurface {
             closed(&row.iter().map(|value| twice - value).collect::<Vec<f64>>())
         };
         let rows: Vec<&[f64]> = means.chunks_exact(self.cells[1]).collect();
-        let beyond = |row: Option<&&[f64]>| row.map(|row| mirrored(row));
-        let last = if self.axes().is_none() { beyond(rows.last()) } else { None };
-        beyond(rows.first()).into_iter().chain(rows.iter().map(|row| closed(row))).chain(last).collect()
+        let past_pole = |row: Option<&&[f64]>| row.map(|row| mirrored(row));
+        let last = if self.axes().is_none() { past_pole(rows.last()) } else { None };
+        past_pole(rows.first()).into_iter().chain(rows.iter().map(|row| closed(row))).chain(last).collect()
     }
 
     /// Coordinates of the first and the last row of [`IllumSurface::table`]: squared cosine of the

@@ -43,9 +43,9 @@ impl Parameters {
             } else if let Some(direction) = word.strip_prefix("u=") {
                 self.up = Some(unit_direction(direction)?);
             } else if let Some(name) = rest.strip_prefix("o=") {
-                let (output, beyond) = output(name)?;
+                let (output, rest) = output(name)?;
                 self.output = Some(output.to_owned());
-                after = beyond;
+                after = rest;
             } else {
                 return Err(FluxError::Parameter { word: word.to_owned() });
             }

@@ -144,9 +144,9 @@ mod tests {
         let mut within = 0;
         for i in 0..side * side {
             let at = |k: i32| (f64::from(k) + 0.5) / f64::from(side);
-            let place = surface.point([at(i % side), at(i / side)]);
-            assert!(place.z == 3.0 && (place.x <= 1.0 + 1e-9 || place.y <= 1.0 + 1e-9), "{place}");
-            within += i32::from(place.x > 1.0);
+            let point = surface.point([at(i % side), at(i / side)]);
+            assert!(point.z == 3.0 && (point.x <= 1.0 + 1e-9 || point.y <= 1.0 + 1e-9), "{point}");
+            within += i32::from(point.x > 1.0);
         }
         assert!((f64::from(within) / f64::from(side * side) - 1.0 / 3.0).abs() < 0.02);
     }
@@ -156,8 +156,8 @@ mod tests {
         let surface = FluxSurface::new("r", Shape::Ring, &[0., 0., 1., 0., 0., -2., 3., 1.]).unwrap();
         assert!((surface.area - 8.0 * PI).abs() < 1e-12);
         for point in [[0.0, 0.3], [0.5, 0.9], [0.999, 0.1]] {
-            let place = surface.point(point);
-            assert!((1.0..=3.0).contains(&place.truncate().length()) && (place.z - 1.0).abs() < 1e-12);
+            let point = surface.point(point);
+            assert!((1.0..=3.0).contains(&point.truncate().length()) && (point.z - 1.0).abs() < 1e-12);
         }
     }
 

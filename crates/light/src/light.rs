@@ -54,8 +54,8 @@ pub struct LightCone {
 const PARALLEL: f64 = 1.0 - 1e-12;
 
 impl Light {
-    /// Samples a point that emits towards `receiver`, favouring points where the receiver's lobe is
-    /// large.
+    /// Samples a point that emits towards `receiver`, with a density that follows the receiver's
+    /// lobe.
     #[inline]
     pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
         let gradient = self.gradient(receiver, peak);

@@ -428,8 +428,8 @@ mod tests {
         for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
             let cut = TreeCut::new(&tree, &lights, point, &reception);
             for (index, light) in lights.iter().enumerate() {
-                let gives = (0..64).any(|place| {
-                    let u = [scattered(place, 0), scattered(place, 1)];
+                let gives = (0..64).any(|index| {
+                    let u = [scattered(index, 0), scattered(index, 1)];
                     let sample = light.sample(point, u, &reception.peak);
                     sample.is_some_and(|sample| {
                         let shines =

@@ -93,8 +93,8 @@ fn into(emission: &EmissionCone) -> f64 {
     let spread = emission.spread;
     let edge = (spread + emission.reach).min(PI);
     let (sin, cos) = spread.sin_cos();
-    let beyond = 2.0 * edge * sin - (spread - 2.0 * edge).cos() - 2.0 * spread * sin + cos;
-    2.0 * PI * (1.0 - cos) + 0.5 * PI * beyond
+    let outside = 2.0 * edge * sin - (spread - 2.0 * edge).cos() - 2.0 * spread * sin + cos;
+    2.0 * PI * (1.0 - cos) + 0.5 * PI * outside
 }
 
 /// Smallest cone about two cones (algorithm 1 there).

@@ -97,8 +97,8 @@ impl MeasuredBsdf {
     #[must_use]
     pub fn is_grey(&self) -> bool {
         let mut diffuse = self.diffuse_reflectance.iter().chain(&self.diffuse_transmittance);
-        let mut beyond = self.reflection.iter().chain(&self.transmission).flatten();
-        diffuse.all(|[red, green, blue]| red == green && green == blue) && beyond.all(Scattering::is_grey)
+        let mut scattering = self.reflection.iter().chain(&self.transmission).flatten();
+        diffuse.all(|[red, green, blue]| red == green && green == blue) && scattering.all(Scattering::is_grey)
     }
 
     /// Value for two directions with the Lambertian part, 1/sr: red, green, blue.

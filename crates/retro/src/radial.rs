@@ -101,8 +101,12 @@ mod tests {
             let u = f64::from(step) / 100.0;
             let (low, high) = (angle(u - 1e-4), angle(u + 1e-4));
             let solid_angle = PI * (high * high - low * low);
-            let told = lobe.at_chord(angle(u).powi(2));
-            assert!((2e-4 / solid_angle / told - 1.0).abs() < 2e-3, "u = {u}: {} against {told}", 2e-4 / solid_angle);
+            let density = lobe.at_chord(angle(u).powi(2));
+            assert!(
+                (2e-4 / solid_angle / density - 1.0).abs() < 2e-3,
+                "u = {u}: {} against {density}",
+                2e-4 / solid_angle
+            );
         }
     }
 }

@@ -140,8 +140,8 @@ impl RetroTable {
                 }
             }
         }
-        let beyond = if entrance > last { ((FRAC_PI_2 - entrance) / (FRAC_PI_2 - last)).max(0.0) } else { 1.0 };
-        if logarithm <= 0.5 * DARK { 0.0 } else { beyond * logarithm.exp() }
+        let falloff = if entrance > last { ((FRAC_PI_2 - entrance) / (FRAC_PI_2 - last)).max(0.0) } else { 1.0 };
+        if logarithm <= 0.5 * DARK { 0.0 } else { falloff * logarithm.exp() }
     }
 
     /// f, 1/sr. Zero if a direction is below the surface.

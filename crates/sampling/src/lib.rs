@@ -140,7 +140,7 @@ mod tests {
             }
             assert!(own.iter().all(|&filled| filled), "ray {ray} misses a strip");
         }
-        assert!(all.iter().all(|&met| met));
+        assert!(all.iter().all(|&filled| filled));
     }
 
     #[test]

@@ -49,7 +49,7 @@ pub struct Emva1288Description {
 /// A checked linear sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emva1288 {
-    asked: Emva1288Description,
+    description: Emva1288Description,
     electrons_per_exposure: f64,
     non_uniformity: Option<NonUniformity>,
 }
@@ -73,22 +73,26 @@ impl Emva1288 {
     ///
     /// # Errors
     /// The first quantity that is out of range.
-    pub fn new(asked: &Emva1288Description) -> Result<Self, SensorError> {
-        within("quantum_efficiency", asked.quantum_efficiency, "above 0 and at most 1", |value| {
+    pub fn new(description: &Emva1288Description) -> Result<Self, SensorError> {
+        within("quantum_efficiency", description.quantum_efficiency, "above 0 and at most 1", |value| {
             value > 0.0 && value <= 1.0
         })?;
-        positive("gain_dn_per_e", asked.gain_dn_per_e)?;
-        not_negative("dark_offset_dn", asked.dark_offset_dn)?;
-        not_negative("dark_current_e_per_s", asked.dark_current_e_per_s)?;
-        not_negative("read_noise_e", asked.read_noise_e)?;
-        within("full_well_e", asked.full_well_e, "at least 1 and at most 1e9", |value| {
+        positive("gain_dn_per_e", description.gain_dn_per_e)?;
+        not_negative("dark_offset_dn", description.dark_offset_dn)?;
+        not_negative("dark_current_e_per_s", description.dark_current_e_per_s)?;
+        not_negative("read_noise_e", description.read_noise_e)?;
+        within("full_well_e", description.full_well_e, "at least 1 and at most 1e9", |value| {
             (1.0..=LARGEST_WELL).contains(&value)
         })?;
-        positive("pixel area", asked.pixel_area_m2)?;
-        positive("wavelength", asked.wavelength_m)?;
-        positive("exposure time", asked.exposure_s)?;
-        let photons = asked.pixel_area_m2 * asked.wavelength_m / (PLANCK * LIGHT_SPEED);
-        Ok(Emva1288 { asked: *asked, electrons_per_exposure: photons * asked.quantum_efficiency, non_uniformity: None })
+        positive("pixel area", description.pixel_area_m2)?;
+        positive("wavelength", description.wavelength_m)?;
+        positive("exposure time", description.exposure_s)?;
+        let photons = description.pixel_area_m2 * description.wavelength_m / (PLANCK * LIGHT_SPEED);
+        Ok(Emva1288 {
+            description: *description,
+            electrons_per_exposure: photons * description.quantum_efficiency,
+            non_uniformity: None,
+        })
     }
 
     /// The same sensor with spatial non-uniformity.
@@ -105,7 +109,7 @@ impl Emva1288 {
     /// If the time is not positive.
     pub fn with_exposure_s(self, exposure_s: f64) -> Result<Self, SensorError> {
         positive("exposure time", exposure_s)?;
-        Ok(Emva1288 { asked: Emva1288Description { exposure_s, ..self.asked }, ..self })
+        Ok(Emva1288 { description: Emva1288Description { exposure_s, ..self.description }, ..self })
     }
 
     /// The same sensor with another number of pixels per row, which determines each pixel's row and
@@ -125,26 +129,27 @@ impl Emva1288 {
     /// Photons per pixel at an exposure of 1 J/m².
     #[must_use]
     pub fn photons_per_exposure(&self) -> f64 {
-        self.electrons_per_exposure / self.asked.quantum_efficiency
+        self.electrons_per_exposure / self.description.quantum_efficiency
     }
 
     /// Parameters of the sensor.
     #[must_use]
     pub fn description(&self) -> &Emva1288Description {
-        &self.asked
+        &self.description
     }
 
     /// Bit depth of the grey values.
     #[must_use]
     pub fn bits(&self) -> BitDepth {
-        self.asked.bits
+        self.description.bits
     }
 
     /// Mean electrons of a pixel at `exposure` J/m², including dark current and ignoring the full
     /// well. NaN counts as no light.
     #[must_use]
     pub fn mean_electrons(&self, exposure: f64) -> f64 {
-        exposure.max(0.0) * self.electrons_per_exposure + self.asked.dark_current_e_per_s * self.asked.exposure_s
+        exposure.max(0.0) * self.electrons_per_exposure
+            + self.description.dark_current_e_per_s * self.description.exposure_s
     }
 
     /// Saturated grey value without noise and before rounding.
@@ -187,15 +192,15 @@ impl Emva1288 {
         let mean = self.mean_electrons(exposure * own.response).min(2.0 * LARGEST_WELL);
         let counted = Poisson::new(mean).map_or(0.0, |poisson| poisson.sample(&mut random));
         let normal: f64 = StandardNormal.sample(&mut random);
-        let read_out = self.asked.read_noise_e * normal;
-        let electrons = counted.min(self.asked.full_well_e) + (read_out + own.dark_offset_e);
-        self.asked.bits.quantise(self.asked.dark_offset_dn + self.asked.gain_dn_per_e * electrons)
+        let read_out = self.description.read_noise_e * normal;
+        let electrons = counted.min(self.description.full_well_e) + (read_out + own.dark_offset_e);
+        self.description.bits.quantise(self.description.dark_offset_dn + self.description.gain_dn_per_e * electrons)
     }
 
     fn grey_of_electrons(&self, electrons: f64) -> f64 {
-        let asked = &self.asked;
-        let grey = asked.dark_offset_dn + asked.gain_dn_per_e * electrons.min(asked.full_well_e);
-        grey.min(f64::from(asked.bits.largest()))
+        let description = &self.description;
+        let grey = description.dark_offset_dn + description.gain_dn_per_e * electrons.min(description.full_well_e);
+        grey.min(f64::from(description.bits.largest()))
     }
 }
 
@@ -239,15 +244,15 @@ mod tests {
     #[test]
     fn mean_and_variance_follow_the_photon_transfer_line() {
         let sensor = Emva1288::new(&description()).unwrap();
-        let asked = description();
+        let description = description();
         for electrons in [0.0, 5.0, 200.0, 3000.0, 9000.0] {
             let exposure = electrons / sensor.electrons_per_exposure;
             let (mean, variance) = statistics(&sensor, exposure);
             let expected_mean = 60.0 + 0.25 * (electrons + 10.0);
             assert!((mean - expected_mean).abs() < 4.0 * (variance / 4e4).sqrt(), "{mean} against {expected_mean}");
-            let line = (asked.gain_dn_per_e * asked.read_noise_e).powi(2)
+            let line = (description.gain_dn_per_e * description.read_noise_e).powi(2)
                 + 1.0 / 12.0
-                + asked.gain_dn_per_e * (expected_mean - asked.dark_offset_dn);
+                + description.gain_dn_per_e * (expected_mean - description.dark_offset_dn);
             // The variance of 40,000 values has a standard error of 0.7 %.
             assert!((variance / line - 1.0).abs() < 0.03, "{electrons} e: {variance} against {line}");
         }
@@ -284,7 +289,7 @@ mod tests {
 
     #[test]
     fn impossible_sensors_are_rejected() {
-        let message = |asked: Emva1288Description| Emva1288::new(&asked).unwrap_err().to_string();
+        let message = |description: Emva1288Description| Emva1288::new(&description).unwrap_err().to_string();
         assert_eq!(
             message(Emva1288Description { quantum_efficiency: 60.0, ..description() }),
             "quantum_efficiency must be above 0 and at most 1, not 60"

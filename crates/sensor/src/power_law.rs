@@ -29,19 +29,19 @@ impl PowerLaw {
     ///
     /// # Errors
     /// The first quantity that is out of range.
-    pub fn new(asked: &PowerLawDescription) -> Result<Self, SensorError> {
-        positive("k", asked.k)?;
-        positive("gamma", asked.gamma)?;
-        let grey_background = not_negative("grey_background", asked.grey_background)?;
-        let grey_max = positive("grey_max", asked.grey_max)?;
+    pub fn new(description: &PowerLawDescription) -> Result<Self, SensorError> {
+        positive("k", description.k)?;
+        positive("gamma", description.gamma)?;
+        let grey_background = not_negative("grey_background", description.grey_background)?;
+        let grey_max = positive("grey_max", description.grey_max)?;
         if grey_max <= grey_background {
             return Err(SensorError::NoRange { grey_max, grey_background });
         }
-        let largest = asked.bits.largest();
+        let largest = description.bits.largest();
         if grey_max > f64::from(largest) {
-            return Err(SensorError::TooBright { grey_max, bits: asked.bits.bits(), largest });
+            return Err(SensorError::TooBright { grey_max, bits: description.bits.bits(), largest });
         }
-        Ok(PowerLaw(*asked))
+        Ok(PowerLaw(*description))
     }
 
     /// Parameters of the sensor.
@@ -60,9 +60,9 @@ impl PowerLaw {
     /// background.
     #[must_use]
     pub fn exact_grey(&self, exposure: f64) -> f64 {
-        let asked = &self.0;
-        let energy = (exposure * asked.exposure_unit.per_joule_per_square_metre()).max(0.0);
-        (asked.k * energy.powf(asked.gamma) + asked.grey_background).min(asked.grey_max)
+        let description = &self.0;
+        let energy = (exposure * description.exposure_unit.per_joule_per_square_metre()).max(0.0);
+        (description.k * energy.powf(description.gamma) + description.grey_background).min(description.grey_max)
     }
 
     /// Eq. 5, saturated and rounded.
@@ -74,9 +74,10 @@ impl PowerLaw {
     /// Exposure (J/m²) at which the sensor saturates: `E_sat = ((G_max − G₀)/K)^(1/γ)`.
     #[must_use]
     pub fn saturation_exposure(&self) -> f64 {
-        let asked = &self.0;
-        let energy = ((asked.grey_max - asked.grey_background) / asked.k).powf(asked.gamma.recip());
-        energy / asked.exposure_unit.per_joule_per_square_metre()
+        let description = &self.0;
+        let energy =
+            ((description.grey_max - description.grey_background) / description.k).powf(description.gamma.recip());
+        energy / description.exposure_unit.per_joule_per_square_metre()
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
 
     #[test]
     fn impossible_sensors_are_rejected() {
-        let message = |asked: PowerLawDescription| PowerLaw::new(&asked).unwrap_err().to_string();
+        let message = |description: PowerLawDescription| PowerLaw::new(&description).unwrap_err().to_string();
         assert_eq!(message(PowerLawDescription { k: -1.0, ..paper() }), "k must be positive and finite, not -1");
         assert_eq!(
             message(PowerLawDescription { gamma: f64::NAN, ..paper() }),

@@ -41,12 +41,12 @@ fn half(estimate: Estimate) -> Estimate {
 
 #[test]
 fn intervals_contain_the_parameters_for_95_of_100_seeds() {
-    let asked = description();
+    let description = description();
     let quantities: [(&str, f64, Quantity); 12] = [
-        ("K", asked.gain_dn_per_e, |found| found.gain_dn_per_e),
-        ("QE", asked.quantum_efficiency, |found| found.quantum_efficiency),
+        ("K", description.gain_dn_per_e, |found| found.gain_dn_per_e),
+        ("QE", description.quantum_efficiency, |found| found.quantum_efficiency),
         ("dark noise", 9f64.hypot(3.0), |found| found.dark_noise_e),
-        ("dark current", asked.dark_current_e_per_s, |found| found.dark_current_e_per_s),
+        ("dark current", description.dark_current_e_per_s, |found| found.dark_current_e_per_s),
         ("DSNU", DSNU.total(), |found| found.dsnu_e.total),
         ("DSNU pixel", DSNU.pixel, |found| found.dsnu_e.pixel),
         ("DSNU row", DSNU.row, |found| found.dsnu_e.row),
@@ -54,9 +54,9 @@ fn intervals_contain_the_parameters_for_95_of_100_seeds() {
         ("PRNU", PRNU.total(), |found| found.prnu.total),
         ("PRNU row", PRNU.row, |found| found.prnu.row),
         ("PRNU column", PRNU.column, |found| found.prnu.column),
-        ("full well", asked.full_well_e, |found| found.full_well_e.unwrap()),
+        ("full well", description.full_well_e, |found| found.full_well_e.unwrap()),
     ];
-    let all: Vec<Characterisation> = (0..100).map(|seed| found(asked, seed)).collect();
+    let all: Vec<Characterisation> = (0..100).map(|seed| found(description, seed)).collect();
     for (name, truth, of) in quantities {
         let within = all.iter().filter(|found| of(found).contains(truth)).count();
         let within_half = all.iter().filter(|found| half(of(found)).contains(truth)).count();

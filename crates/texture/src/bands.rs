@@ -12,17 +12,17 @@ use radsight_units::color::LUMINANCE_WEIGHTS;
 /// Spreads red, green and blue over the elements of a ray; a grey scene takes the first alone.
 #[inline]
 pub fn spread<const BANDS: usize>(color: [f64; 3]) -> [f64; BANDS] {
-    std::array::from_fn(|place| color[place * 3 / BANDS])
+    std::array::from_fn(|element| color[element * 3 / BANDS])
 }
 
 /// Red, green and blue of a ray's elements: the mean of each third.
 #[inline]
-pub fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
+pub fn gathered<const BANDS: usize>(elements: &[f64; BANDS]) -> [f64; 3] {
     if BANDS < 3 {
-        return [places[0]; 3];
+        return [elements[0]; 3];
     }
     let third = BANDS / 3;
-    std::array::from_fn(|part| places[part * third..][..third].iter().sum::<f64>() / third as f64)
+    std::array::from_fn(|part| elements[part * third..][..third].iter().sum::<f64>() / third as f64)
 }
 
 /// Values that are the same for all rays.
@@ -53,8 +53,8 @@ impl Bands {
                     *band *= factor;
                 }
             }
-            Bands::Spectrum(places) => {
-                for (band, factor) in color.iter_mut().zip(places) {
+            Bands::Spectrum(elements) => {
+                for (band, factor) in color.iter_mut().zip(elements) {
                     *band *= factor;
                 }
             }
@@ -114,11 +114,11 @@ pub struct BandLayout {
     /// Band of each element.
     band_of: Vec<usize>,
     /// Element of each band.
-    place_of: Vec<usize>,
+    element_of: Vec<usize>,
 }
 
 /// Array sizes for spectra; the last holds any sampling.
-pub(crate) const PLACES: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
+pub(crate) const ELEMENTS: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
 
 impl BandLayout {
     /// Layout of these bands.
@@ -127,19 +127,19 @@ impl BandLayout {
         let bands_of: [Vec<usize>; 3] =
             [0, 1, 2].map(|part| (0..sampling.bands()).filter(|band| sampling.part(*band) == part).collect());
         let widest = bands_of.iter().map(Vec::len).max().unwrap_or(0);
-        let places = PLACES.into_iter().find(|places| places / 3 >= widest).unwrap_or(3 * widest);
-        let mut place_of = vec![0; sampling.bands()];
-        let mut band_of = Vec::with_capacity(places);
-        for place in 0..places {
-            let bands = &bands_of[place * 3 / places];
-            let index = place % (places / 3);
+        let elements = ELEMENTS.into_iter().find(|elements| elements / 3 >= widest).unwrap_or(3 * widest);
+        let mut element_of = vec![0; sampling.bands()];
+        let mut band_of = Vec::with_capacity(elements);
+        for element in 0..elements {
+            let bands = &bands_of[element * 3 / elements];
+            let index = element % (elements / 3);
             if let Some(band) = bands.get(index) {
-                place_of[*band] = place;
+                element_of[*band] = element;
             }
             // A third without bands repeats the last band.
             band_of.push(bands.get(index).or(bands.last()).copied().unwrap_or(0));
         }
-        BandLayout { sampling, band_of, place_of }
+        BandLayout { sampling, band_of, element_of }
     }
 
     /// Sampling of the spectrum.
@@ -149,7 +149,7 @@ impl BandLayout {
     }
 
     /// Number of elements of a ray's array.
-    pub fn places(&self) -> usize {
+    pub fn elements(&self) -> usize {
         self.band_of.len()
     }
 
@@ -167,8 +167,8 @@ impl BandLayout {
     }
 
     /// Collects the value of each band from the elements of a ray.
-    pub fn collect(&self, places: &[f64]) -> impl Iterator<Item = f64> {
-        self.place_of.iter().map(|place| places[*place])
+    pub fn collect(&self, elements: &[f64]) -> impl Iterator<Item = f64> {
+        self.element_of.iter().map(|element| elements[*element])
     }
 }
 
@@ -205,7 +205,7 @@ mod tests {
         for (bands, range) in [(4, [380.0, 780.0]), (18, [380.0, 780.0]), (24, [380.0, 780.0]), (24, [400.0, 2500.0])] {
             let sampling = Sampling::new(bands, range).unwrap();
             let layout = BandLayout::new(sampling);
-            let colors: Vec<f64> = match layout.places() {
+            let colors: Vec<f64> = match layout.elements() {
                 27 => spread::<27>([1.0, 2.0, 3.0]).to_vec(),
                 36 => spread::<36>([1.0, 2.0, 3.0]).to_vec(),
                 _ => spread::<72>([1.0, 2.0, 3.0]).to_vec(),
@@ -220,7 +220,7 @@ mod tests {
     fn collect_inverts_arrange() {
         let layout = BandLayout::new(Sampling::new(11, [390.0, 710.0]).unwrap());
         let values: Vec<f64> = (0..11).map(f64::from).collect();
-        let Bands::Spectrum(places) = layout.arrange(&values) else { panic!("a spectrum is no colour") };
-        assert_eq!(layout.collect(&places).collect::<Vec<_>>(), values);
+        let Bands::Spectrum(elements) = layout.arrange(&values) else { panic!("a spectrum is no colour") };
+        assert_eq!(layout.collect(&elements).collect::<Vec<_>>(), values);
     }
 }

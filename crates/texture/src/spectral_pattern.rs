@@ -28,8 +28,8 @@ impl Receiver {
         let mut bands = [0.0; Sampling::MOST_BANDS];
         self.conversion.apply(values, &mut bands[..self.layout.sampling().bands()]);
         if complete {
-            for (place, band) in color.iter_mut().zip(self.layout.band_of()) {
-                *place *= bands[*band];
+            for (element, band) in color.iter_mut().zip(self.layout.band_of()) {
+                *element *= bands[*band];
             }
         }
     }

@@ -218,7 +218,7 @@ mod tests {
     /// Traces a ray until it leaves through the front plane; whether it hit all three faces and
     /// left inside the triangle.
     fn trace(corner: &CubeCorner, mut point: DVec3, mut light: DVec3) -> bool {
-        let mut met = [false; 3];
+        let mut hit = [false; 3];
         for _ in 0..4 {
             let distance = |face: usize| {
                 let towards = -light.dot(corner.square[face]);
@@ -229,11 +229,11 @@ mod tests {
             if distance(face) > to_front {
                 let exit = point + light * to_front;
                 let inside = corner.square.iter().all(|normal| exit.dot(*normal) >= 0.0);
-                return inside && met == [true; 3];
+                return inside && hit == [true; 3];
             }
             point += light * distance(face);
             light -= corner.square[face] * (2.0 * light.dot(corner.square[face]));
-            met[face] = true;
+            hit[face] = true;
         }
         false
     }
