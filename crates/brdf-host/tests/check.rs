@@ -70,7 +70,7 @@ fn each_broken_plugin_is_caught_with_the_right_message() {
         ("INFINITE", Stage::Finite, "value inf at outgoing angle"),
         ("LENGTH", Stage::Finite, "sample returns a direction of length"),
         ("ANISOTROPY", Stage::Isotropy, "when both directions are rotated about the normal"),
-        ("BATCH", Stage::Purity, "alone but"),
+        ("BATCH", Stage::Purity, "in a single call but"),
         ("STATE", Stage::Purity, "numbers differ when 4 threads evaluate the same batches at once"),
         ("UNWRITTEN", Stage::Finite, "value NaN"),
         ("STATUS", Stage::Finite, "value NaN"),
