@@ -609,7 +609,7 @@ pub fn colored<const BANDS: usize>(kind: &GlossyKind, pattern: [f64; BANDS]) -> 
     std::array::from_fn(|band| own[band] * pattern[band])
 }
 
-/// Number of bands of a plugin's model: three of colour at most, as models know no spectra.
+/// Number of bands for which a plugin's model is made: at most three, red, green and blue.
 pub const fn model_bands<const BANDS: usize>() -> usize {
     if BANDS > 3 { 3 } else { BANDS }
 }

@@ -116,7 +116,7 @@ impl RenderPlan {
 }
 
 /// Sorts the distant sources. A ray sees the first light that contains its direction, otherwise the
-/// first illum without an alternate material, otherwise the first glow.
+/// first illum whose alternate material is void, otherwise the first glow.
 fn collect_sky<'a>(scene: &ValidScene, shader: impl Fn(SurfaceHandle) -> &'a Shader) -> Vec<Sky> {
     let rank = |kind: &Kind| match kind {
         Kind::Illum { substitute: Substitution::Void, .. } => 1,
