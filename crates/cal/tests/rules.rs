@@ -23,7 +23,7 @@ impl World {
         }
     }
 
-    /// A span, where the place does not matter.
+    /// An arbitrary span.
     fn span(&mut self) -> Span {
         let source = self.sources.add("scene.rad", &b""[..], None);
         self.sources.span(source, 0, 0)

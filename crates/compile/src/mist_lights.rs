@@ -28,9 +28,7 @@ impl MistLights {
                 });
                 if bit >= MAX_MIST_LIGHTS {
                     let most = MAX_MIST_LIGHTS;
-                    return Err(Diagnostic::error(format!(
-                        "mist names more than {most} different lights, the maximum"
-                    )));
+                    return Err(Diagnostic::error(format!("mist names more than {most} different lights")));
                 }
                 mist.lights |= 1 << bit;
             }
