@@ -1,11 +1,11 @@
-//! Honest plugins pass; each kind of bad one is caught with the right message.
+//! Valid plugins pass; each kind of invalid plugin is reported with the right message.
 
 use radsight_brdf_host::check::{self, ChildCommand, Example, Report, Stage, Verdict};
 use radsight_test_support::plugins::{c_plugin, sdk_example, workspace_plugin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Not a test: what the children of the tests below run.
+/// Not a test: entry point of the child processes of the tests below.
 #[test]
 #[ignore = "run by other tests as a child process"]
 fn child() {

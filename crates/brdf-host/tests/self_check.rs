@@ -1,4 +1,4 @@
-//! The quick check of every instance before it is used, and the last words of a crash while
+//! The quick check of every instance before it is used, and the message of a crash while
 //! rendering.
 
 use radsight_brdf::Brdf;
@@ -55,7 +55,7 @@ fn dishonest_models_are_told_with_angle_and_value_and_refused_when_strict() {
     }
 }
 
-/// Not a test: crashes in a plugin on a thread, as a rendering would.
+/// Not a test: crashes in a plugin on a thread, like a rendering.
 #[test]
 #[ignore = "run by the next test as a child process"]
 fn crash() {

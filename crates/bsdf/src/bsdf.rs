@@ -288,8 +288,8 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     /// Unit normal, if the surface is purely diffuse on the viewer's side and opaque.
     pub fn facing(&self) -> Option<DVec3> {
-        let is_matte = matches!(self.highlight, Highlight::None) && self.transmission.is_none();
-        is_matte.then_some(self.diffuse_normal)
+        let is_diffuse = matches!(self.highlight, Highlight::None) && self.transmission.is_none();
+        is_diffuse.then_some(self.diffuse_normal)
     }
 
     /// Estimate of the albedo of both sides' highlights.
