@@ -8,7 +8,7 @@
  *
  * | model   | arguments                                          | unit | range      |
  * |---------|----------------------------------------------------|------|------------|
- * | `phong` | rho_d, matte reflectance: red green blue           | 1    | 0 ... 1    |
+ * | `phong` | rho_d, diffuse reflectance: red green blue         | 1    | 0 ... 1    |
  * |         | rho_s, strength of the highlight: red green blue   | 1    | 0 ... 1    |
  * |         | exponent n: the highlight is half as bright at     | 1    | 1 ... 1e6  |
  * |         | acos(0.5^(1/n)) from the mirror direction          |      |            |
@@ -32,7 +32,7 @@ static const double PI = 3.14159265358979323846;
 typedef struct Phong {
     uint32_t bands;
     double exponent;
-    double highlight_share; /* how often the highlight is drawn */
+    double highlight_share; /* probability of sampling the highlight */
     double rho[];           /* rho_d of each band, then rho_s of each */
 } Phong;
 
@@ -55,7 +55,7 @@ static const RadsightBrdfModel model = {
     .citation = "Lafortune and Willems, KU Leuven CW 197, 1994",
 };
 
-/* cos^n(alpha) with alpha from the mirror direction of `out` to `in`; 1 - |a-b|^2/2 keeps the digits of a small alpha. */
+/* cos^n(alpha) with alpha from the mirror direction of `out` to `in`; 1 - |a-b|^2/2 is accurate for a small alpha. */
 static double lobe(const Phong *self, const double out[3], double x, double y, double z) {
     const double dx = x + out[0], dy = y + out[1], dz = z - out[2];
     const double cosine = 1 - 0.5 * (dx * dx + dy * dy + dz * dz);

@@ -193,7 +193,7 @@ fn a_material_with_a_wrong_number_of_arguments_that_a_surface_wears() {
     let run = bench.run(&[&["capture", "camera.toml", "bad.rad"], &QUICK[..]].concat(), b"");
     assert_eq!(run.code, INPUT);
     let message =
-        "error: a ray met \"ball\", whose material cannot be used: plastic \"white\" has 4 real arguments, expected 5";
+        "error: a ray hit \"ball\", whose material cannot be used: plastic \"white\" has 4 real arguments, expected 5";
     assert!(run.messages.contains(message), "{}", run.messages);
 }
 

@@ -44,7 +44,7 @@ fn recursion_without_end_is_told_once_with_place_and_count() {
 #[test]
 fn values_beyond_single_precision_are_told() {
     let run = picture(&ball(BEYOND), &[]);
-    assert_told(&run, "a value goes beyond single precision");
+    assert_told(&run, "a value exceeds single precision");
     assert_eq!(run.code, 0);
 }
 
@@ -82,7 +82,7 @@ fn no_picture_has_values_that_are_none() {
 fn a_variable_that_is_defined_by_itself_is_the_only_thing_that_is_told() {
     let run = picture(&ball("a=b;b=a;shade=a;\n"), &[]);
     assert_eq!(run.code, INPUT, "{}", run.messages);
-    assert!(run.messages.contains("variable \"a\" is defined by means of itself"), "{}", run.messages);
+    assert!(run.messages.contains("variable \"a\" depends on itself"), "{}", run.messages);
     assert!(!run.messages.contains("modifies another material"), "{}", run.messages);
 }
 

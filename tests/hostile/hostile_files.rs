@@ -112,7 +112,7 @@ fn comments_and_receivers_write_nothing_elsewhere() {
     for (comment, said) in [
         ("h=kf u=Y o=\"|touch hit\"", "it is a command"),
         ("h=kf u=Y o=.hit", "comes from a file and is not written"),
-        ("h=r999999 u=Y", "is no basis"),
+        ("h=r999999 u=Y", "is not a basis"),
     ] {
         let text = format!("#@rfluxmtx {comment}\n{window}");
         try_out(&attempt("r.rad", text, &["rfluxmtx", "scene.rad", "r.rad", "scene.rad"], 1, said));

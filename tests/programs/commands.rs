@@ -80,7 +80,7 @@ fn what_is_left_out_is_explained_and_measured() {
     let told = run(&folder, &["explain", "camera.toml", &sheet]).text();
     assert!(told.contains("one band is traced: every colour") && !told.contains("saves"), "{told}");
     let measured = run(&folder, &["explain", "--measure", "camera.toml", &sheet]).text();
-    for skip in ["equal bands", "what stands behind shadows", "bent shadow rays", "media", "antimatter"] {
+    for skip in ["equal bands", "hits behind opaque blockers", "refracted shadow rays", "media", "antimatter"] {
         assert_eq!(measured.matches(&format!("leaving out {skip} saves")).count(), 1, "{skip}: {measured}");
     }
     assert_eq!(measured.lines().count(), told.lines().count());

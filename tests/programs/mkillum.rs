@@ -283,7 +283,7 @@ fn mistakes_are_told() {
         ("-zz outside.rad", 2, "option \"-zz\" is not supported"),
         ("-P x outside.rad", 2, "option \"-P\" is not supported"),
         ("outside.rad < nowhere.rad", 1, "nowhere.rad"),
-        ("outside.rad < many.rad", 1, "surface \"s\" is asked for too many rays"),
+        ("outside.rad < many.rad", 1, "surface \"s\" needs too many rays"),
         ("outside.rad < torn.rad", 1, "torn.rad"),
     ] {
         let run = ours(&folder, words);

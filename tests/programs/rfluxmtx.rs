@@ -142,13 +142,13 @@ fn what_is_wrong_is_told() {
     check("-I+ sender.rad receiver.rad", 2, "for rays from standard input (-) only");
     check("sender.rad receiver.rad -n 6 outside.rad", 2, "\"-n\" stands among the scene files");
     check("sender.rad none.rad", 1, "cannot read scene file \"none.rad\"");
-    check("sender.rad empty.rad", 1, "no surface is named");
+    check("sender.rad empty.rad", 1, "no surface is given");
     check("sender.rad unsaid.rad", 1, "surfaces of \"wall\" have no basis");
-    check("sender.rad strange.rad", 1, "\"strange.rad\": \"q\" is no basis");
+    check("sender.rad strange.rad", 1, "\"strange.rad\": \"q\" is not a basis");
     check("sender.rad broken.rad", 1, "broken.rad:1");
     check("sender.rad sun.rad", 1, "source \"disk\" is not 180 degrees wide");
     check("sun.rad receiver.rad", 1, "source \"disk\" cannot send rays");
     check("cie.rad receiver.rad", 1, "for receivers only");
-    check("flat.rad receiver.rad", 1, "the up direction is the normal");
-    check("ball.rad receiver.rad", 1, "have no normal in the mean");
+    check("flat.rad receiver.rad", 1, "the up direction is parallel to the normal");
+    check("ball.rad receiver.rad", 1, "have normals that cancel");
 }

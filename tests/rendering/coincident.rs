@@ -213,7 +213,7 @@ fn ours(scene: String, files: &MemoryLoader, rays: [[DVec3; 2]; 3]) -> Vec<Answe
     let read = read_scene(&[input], files, &ReadOptions::default());
     assert!(!read.has_errors(), "{}", read.render(9));
     let scene = read.scene.validate().expect("the scene is valid").scene;
-    let options = RenderOptions { bare_surfaces: BareSurfaces::Met, ..RenderOptions::default() };
+    let options = RenderOptions { bare_surfaces: BareSurfaces::Reported, ..RenderOptions::default() };
     let renderer = Renderer::new(RenderPlan::new(scene, options, &NoModels).expect("the scene can be rendered"));
     let rays = rays.map(|[origin, direction]| Ray::new(origin, direction));
     let traced = renderer.trace_all(0, &rays);

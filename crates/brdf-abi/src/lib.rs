@@ -1,10 +1,11 @@
 //! The C interface of BRDF plugins, as Rust types.
 //!
-//! The meaning of every field, the threads that may call each function, and the owner and lifetime of every pointer stand in
-//! `include/radsight_brdf.h`, which is all that an author in C needs; a test compares its sizes, offsets and constants with
-//! the types here. Authors in Rust use the crate `radsight-brdf-sdk`.
+//! The header `include/radsight_brdf.h` specifies the meaning of every field, the threads that may
+//! call each function, and the owner and lifetime of every pointer; it is all that an author in C
+//! needs. A test compares its sizes, offsets and constants with the types here. Authors in Rust use
+//! the crate `radsight-brdf-sdk`.
 //!
-//! Guarantees: a minor version only appends. Knows nothing but `core`.
+//! Guarantees: a minor version only appends. The crate depends on `core` only.
 //!
 //! ```
 //! use radsight_brdf_abi::{ABI_MAJOR, Entry};
@@ -14,56 +15,56 @@
 
 use std::ffi::{c_char, c_void};
 
-/// The C header, for tools that write it beside a new plugin.
+/// The C header, for tools that create a plugin project.
 pub const HEADER: &str = include_str!("../include/radsight_brdf.h");
 
 /// First eight bytes of an [`Entry`]: "RADSBRDF" as a number.
 pub const MAGIC: u64 = 0x5241_4453_4252_4446;
-/// Equal on both sides.
+/// Major version; must be equal on both sides.
 pub const ABI_MAJOR: u32 = 1;
-/// A higher one only appends.
+/// Minor version; a higher one only appends.
 pub const ABI_MINOR: u32 = 1;
-/// The name of the exported constant, with its final zero byte.
+/// Name of the exported constant, with its terminating zero byte.
 pub const ENTRY_SYMBOL: &[u8] = b"radsight_brdf_entry\0";
-/// Scratch begins at a multiple of this many bytes.
+/// Alignment of scratch memory, bytes.
 pub const SCRATCH_ALIGNMENT: usize = 64;
 
-/// What a function of a plugin returns; see the constants in [`status`].
+/// Return value of a plugin's function; see the constants in [`status`].
 pub type Status = u32;
 
 /// Values of [`Status`].
 pub mod status {
-    /// Done.
+    /// Success.
     pub const OK: u32 = 0;
-    /// The host broke a rule.
+    /// The host violated the interface.
     pub const BAD_ARGUMENT: u32 = 1;
-    /// The parameters do not fit.
+    /// A parameter is invalid.
     pub const BAD_PARAMETER: u32 = 2;
-    /// A file that a parameter names cannot be read or understood.
+    /// A file named by a parameter cannot be read or parsed.
     pub const FILE_ERROR: u32 = 3;
-    /// No memory.
+    /// Memory allocation failed.
     pub const OUT_OF_MEMORY: u32 = 4;
-    /// Such as a number of bands that the model cannot do.
+    /// Unsupported request, such as a number of bands.
     pub const UNSUPPORTED: u32 = 5;
-    /// A fault of the plugin that it noticed itself.
+    /// Internal error that the plugin detected itself.
     pub const INTERNAL: u32 = 6;
-    /// A panic or exception, stopped at the border.
+    /// A panic or exception, stopped at the interface.
     pub const PANIC: u32 = 7;
 }
 
-/// Flags of a model or an instance: lobes in the low byte, claims in the next.
+/// Flags of a model or an instance: lobes in the low byte, declared properties in the next.
 pub mod flags {
     /// Smooth functions of direction.
     pub const DIFFUSE: u32 = 0x1;
-    /// Peaks of finite width.
+    /// Lobes of finite width.
     pub const GLOSSY: u32 = 0x2;
     /// Perfectly specular directions.
     pub const DELTA: u32 = 0x4;
-    /// Incident and outgoing may be on different sides.
+    /// Incident and outgoing directions may be on different sides.
     pub const TRANSMISSION: u32 = 0x8;
-    /// Depends on the azimuth of the frame's x axis.
+    /// The value depends on the azimuth of the frame's x axis.
     pub const ANISOTROPIC: u32 = 0x10;
-    /// Claims `f(outgoing, incident) = f(incident, outgoing)`.
+    /// Declares `f(outgoing, incident) = f(incident, outgoing)`.
     pub const RECIPROCAL: u32 = 0x100;
 }
 
@@ -73,7 +74,7 @@ pub mod kind {
     pub const NUMBER: u32 = 0;
     /// One number without a fraction.
     pub const INTEGER: u32 = 1;
-    /// Three numbers in a scene; one for each band at `create`.
+    /// Three numbers in a scene; one per band at `create`.
     pub const SPECTRUM: u32 = 2;
     /// One word.
     pub const WORD: u32 = 3;
@@ -85,17 +86,17 @@ pub mod kind {
 
 /// Flags of a parameter.
 pub mod parameter_flags {
-    /// May be left out with all later ones of its list.
+    /// May be omitted together with all later ones of its list.
     pub const OPTIONAL: u32 = 0x1;
-    /// The minimum itself is not allowed.
+    /// The minimum itself is excluded.
     pub const ABOVE_MINIMUM: u32 = 0x2;
-    /// The maximum itself is not allowed.
+    /// The maximum itself is excluded.
     pub const BELOW_MAXIMUM: u32 = 0x4;
 }
 
-/// What `sample` found.
+/// Kinds of results of `sample`.
 pub mod sample_kind {
-    /// Nothing.
+    /// Absorption.
     pub const ABSORBED: u8 = 0;
     /// A direction with a density.
     pub const CONTINUOUS: u8 = 1;
@@ -103,51 +104,51 @@ pub mod sample_kind {
     pub const DELTA: u8 = 2;
 }
 
-/// One row of a parameter table: `RadsightBrdfParameter`.
+/// A row of a parameter table: `RadsightBrdfParameter`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
-    /// For messages and tables.
+    /// Name, for messages and tables.
     pub name: *const c_char,
-    /// Such as "rad" or "1".
+    /// Unit, such as "rad" or "1".
     pub unit: *const c_char,
-    /// One sentence.
+    /// Description in one sentence.
     pub doc: *const c_char,
     /// One of [`kind`].
     pub kind: u32,
-    /// Of [`parameter_flags`].
+    /// Combination of [`parameter_flags`].
     pub flags: u32,
-    /// Of an optional number.
+    /// Default of an optional number.
     pub default_number: f64,
     /// Smallest allowed number.
     pub minimum: f64,
     /// Largest allowed number.
     pub maximum: f64,
-    /// Of an optional word.
+    /// Default of an optional word.
     pub default_word: *const c_char,
-    /// Of a choice, separated by `|`.
+    /// Words of a choice, separated by `|`.
     pub choices: *const c_char,
 }
 
-/// What a model is: `RadsightBrdfModel`.
+/// Description of a model: `RadsightBrdfModel`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    /// In the eyes of the plugin.
+    /// Size of the structure in the plugin's version, bytes.
     pub struct_size: u32,
-    /// Of [`flags`].
+    /// Combination of [`flags`].
     pub flags: u32,
-    /// Rows of `parameters`.
+    /// Number of rows in `parameters`.
     pub parameter_count: u32,
-    /// Bytes from one row to the next.
+    /// Stride of the rows, bytes.
     pub parameter_size: u32,
-    /// The table.
+    /// Parameter table.
     pub parameters: *const Parameter,
-    /// As a scene writes it.
+    /// Name in a scene.
     pub name: *const c_char,
-    /// One line.
+    /// Description in one line.
     pub summary: *const c_char,
-    /// Where the formulas are from; may be null.
+    /// Source of the formulas; may be null.
     pub citation: *const c_char,
 }
 
@@ -155,68 +156,68 @@ pub struct Model {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// The wavelength that stands for it.
+    /// Representative wavelength.
     pub centre_m: f64,
-    /// Where it begins.
+    /// Lower limit.
     pub low_m: f64,
-    /// Where it ends.
+    /// Upper limit.
     pub high_m: f64,
 }
 
-/// Bytes of [`Error::message`].
+/// Size of [`Error::message`], bytes.
 pub const MESSAGE_BYTES: usize = 240;
 
 /// Why `create` failed: `RadsightBrdfError`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Error {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
     /// Row of the parameter table, or −1.
     pub parameter: i32,
-    /// Ends with a zero byte.
+    /// Text, terminated by a zero byte.
     pub message: [c_char; MESSAGE_BYTES],
 }
 
-/// What the host offers: `RadsightBrdfHost`.
+/// Services of the host: `RadsightBrdfHost`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Host {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
-    /// Of the host.
+    /// Major version of the host.
     pub abi_major: u32,
-    /// Of the host.
+    /// Minor version of the host.
     pub abi_minor: u32,
     /// Zero.
     pub reserved: u32,
-    /// \[any thread\] Hands a line of text to the user: 0 note, 1 warning, 2 error.
+    /// \[any thread\] Logs a line of text: level 0 note, 1 warning, 2 error.
     pub log: Option<unsafe extern "C" fn(host: *const Host, level: u32, text: *const c_char)>,
-    /// Since 1.1. \[any thread\]
+    /// Since 1.1. \[any thread\] Returns an extension of the host, or null.
     pub extension: Option<unsafe extern "C" fn(host: *const Host, name: *const c_char, revision: u32) -> *const c_void>,
 }
 
-/// What `create` is given: `RadsightBrdfCreate`.
+/// Arguments of `create`: `RadsightBrdfCreate`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Create {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
-    /// At least 1.
+    /// Number of bands, at least 1.
     pub band_count: u32,
-    /// `band_count`.
+    /// Bands, `band_count` of them.
     pub bands: *const Band,
-    /// `number_count`.
+    /// Numbers, `number_count` of them.
     pub numbers: *const f64,
-    /// `word_count`.
+    /// Words, `word_count` of them.
     pub words: *const *const c_char,
-    /// What the table asks for.
+    /// Number of numbers that the table requires.
     pub number_count: u32,
-    /// What the table asks for.
+    /// Number of words that the table requires.
     pub word_count: u32,
-    /// May be kept.
+    /// The host; the plugin may keep the pointer.
     pub host: *const Host,
-    /// To be filled in on failure.
+    /// Error to be filled in on failure.
     pub error: *mut Error,
 }
 
@@ -224,23 +225,23 @@ pub struct Create {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Eval {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
-    /// Of incident directions.
+    /// Number of incident directions.
     pub count: u32,
-    /// Unit, local frame, away from the surface.
+    /// Outgoing direction: unit, local frame, away from the surface.
     pub outgoing: [f64; 3],
-    /// `count`.
+    /// x of the incident directions, `count` elements.
     pub incident_x: *const f64,
-    /// `count`.
+    /// y of the incident directions, `count` elements.
     pub incident_y: *const f64,
-    /// `count`.
+    /// z of the incident directions, `count` elements.
     pub incident_z: *const f64,
-    /// `f` in 1/sr, element `[band · count + direction]`.
+    /// Output: `f` in 1/sr, element `[band · count + direction]`.
     pub values: *mut f64,
-    /// 1/sr, `count`.
+    /// Output: densities in 1/sr, `count` elements.
     pub pdfs: *mut f64,
-    /// The host's, of the size that the instance asked for.
+    /// Scratch memory of the host, of the size that the instance requested.
     pub scratch: *mut c_void,
 }
 
@@ -248,31 +249,31 @@ pub struct Eval {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
-    /// Of points.
+    /// Number of points.
     pub count: u32,
-    /// Unit, local frame, away from the surface.
+    /// Outgoing direction: unit, local frame, away from the surface.
     pub outgoing: [f64; 3],
-    /// `count`, in [0,1).
+    /// Random numbers in [0,1), `count` elements.
     pub u0: *const f64,
-    /// `count`, in [0,1).
+    /// Random numbers in [0,1), `count` elements.
     pub u1: *const f64,
-    /// `count`, in [0,1).
+    /// Random numbers in [0,1), `count` elements.
     pub u2: *const f64,
-    /// `count`.
+    /// Output: x of the incident directions, `count` elements.
     pub incident_x: *mut f64,
-    /// `count`.
+    /// Output: y of the incident directions, `count` elements.
     pub incident_y: *mut f64,
-    /// `count`.
+    /// Output: z of the incident directions, `count` elements.
     pub incident_z: *mut f64,
-    /// Element `[band · count + point]`.
+    /// Output: weights, element `[band · count + point]`.
     pub weights: *mut f64,
-    /// 1/sr, `count`.
+    /// Output: densities in 1/sr, `count` elements.
     pub pdfs: *mut f64,
-    /// Of [`sample_kind`], `count`.
+    /// Output: values of [`sample_kind`], `count` elements.
     pub kinds: *mut u8,
-    /// The host's, of the size that the instance asked for.
+    /// Scratch memory of the host, of the size that the instance requested.
     pub scratch: *mut c_void,
 }
 
@@ -287,21 +288,21 @@ pub type DestroyFn = unsafe extern "C" fn(data: *mut c_void);
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Instance {
-    /// In the eyes of the host.
+    /// Size of the structure in the host's version, bytes.
     pub struct_size: u32,
-    /// The lobes that this instance has.
+    /// Flags of this instance's lobes.
     pub flags: u32,
-    /// Scratch of a call …
+    /// Scratch memory per call, bytes.
     pub scratch_bytes: u64,
-    /// … and for each element of its batch.
+    /// Additional scratch memory per element of a batch, bytes.
     pub scratch_bytes_per_direction: u64,
-    /// The plugin's own.
+    /// Private data of the plugin.
     pub data: *mut c_void,
-    /// \[any thread\]
+    /// \[any thread\] Evaluates values and densities.
     pub eval_pdf: Option<EvalFn>,
-    /// \[any thread\]
+    /// \[any thread\] Samples incident directions.
     pub sample: Option<SampleFn>,
-    /// \[one thread\]
+    /// \[one thread\] Destroys the instance.
     pub destroy: Option<DestroyFn>,
 }
 
@@ -314,7 +315,7 @@ pub type CreateFn = unsafe extern "C" fn(index: u32, call: *const Create, instan
 /// Type of `extension`.
 pub type ExtensionFn = unsafe extern "C" fn(name: *const c_char, revision: u32) -> *const c_void;
 
-/// What a plugin exports: `RadsightBrdfEntry`.
+/// The exported constant of a plugin: `RadsightBrdfEntry`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
@@ -324,21 +325,21 @@ pub struct Entry {
     pub abi_major: u32,
     /// [`ABI_MINOR`].
     pub abi_minor: u32,
-    /// In the eyes of the plugin.
+    /// Size of the structure in the plugin's version, bytes.
     pub struct_size: u32,
     /// Zero.
     pub reserved: u32,
-    /// \[one thread\]
+    /// \[one thread\] Returns the number of models.
     pub count: Option<CountFn>,
-    /// \[one thread\]
+    /// \[one thread\] Describes a model.
     pub describe: Option<DescribeFn>,
-    /// \[one thread\]
+    /// \[one thread\] Makes an instance.
     pub create: Option<CreateFn>,
-    /// Since 1.1. \[any thread\]
+    /// Since 1.1. \[any thread\] Returns an extension of the plugin, or null.
     pub extension: Option<ExtensionFn>,
 }
 
-/// Bytes of an [`Entry`] of ABI 1.0: the least that a host accepts.
+/// Size of an [`Entry`] of version 1.0, bytes: the smallest that a host accepts.
 pub const ENTRY_BYTES_1_0: usize = std::mem::offset_of!(Entry, extension);
 
 /// The name of a status, for messages.

@@ -1,10 +1,11 @@
-//! The C header says the same as the Rust types: sizes, offsets and constants, measured by a C compiler.
+//! Compares the C header with the Rust types: sizes, offsets and constants, as compiled by a C
+//! compiler.
 
 use radsight_brdf_abi::*;
 use std::mem::{offset_of, size_of};
 use std::process::Command;
 
-/// Pairs of a C expression and what Rust says it is.
+/// Pairs of a C expression and its expected value.
 fn expectations() -> Vec<(String, u64)> {
     let mut all = Vec::new();
     macro_rules! structure {
@@ -75,7 +76,7 @@ fn the_c_header_equals_the_rust_types() {
     }
 }
 
-/// A structure that grew without this test noticing would have a constant missing above.
+/// A constant missing from the list above would let the two diverge unnoticed.
 #[test]
 fn every_constant_of_the_header_is_compared() {
     let compared: Vec<String> = expectations().into_iter().map(|(c, _)| c).collect();

@@ -1,8 +1,9 @@
-//! `radsight plugin check`: every check in a child process of its own with a time limit, so that a crash or a hang is a
-//! finding like any other.
+//! `radsight plugin check`: runs every check in a child process with a time limit, so that a crash
+//! or a hang is a finding like any other.
 //!
-//! The program calls itself: [`run`] starts [`CheckOptions::child`] for each check, writes the request to its standard input and
-//! reads the findings from its standard output; the child calls [`child_main`].
+//! The program starts itself: [`run`] starts [`CheckOptions::child`] for each check, writes the
+//! request to its standard input and reads the findings from its standard output; the child calls
+//! [`child_main`].
 
 mod child;
 mod example;
@@ -21,27 +22,28 @@ use job::{Request, Response};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What to check.
+/// Options of a check.
 #[derive(Clone, Debug)]
 pub struct CheckOptions {
-    /// The library's file.
+    /// File of the library.
     pub library: PathBuf,
-    /// Parameters to check the models with. For models that are not named here they are made up from the parameter tables.
+    /// Parameter sets for the models. For models not listed here they are generated from the
+    /// parameter tables.
     pub examples: Vec<Example>,
     /// Check only this model.
     pub model: Option<String>,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// For each check. Default 60 s.
+    /// Time limit of each check. Default 60 s.
     pub time_limit: Duration,
-    /// Bytes of memory that a plugin may have. Default half of the machine's.
+    /// Memory limit of a plugin, bytes. Default half of the machine's memory.
     pub memory: Option<u64>,
     /// The program that calls [`child_main`].
     pub child: ChildCommand,
 }
 
 impl CheckOptions {
-    /// All models of a library with made-up parameters, seed 1, 60 s a check.
+    /// Options for all models of a library, with generated parameters, seed 1 and 60 s per check.
     #[must_use]
     pub fn new(library: impl Into<PathBuf>, child: ChildCommand) -> Self {
         CheckOptions {
@@ -56,7 +58,7 @@ impl CheckOptions {
     }
 }
 
-/// The bands that models are checked in, metres: red, green and blue as Radiance divides the visible spectrum.
+/// Bands in which models are checked, metres: red, green and blue, with Radiance's limits.
 pub const CHECK_BANDS: [Band; 3] = [
     Band { centre_m: 684e-9, low_m: 588e-9, high_m: 780e-9 },
     Band { centre_m: 534e-9, low_m: 480e-9, high_m: 588e-9 },
@@ -69,7 +71,8 @@ pub fn run(options: &CheckOptions) -> Report {
     check_with(options, |request| child::run_in_child(options, request))
 }
 
-/// Checks a library in this process: for the tests of a plugin that is trusted not to crash. `examples` as in [`CheckOptions`].
+/// Checks a library in this process, for tests of a plugin that does not crash. `examples` as in
+/// [`CheckOptions`].
 #[must_use]
 pub fn run_in_process(library: &Path, examples: Vec<Example>, seed: u64) -> Report {
     let nobody = ChildCommand { program: PathBuf::new(), arguments: Vec::new() };
@@ -94,7 +97,7 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
     let mut first = Outcome::new(Stage::Load, None, loaded, duration);
     if let (Some(model), true) = (&options.model, chosen.is_empty() && first.verdict == Verdict::Passed) {
         first.verdict = Verdict::Failed;
-        first.messages.push(format!("there is no model \"{model}\"; it has {}", models.join(", ")));
+        first.messages.push(format!("the library has no model \"{model}\"; it has {}", models.join(", ")));
     }
     report.outcomes.push(first);
     for model in chosen {
@@ -108,7 +111,7 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
             finite &= stage != Stage::Finite || response.findings.is_empty();
             report.outcomes.push(Outcome::new(stage, Some(model), response, duration));
             if unusable {
-                // No instance can be made: every further check would say so again.
+                // No instance can be made: every further check would report the same.
                 break;
             }
         }
@@ -116,7 +119,8 @@ fn check_with(options: &CheckOptions, mut perform: impl FnMut(&Request) -> (Resp
     report
 }
 
-/// The library `name` that cargo built along with the test program `test_program`, for the tests of a plugin.
+/// The library `name` that cargo built next to the test program `test_program`, for a plugin's
+/// tests.
 #[must_use]
 pub fn library_beside(test_program: &Path, name: &str) -> PathBuf {
     let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);

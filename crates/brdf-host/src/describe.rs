@@ -1,11 +1,11 @@
-//! What a library has, for people.
+//! Description of a library, as text.
 
 use crate::{Library, ModelInfo, ParameterInfo, ParameterKind};
 use radsight_brdf_abi::flags;
 use std::fmt::Write;
 
 impl Library {
-    /// Its models with how a scene writes them, their parameters with units and ranges, and their sources.
+    /// Describes the models: usage in a scene, parameters with units and ranges, and citations.
     #[must_use]
     pub fn describe(&self) -> String {
         let (major, minor) = self.abi_version();

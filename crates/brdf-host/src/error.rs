@@ -1,22 +1,22 @@
-//! What can go wrong with a plugin, and which token of the scene is to blame.
+//! Errors of plugins, with the token of the scene that caused them.
 
 use crate::Token;
 use std::path::PathBuf;
 
-/// A plugin, or the use that a scene makes of it, is wrong.
+/// An error of a plugin, or of its use in a scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A scene may name a library, not a path.
+    /// A scene must name a library, not a path.
     #[error("\"{name}\" is not the name of a plugin library: expected letters, digits, \"_\" and \"-\" only")]
     BadLibraryName {
-        /// As written.
+        /// Name as written.
         name: String,
     },
-    /// No such library in any place that is searched.
+    /// No library of this name in the searched folders.
     #[error("cannot find plugin library \"{name}\"{searched}")]
     LibraryNotFound {
-        /// As written.
+        /// Name as written.
         name: String,
         /// Empty, or ` in …`.
         searched: String,
@@ -28,33 +28,33 @@ pub enum Error {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         reason: String,
     },
-    /// The file is something else.
+    /// The file is not a shared library.
     #[error("\"{}\" is not a shared library: {found}", path.display())]
     NotALibrary {
         /// The file.
         path: PathBuf,
-        /// What it is instead.
+        /// What was found instead.
         found: String,
     },
-    /// The library is for another kind of machine.
+    /// The library is for another architecture.
     #[error("\"{}\" was built for {found}, this program needs {expected}", path.display())]
     WrongArchitecture {
         /// The file.
         path: PathBuf,
-        /// What it is for.
+        /// Architecture of the library.
         found: String,
-        /// What this program runs on.
+        /// Architecture of this program.
         expected: String,
     },
-    /// The system's loader refused it.
+    /// The system's loader rejected the file.
     #[error("cannot load plugin library \"{}\": {reason}", path.display())]
     CannotLoad {
         /// The file.
         path: PathBuf,
-        /// What the loader said.
+        /// Error of the loader.
         reason: String,
     },
     /// The exported constant is missing.
@@ -70,7 +70,7 @@ pub enum Error {
         path: PathBuf,
         /// The first eight bytes.
         found: u64,
-        /// What they should be.
+        /// The expected magic number.
         expected: u64,
     },
     /// The major versions differ.
@@ -78,31 +78,31 @@ pub enum Error {
     WrongMajor {
         /// The file.
         path: PathBuf,
-        /// Of the plugin.
+        /// Major version of the plugin.
         found: u32,
-        /// Of the plugin.
+        /// Minor version of the plugin.
         minor: u32,
-        /// Of this program.
+        /// Major version of this program.
         expected: u32,
-        /// Of this program.
+        /// Minor version of this program.
         host_minor: u32,
     },
-    /// The plugin breaks a rule of the header.
+    /// The plugin violates the interface.
     #[error("plugin \"{library}\" breaks the plugin interface: {what}")]
     BrokenRule {
-        /// Its name.
+        /// Name of the library.
         library: String,
-        /// Which rule, how.
+        /// The violated rule.
         what: String,
     },
     /// The library has no such model.
     #[error("plugin \"{library}\" has no model \"{model}\"; it has {known}")]
     UnknownModel {
-        /// Its name.
+        /// Name of the library.
         library: String,
-        /// As written.
+        /// Name as written.
         model: String,
-        /// The models that it has, separated by commas.
+        /// Its models, separated by commas.
         known: String,
         /// A model with a similar name.
         similar: Option<String>,
@@ -110,45 +110,45 @@ pub enum Error {
     /// A parameter does not fit the model's table.
     #[error("{message}")]
     Parameter {
-        /// Which one.
+        /// Token of the parameter.
         token: Token,
-        /// What is wrong with it.
+        /// What is wrong.
         message: String,
-        /// What to do about it.
+        /// Hint for the user.
         hint: Option<String>,
     },
-    /// The plugin refused the parameters, which fit its table.
-    #[error("plugin \"{library}\" cannot make \"{model}\": {message}")]
+    /// The plugin rejected parameters that fit its table.
+    #[error("plugin \"{library}\" cannot create \"{model}\": {message}")]
     Refused {
-        /// Its name.
+        /// Name of the library.
         library: String,
         /// The model.
         model: String,
-        /// Which parameter.
+        /// Token of the parameter.
         token: Token,
-        /// What it said, or the name of the status.
+        /// Message of the plugin, or name of the status.
         message: String,
     },
-    /// The process that a plugin was to run in cannot be started.
+    /// The process of an isolated plugin cannot be started.
     #[error("cannot start a process for plugin \"{library}\": {reason}")]
     CannotIsolate {
-        /// Its name.
+        /// Name of the library.
         library: String,
-        /// What went wrong.
+        /// Reason of the failure.
         reason: String,
     },
-    /// The self-check at load found something, and warnings are fatal.
+    /// The self-check failed, and warnings are errors.
     #[error("plugin \"{library}\" fails its self-check: {}", findings.join("; "))]
     SelfCheck {
-        /// Its name.
+        /// Name of the library.
         library: String,
-        /// What was found.
+        /// Its findings.
         findings: Vec<String>,
     },
 }
 
 impl Error {
-    /// Which token of the scene is to blame, for the caret.
+    /// Token of the scene that caused the error, for the caret.
     #[must_use]
     pub fn token(&self) -> Token {
         match self {
@@ -158,7 +158,7 @@ impl Error {
         }
     }
 
-    /// What to do about it.
+    /// Hint for the user.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -166,8 +166,8 @@ impl Error {
                 similar.as_ref().map(|name| format!("did you mean \"{name}\"?"))
             }
             Error::Parameter { hint, .. } => hint.clone(),
-            Error::WrongMajor { .. } => Some("compile the plugin again with this program's header or SDK".to_owned()),
-            Error::SelfCheck { .. } => Some("`radsight plugin check` tells more".to_owned()),
+            Error::WrongMajor { .. } => Some("recompile the plugin with this program's header or SDK".to_owned()),
+            Error::SelfCheck { .. } => Some("run `radsight plugin check` for details".to_owned()),
             _ => None,
         }
     }

@@ -1,10 +1,10 @@
-//! Counts what a plugin returns that it must not: the picture gets zero instead, and the user gets a message.
+//! Counts invalid results of plugins; the picture gets zero instead, and the user a message.
 
 use glam::DVec3;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How often an instance did what a model must not do.
+/// Number of invalid results of an instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FaultCounts {
     /// Values, weights or densities that are not a number.
@@ -13,14 +13,14 @@ pub struct FaultCounts {
     pub negative: u64,
     /// Infinite values, weights or densities.
     pub infinite: u64,
-    /// Sampled directions that are not unit vectors, or have no density.
+    /// Sampled directions that are not unit vectors or have no density.
     pub bad_sample: u64,
     /// Calls that returned a status other than ok.
     pub failed_call: u64,
 }
 
 impl FaultCounts {
-    /// Of all kinds.
+    /// Sum over all kinds.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.nan + self.negative + self.infinite + self.bad_sample + self.failed_call
@@ -42,20 +42,20 @@ impl std::fmt::Display for FaultCounts {
     }
 }
 
-/// The faults of one instance, for a message.
+/// Faults of one instance, for a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FaultReport {
     /// Name of the material.
     pub material: String,
-    /// Where the scene defines it.
+    /// Position of the material in the scene.
     pub place: String,
     /// The library.
     pub library: String,
     /// The model.
     pub model: String,
-    /// How many.
+    /// Number of faults.
     pub counts: FaultCounts,
-    /// The first one in words, with angles and value.
+    /// Description of the first fault, with angles and value.
     pub first: String,
 }
 
@@ -70,7 +70,7 @@ impl std::fmt::Display for FaultReport {
     }
 }
 
-/// Counters that many threads add to.
+/// Counters shared by threads.
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     nan: AtomicU64,
@@ -96,7 +96,7 @@ impl Faults {
         self.first.get().cloned().unwrap_or_default()
     }
 
-    /// Counts a number that is not finite and ≥ 0.
+    /// Counts a number that is not finite or is negative.
     #[cold]
     pub(crate) fn bad_number(&self, what: &str, number: f64, outgoing: DVec3, incident: DVec3) {
         let counter = match number {

@@ -1,4 +1,4 @@
-//! The functions that `create` gave for one instance, and the calls of them.
+//! Functions of an instance, returned by `create`, and calls of them.
 
 use crate::guard::{self, Breadcrumb};
 use crate::library::{Loaded, c_strings};
@@ -10,7 +10,7 @@ use radsight_brdf_abi as abi;
 use radsight_brdf_abi::{Band, sample_kind, status};
 use std::ffi::{c_char, c_void};
 
-/// An instance as the plugin made it.
+/// An instance made by the plugin.
 pub(crate) struct Functions {
     data: *mut c_void,
     eval_pdf: abi::EvalFn,
@@ -26,24 +26,25 @@ unsafe impl Send for Functions {}
 // SAFETY: as above.
 unsafe impl Sync for Functions {}
 
-/// What `sample` wrote.
+/// Output of `sample`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawn {
+pub(crate) struct RawSample {
     pub(crate) incident: [f64; 3],
     pub(crate) pdf: f64,
     pub(crate) kind: u8,
 }
 
-impl Drawn {
-    /// What stands there before the plugin writes.
-    pub(crate) const NOTHING: Drawn = Drawn { incident: [f64::NAN; 3], pdf: f64::NAN, kind: sample_kind::ABSORBED };
+impl RawSample {
+    /// Initial content, before the plugin writes.
+    pub(crate) const NOTHING: RawSample =
+        RawSample { incident: [f64::NAN; 3], pdf: f64::NAN, kind: sample_kind::ABSORBED };
 }
 
-/// No model needs more.
+/// Maximum scratch memory of a model.
 const MOST_SCRATCH_BYTES: u64 = 1 << 30;
 
 impl Functions {
-    /// Calls `create`; gives the lobes' flags too.
+    /// Calls `create`; also returns the flags of the lobes.
     pub(crate) fn create(
         library: &Library,
         loaded: &Loaded,
@@ -68,7 +69,7 @@ impl Functions {
         Ok((Functions { data, eval_pdf, sample, destroy, scratch_bytes, scratch_bytes_per_direction }, flags))
     }
 
-    /// Calls `eval_pdf` for arrays in the plugin's own form.
+    /// Calls `eval_pdf` on arrays in the plugin's layout.
     #[inline]
     pub(crate) fn eval(
         &self,
@@ -98,9 +99,9 @@ impl Functions {
 
     /// Calls `sample` for one point.
     #[inline]
-    pub(crate) fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, Drawn) {
-        let mut drawn = Drawn::NOTHING;
-        let [incident_x, incident_y, incident_z] = drawn.incident.each_mut().map(std::ptr::from_mut);
+    pub(crate) fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, RawSample) {
+        let mut sampled = RawSample::NOTHING;
+        let [incident_x, incident_y, incident_z] = sampled.incident.each_mut().map(std::ptr::from_mut);
         let status = with_scratch(self.scratch_bytes, self.scratch_bytes_per_direction, 1, |scratch| {
             let call = abi::Sample {
                 struct_size: size_of::<abi::Sample>() as u32,
@@ -113,17 +114,17 @@ impl Functions {
                 incident_y,
                 incident_z,
                 weights: weights.as_mut_ptr(),
-                pdfs: &raw mut drawn.pdf,
-                kinds: &raw mut drawn.kind,
+                pdfs: &raw mut sampled.pdf,
+                kinds: &raw mut sampled.kind,
                 scratch,
             };
             // SAFETY: as in `eval`, with arrays of length one.
             unsafe { (self.sample)(self.data, &raw const call) }
         });
-        (status, drawn)
+        (status, sampled)
     }
 
-    /// Calls `destroy`, under the library's mutex; nothing else may be called afterwards.
+    /// Calls `destroy` under the library's mutex. No other function may be called afterwards.
     pub(crate) fn destroy(&self) {
         if let Some(destroy) = self.destroy {
             // SAFETY: made by `create`, destroyed once by the owner, and no call is under way since
@@ -182,7 +183,7 @@ fn call_create(
     if status == status::OK { Ok(made) } else { Err(refusal(library, model, status, &error)) }
 }
 
-/// Puts what the plugin said about a parameter on that parameter's token.
+/// Assigns a plugin's error about a parameter to that parameter's token.
 fn refusal(library: &Library, model: &ModelInfo, status: abi::Status, error: &abi::Error) -> Error {
     let bytes: Vec<u8> = error.message.iter().map(|&c| c as u8).take_while(|&byte| byte != 0).collect();
     let said = String::from_utf8_lossy(&bytes);

@@ -1,13 +1,12 @@
-//! Keeps a plugin from taking the program along without a word.
+//! Keeps a plugin from ending the program without a message.
 //!
-//! Every call into a plugin is marked in a slot of its thread (`enter`): a few stores before it,
-//! one after it. Handlers of signals, of `exit`, of `fork`, and a watching thread read the slots.
-//! What they find ends the program with exit code 3 and a message that names plugin, model,
-//! material, place and function.
+//! Every call into a plugin is recorded in a slot of its thread (`enter`), at the cost of a few
+//! stores. Handlers of signals, of `exit`, of `fork`, and a watching thread read the slots. They
+//! end the program with exit code 3 and a message that names plugin, model, material, position and
+//! function.
 //!
-//! A guard in the same process has limits, which `docs/plugins.md` states: it cannot see memory
-//! that is damaged quietly, and a plugin that means harm can get round it. [`crate::isolate`] has
-//! neither limit.
+//! A guard in the same process has limits, which `docs/plugins.md` states: it cannot detect silent
+//! memory corruption, and a malicious plugin can evade it. [`crate::isolate`] has neither limit.
 
 mod call;
 mod endings;
@@ -24,16 +23,16 @@ pub(crate) use message::{announce_reports_in, end_program, end_silently, note_li
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// The exit code of a program that a limit or a fault stopped.
+/// Exit code of a program that was stopped by a limit or a fault.
 pub const FAULT: i32 = 3;
 
-/// What plugins may take.
+/// Limits of a plugin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// For one call. Default 120 s; `None` is no limit.
+    /// Time limit of one call. Default 120 s; `None` is no limit.
     pub time: Option<Duration>,
-    /// Bytes by which the program may grow during one call, or which the process of an isolated
-    /// plugin may have. Default half of the machine's memory; `None` is no limit.
+    /// Memory, in bytes, by which the program may grow during one call, or which the process of an
+    /// isolated plugin may use. Default half of the machine's memory; `None` is no limit.
     pub memory: Option<u64>,
 }
 
@@ -43,26 +42,26 @@ impl Default for Limits {
     }
 }
 
-/// Bytes of memory that the machine, or the container, has; `None` where it is not known.
+/// Memory of the machine, or of the container, bytes; `None` if unknown.
 #[must_use]
 pub fn machine_memory() -> Option<u64> {
     watch::machine_memory()
 }
 
-/// Makes a crash inside a plugin say where it was; the process then ends as it would have. Once in
-/// a process.
+/// Makes a crash inside a plugin report its position; the process then ends as usual. Call it once
+/// per process.
 pub fn install_crash_messages() {
     signals::install();
 }
 
-/// Guards the whole program: what a plugin does to it ends it with [`FAULT`] and a message, and
-/// what a plugin prints goes to standard error. To be called before the first plugin is loaded; the
-/// first call counts.
+/// Guards the whole program: a fault of a plugin ends it with [`FAULT`] and a message, and the
+/// output of plugins goes to standard error. Call it before the first plugin is loaded; only the
+/// first call has an effect.
 ///
 /// From then on the program writes its data through [`standard_output`].
 ///
 /// # Errors
-/// When standard output cannot be set aside, or the watching thread cannot be started.
+/// If standard output cannot be redirected, or the watching thread cannot be started.
 pub fn install(limits: &Limits) -> std::io::Result<()> {
     static INSTALLED: std::sync::Mutex<bool> = std::sync::Mutex::new(false);
     let mut installed = INSTALLED.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -78,8 +77,8 @@ pub fn install(limits: &Limits) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Puts back the handlers of signals that a plugin replaced, and tells so once: during this call,
-/// or at some time.
+/// Restores signal handlers that a plugin replaced, and reports that once: with the current call,
+/// or without one.
 pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let replaced = signals::reinstall();
@@ -90,19 +89,19 @@ pub(crate) fn take_back_handlers(breadcrumb: Option<Breadcrumb>) {
     }
 }
 
-/// To be called when a library's initialisers have run: undoes what they may do to the guard.
+/// Call it after a library's initialisers have run: undoes what they may have done to the guard.
 pub(crate) fn after_load(breadcrumb: Breadcrumb) {
     take_back_handlers(Some(breadcrumb));
     endings::come_first();
 }
 
-/// The guard of a process that runs nothing but a plugin, and whose parent keeps the limits: a
-/// crash ends it with its signal after the message, other faults with [`FAULT`].
+/// The guard of a process that runs only a plugin, and whose parent enforces the limits: a crash
+/// ends it with its signal after the message, other faults with [`FAULT`].
 pub(crate) fn install_in_child() -> std::io::Result<()> {
     standard_output::set_aside()?;
     install_crash_messages();
     signals::die_after_messages();
     endings::install();
-    // Handlers are put back here too.
+    // Handlers are restored here too.
     watch::start(&Limits { time: None, memory: None })
 }

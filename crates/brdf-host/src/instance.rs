@@ -1,7 +1,7 @@
 //! A plugin's model with its parameters, as a [`Brdf`].
 
 use crate::faults::{FaultCounts, FaultReport, Faults};
-use crate::functions::{Drawn, Functions};
+use crate::functions::{Functions, RawSample};
 use crate::guard::{self, Breadcrumb};
 use crate::isolate::Question;
 use crate::library::Home;
@@ -14,7 +14,7 @@ use radsight_brdf_abi as abi;
 use radsight_brdf_abi::{Band, flags, sample_kind, status};
 use std::sync::Arc;
 
-/// Which material of which file an instance is for; only for messages.
+/// Material of an instance and its position, for messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Label {
     /// Name of the material.
@@ -25,8 +25,8 @@ pub struct Label {
 
 /// A plugin's model with its parameters.
 ///
-/// What a plugin returns is checked at every call: a number that is not finite and ≥ 0 becomes 0 and is counted, see
-/// [`PluginBrdf::faults`].
+/// Every value that a plugin returns is checked: a number that is not finite or is negative becomes
+/// 0 and is counted, see [`PluginBrdf::faults`].
 pub struct PluginBrdf {
     library: Arc<Library>,
     model: ModelInfo,
@@ -40,11 +40,11 @@ pub struct PluginBrdf {
     faults: Faults,
 }
 
-/// What `create` made.
+/// Result of `create`.
 enum Made {
-    /// In this process.
+    /// An instance in this process.
     Here(Functions),
-    /// Under this number, in the process of the library.
+    /// Number of an instance in the library's process.
     There(u32),
 }
 
@@ -60,7 +60,7 @@ impl std::fmt::Debug for PluginBrdf {
 }
 
 impl PluginBrdf {
-    /// Makes an instance from arguments that have been checked against the model's table.
+    /// Makes an instance from arguments that were checked against the model's table.
     pub(crate) fn create(
         library: Arc<Library>,
         index: u32,
@@ -113,7 +113,8 @@ impl PluginBrdf {
         })
     }
 
-    /// As [`PluginBrdf::create`], for checks that pass what no host would: no index is looked up in the tables.
+    /// As [`PluginBrdf::create`], for checks that pass invalid arguments: no index is looked up in
+    /// the tables.
     pub(crate) fn create_unchecked(
         library: Arc<Library>,
         index: u32,
@@ -125,25 +126,25 @@ impl PluginBrdf {
         Self::create_as(library, model, index, arguments, bands, label)
     }
 
-    /// The library that it is from.
+    /// Library of the model.
     #[must_use]
     pub fn library(&self) -> &Arc<Library> {
         &self.library
     }
 
-    /// Its model.
+    /// Description of the model.
     #[must_use]
     pub fn model(&self) -> &ModelInfo {
         &self.model
     }
 
-    /// How many bands it works in.
+    /// Number of bands.
     #[must_use]
     pub fn bands(&self) -> usize {
         self.bands
     }
 
-    /// Its lobes as flags of the interface.
+    /// Lobes as flags of the interface.
     #[cfg(target_os = "linux")]
     pub(crate) fn lobe_flags(&self) -> u32 {
         let of = |has: bool, flag: u32| if has { flag } else { 0 };
@@ -153,10 +154,10 @@ impl PluginBrdf {
             | of(self.lobes.transmission, flags::TRANSMISSION)
     }
 
-    /// Findings of the self-check in words.
+    /// Findings of the self-check.
     pub(crate) fn quick_check(&self, mode: SelfCheck) -> Vec<String> {
         match (&self.home, self.library.home()) {
-            // Its many calls take less time where the plugin is.
+            // Its many calls are faster in the plugin's process.
             (Made::There(id), Home::There(worker)) if mode != SelfCheck::Off => {
                 worker.self_check(*id, self.in_self_check())
             }
@@ -169,13 +170,13 @@ impl PluginBrdf {
         Breadcrumb::for_model(self.library.name(), &self.model.name, material, place, "eval_pdf or sample")
     }
 
-    /// What it returned that a model must not, so far.
+    /// Counts of invalid results so far.
     #[must_use]
     pub fn faults(&self) -> FaultCounts {
         self.faults.counts()
     }
 
-    /// Its faults with material and place, if there are any.
+    /// Faults with material and position, if there are any.
     #[must_use]
     pub fn fault_report(&self) -> Option<FaultReport> {
         let counts = self.faults();
@@ -189,13 +190,14 @@ impl PluginBrdf {
         })
     }
 
-    /// The numbers exactly as the plugin returns them, neither counted nor replaced; those of a failed call are NaN.
+    /// The numbers exactly as the plugin returns them, neither counted nor replaced; those of a
+    /// failed call are NaN.
     #[must_use]
     pub fn unfiltered(&self) -> Unfiltered<'_> {
         Unfiltered(self)
     }
 
-    /// Calls `eval_pdf` of the plugin for arrays in its own form.
+    /// Calls the plugin's `eval_pdf` on arrays in the plugin's layout.
     #[inline]
     pub(crate) fn call_eval(
         &self,
@@ -211,25 +213,25 @@ impl PluginBrdf {
             (Made::There(id), Home::There(worker)) => {
                 worker.eval(*id, self.in_eval, Question { outgoing, incident }, values, pdfs)
             }
-            // An instance is where its library is.
+            // An instance is always in the process of its library.
             _ => status::INTERNAL,
         }
     }
 
     #[inline]
-    pub(crate) fn call_sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, Drawn) {
+    pub(crate) fn call_sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (abi::Status, RawSample) {
         let _trail = guard::enter_at(self.in_sample, outgoing.to_array());
         match (&self.home, self.library.home()) {
             (Made::Here(functions), _) => functions.sample(outgoing, u, weights),
             (Made::There(id), Home::There(worker)) => worker.sample(*id, self.in_sample, outgoing, u, weights),
-            _ => (status::INTERNAL, Drawn::NOTHING),
+            _ => (status::INTERNAL, RawSample::NOTHING),
         }
     }
 
-    /// Evaluates in the plugin's form and gives the numbers back in ours, unchecked.
+    /// Evaluates in the plugin's layout and returns the unchecked numbers in radsight's layout.
     #[inline]
     fn eval_raw(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]) -> abi::Status {
-        // What a plugin forgets to write is caught as NaN.
+        // Values that a plugin does not write are detected as NaN.
         values.fill(f64::NAN);
         pdfs.fill(f64::NAN);
         if let [single] = incident {
@@ -254,7 +256,8 @@ impl PluginBrdf {
         status
     }
 
-    /// At most `MOST` directions; clearing the arrays of a large batch would cost as much as evaluating a small one.
+    /// Evaluates at most `MOST` directions: clearing the arrays of a large batch would cost as much
+    /// as evaluating a small one.
     fn eval_batch<const MOST: usize>(
         &self,
         outgoing: DVec3,
@@ -289,11 +292,11 @@ impl PluginBrdf {
     }
 }
 
-/// Directions that are handed over at once.
+/// Maximum number of directions per call.
 const LARGEST_BATCH: usize = 64;
-/// As many as the lights of a usual ring.
+/// Number of lights of a common ring.
 const SMALL_BATCH: usize = 16;
-/// Up to this many bands a batch takes no memory from the heap.
+/// Up to this number of bands a batch needs no heap memory.
 const FEW_BANDS: usize = 4;
 
 impl Drop for PluginBrdf {
@@ -339,16 +342,16 @@ impl Brdf for PluginBrdf {
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
-        let (status, drawn) = self.call_sample(outgoing, u, weights);
+        let (status, sampled) = self.call_sample(outgoing, u, weights);
         if status != status::OK {
             self.faults.failed_call("sample", status, outgoing);
             return None;
         }
-        let incident = DVec3::from_array(drawn.incident);
-        let density = match drawn.kind {
+        let incident = DVec3::from_array(sampled.incident);
+        let density = match sampled.kind {
             sample_kind::ABSORBED => return None,
             sample_kind::DELTA => Density::Delta,
-            sample_kind::CONTINUOUS if drawn.pdf > 0.0 && drawn.pdf <= f64::MAX => Density::Continuous(drawn.pdf),
+            sample_kind::CONTINUOUS if sampled.pdf > 0.0 && sampled.pdf <= f64::MAX => Density::Continuous(sampled.pdf),
             _ => {
                 self.faults.bad_sample("sampled direction with a density that is not above zero", outgoing, incident);
                 return None;
@@ -369,16 +372,16 @@ impl Brdf for PluginBrdf {
     }
 }
 
-/// Of the squared length of a sampled direction.
+/// Tolerance of the squared length of a sampled direction.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Finite and not negative.
+/// Whether a number is finite and not negative.
 #[inline]
 fn is_sound(number: f64) -> bool {
     (0.0..=f64::MAX).contains(&number)
 }
 
-/// A plugin's model without the safety net, for checks.
+/// A plugin's model without filtering, for checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Unfiltered<'a>(&'a PluginBrdf);
 
@@ -396,15 +399,15 @@ impl Brdf for Unfiltered<'_> {
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
         weights.fill(f64::NAN);
-        let (status, drawn) = self.0.call_sample(outgoing, u, weights);
-        let failed = status != status::OK || drawn.kind > sample_kind::DELTA;
-        if drawn.kind == sample_kind::ABSORBED && !failed {
+        let (status, sampled) = self.0.call_sample(outgoing, u, weights);
+        let failed = status != status::OK || sampled.kind > sample_kind::DELTA;
+        if sampled.kind == sample_kind::ABSORBED && !failed {
             return None;
         }
-        let density = match drawn.kind {
+        let density = match sampled.kind {
             sample_kind::DELTA if !failed => Density::Delta,
-            _ => Density::Continuous(if failed { f64::NAN } else { drawn.pdf }),
+            _ => Density::Continuous(if failed { f64::NAN } else { sampled.pdf }),
         };
-        Some(BrdfSample { incident: DVec3::from_array(drawn.incident), density })
+        Some(BrdfSample { incident: DVec3::from_array(sampled.incident), density })
     }
 }

@@ -1,13 +1,13 @@
-//! Plugins in processes of their own: what they do cannot reach the program.
+//! Runs plugins in processes of their own, so that they cannot affect the program.
 //!
-//! Each library has one worker process, with limits of memory and a supervisor that leaves nothing
-//! of it behind. Calls of `create` and the like go through a socket as lines of JSON. Calls of
+//! Each library has one worker process, with a memory limit and a supervisor that leaves no process
+//! behind. Calls of `create` and similar functions go through a socket as lines of JSON. Calls of
 //! `eval_pdf` and `sample` go through shared memory: a thread of the program writes a batch of
-//! directions into a channel and sleeps until the thread at the other end has written the answer.
+//! directions into a channel and sleeps until the thread on the other side has written the answer.
 //! The worker calls the plugin as the program would, so that results have the same bits.
 //!
-//! When a worker ends before its time, the program ends with [`crate::guard::FAULT`] and a message;
-//! a call that takes too long is seen by the guard's watch ([`crate::guard::install`]). Linux only.
+//! If a worker ends prematurely, the program ends with [`crate::guard::FAULT`] and a message. The
+//! guard's watch detects calls that take too long ([`crate::guard::install`]). Linux only.
 
 use crate::ChildCommand;
 use glam::DVec3;
@@ -32,20 +32,20 @@ pub use child::child_main;
 pub(crate) use parent::Worker;
 pub(crate) use wire::{bit_list, bits};
 
-/// How libraries get processes of their own.
+/// Settings of isolation.
 #[derive(Clone, Debug)]
 pub struct Isolation {
-    /// The program that calls [`child_main`].
+    /// Command that calls [`child_main`].
     pub child: ChildCommand,
-    /// Bytes of memory that a plugin may have beyond what its process starts with.
+    /// Memory, in bytes, that a plugin may use beyond the initial memory of its process.
     pub memory: Option<u64>,
 }
 
-/// How often the program looks whether a worker that has not answered gets on.
+/// Interval at which the program checks the progress of a worker that has not answered.
 #[cfg(target_os = "linux")]
-const BETWEEN_LOOKS: std::time::Duration = std::time::Duration::from_millis(100);
+const PROGRESS_INTERVAL: std::time::Duration = std::time::Duration::from_millis(100);
 
-/// What `eval_pdf` is asked.
+/// Arguments of `eval_pdf`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question<'a> {
     pub(crate) outgoing: DVec3,

@@ -1,13 +1,14 @@
 //! Loads BRDF plugins, wraps them as [`Brdf`](radsight_brdf::Brdf), and checks them.
 //!
-//! A [`Registry`] finds libraries by a [`SearchPath`], loads each once, checks a scene's words and numbers against the
-//! model's own table, and makes instances. Errors say which token of the scene is to blame ([`Error::token`]).
+//! A [`Registry`] finds libraries in a [`SearchPath`], loads each once, checks a scene's words and
+//! numbers against the model's table, and makes instances. Errors name the token of the scene that
+//! caused them ([`Error::token`]).
 //!
-//! Guarantees: what a plugin returns is never NaN, negative or infinite on its way to the picture,
-//! and each such result is counted; a crash inside a plugin is preceded by a message with plugin,
-//! model, material and place. [`guard`] ends the program for whatever else a plugin does to it,
-//! [`isolate`] runs plugins in processes of their own. Loading a plugin runs its code. Knows
-//! neither the renderer nor scenes.
+//! Guarantees: values returned by a plugin are never NaN, negative or infinite when they reach the
+//! picture, and each invalid value is counted. A crash inside a plugin is preceded by a message
+//! with plugin, model, material and position. [`guard`] ends the program for any other fault of a
+//! plugin, [`isolate`] runs plugins in processes of their own. Loading a plugin runs its code. The
+//! crate knows neither the renderer nor scenes.
 //!
 //! ```
 //! use radsight_brdf_host::{Registry, SearchPath, SelfCheck};

@@ -9,8 +9,8 @@ use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A plugin library, in the memory of this process or of one of its own. It stays there until that
-/// process ends, because its code may have threads, hooks and destructors of its own.
+/// A plugin library, loaded in this process or in one of its own. It stays loaded until that
+/// process ends, because its code may have threads, hooks and destructors.
 pub struct Library {
     name: String,
     path: PathBuf,
@@ -19,7 +19,7 @@ pub struct Library {
     home: Home,
 }
 
-/// Where a library's code runs.
+/// Process of a library's code.
 pub(crate) enum Home {
     /// In this process.
     Here(Loaded),
@@ -31,16 +31,17 @@ pub(crate) enum Home {
 pub(crate) struct Loaded {
     entry: abi::Entry,
     host: Box<LibraryHost>,
-    /// Held during functions that are marked [one thread].
+    /// Held during functions that the interface marks as [one thread].
     one_thread: Mutex<()>,
 }
 
-// SAFETY: the entry holds pointers to functions and constants; functions marked [one thread] are called under the mutex only.
+// SAFETY: the entry holds pointers to functions and constants; functions marked [one thread] are
+// called under the mutex only.
 unsafe impl Send for Loaded {}
 // SAFETY: as above.
 unsafe impl Sync for Loaded {}
 
-/// Whose use of a library makes it be loaded; only for messages.
+/// The model and material that need a library, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct User<'a> {
     pub(crate) model: &'a str,
@@ -53,14 +54,15 @@ impl std::fmt::Debug for Library {
     }
 }
 
-/// How much one library may say, so that a plugin that complains at every call does not fill the memory.
+/// Maximum number of messages of a library, so that a plugin that logs at every call does not fill
+/// the memory.
 const MESSAGES_KEPT: usize = 100;
-/// More models or parameters than this are taken for a broken table.
+/// A table with more models or parameters counts as broken.
 const MOST_ROWS: u32 = 4096;
-/// Longer texts are cut.
+/// Maximum length of a text; longer ones are cut.
 const LONGEST_TEXT: usize = 1 << 16;
 
-/// A line that a plugin handed to its host.
+/// A message that a plugin logged.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Message {
     /// 0 note, 1 warning, 2 error.
@@ -69,7 +71,7 @@ pub struct Message {
     pub text: String,
 }
 
-/// The host as a plugin sees it, followed by what the plugin does not see.
+/// The host structure visible to a plugin, followed by private data.
 #[repr(C)]
 struct LibraryHost {
     visible: abi::Host,
@@ -79,15 +81,16 @@ struct LibraryHost {
 impl Library {
     /// Loads the library in the file `path`.
     ///
-    /// This runs the library's code: load only what the user trusts as much as a program.
+    /// This runs the library's code: load only libraries that the user trusts like a program.
     ///
     /// # Errors
-    /// When the file is no plugin for this program and machine, or its tables break a rule.
+    /// If the file is not a plugin for this program and machine, or its tables violate the
+    /// interface.
     pub fn load(path: &Path) -> Result<Library, Error> {
         Self::load_for(path, None, None)
     }
 
-    /// As [`Library::load`], in a process of its own if there is an `isolation`.
+    /// As [`Library::load`], in a process of its own if `isolation` is given.
     pub(crate) fn load_for(
         path: &Path,
         user: Option<User<'_>>,
@@ -115,13 +118,15 @@ impl Library {
         Self::of_entry(name, path, entry, describing)
     }
 
-    /// A library that is part of this program already, such as one of a test: no file is looked for or opened.
+    /// A library that is already part of this program, such as one of a test: no file is searched
+    /// or opened.
     ///
     /// # Errors
-    /// When its entry or tables break a rule.
+    /// If its entry or tables violate the interface.
     ///
     /// # Safety
-    /// `entry` leads to an entry that lives as long as the process, and that does what the header `radsight_brdf.h` asks of one.
+    /// `entry` points to an entry that lives as long as the process and follows the header
+    /// `radsight_brdf.h`.
     pub unsafe fn in_program(name: &str, entry: *const abi::Entry) -> Result<Library, Error> {
         let path = Path::new(name);
         // SAFETY: the caller's promise.
@@ -150,34 +155,34 @@ impl Library {
         Ok(Library { name, path: path.to_owned(), abi_version, models, home })
     }
 
-    /// Its bare name.
+    /// Name of the library.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its file.
+    /// File of the library.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Major and minor version of the interface that it was built for.
+    /// Major and minor version of the interface for which it was built.
     #[must_use]
     pub fn abi_version(&self) -> (u32, u32) {
         self.abi_version
     }
 
-    /// Its models, in the order of their indices.
+    /// Models in the order of their indices.
     #[must_use]
     pub fn models(&self) -> &[ModelInfo] {
         &self.models
     }
 
-    /// The model with this name, and its index.
+    /// Index and description of the model with this name.
     ///
     /// # Errors
-    /// When there is none.
+    /// If there is no such model.
     pub fn model(&self, name: &str) -> Result<(u32, &ModelInfo), Error> {
         let names = || self.models.iter().map(|model| model.name.as_str());
         match self.models.iter().position(|model| model.name == name) {
@@ -191,8 +196,8 @@ impl Library {
         }
     }
 
-    /// What it has under this name and revision; null when it has nothing, or is in another
-    /// process. The memory is the plugin's and lives as long as the process.
+    /// The library's extension of this name and revision; null if there is none, or if the library
+    /// is in another process. The memory belongs to the plugin and lives as long as the process.
     #[must_use]
     pub fn extension(&self, name: &CStr, revision: u32) -> *const c_void {
         let Some(extension) = self.loaded().and_then(|loaded| loaded.entry.extension) else { return std::ptr::null() };
@@ -201,19 +206,20 @@ impl Library {
         unsafe { extension(name.as_ptr(), revision) }
     }
 
-    /// Its manual page, if it has one.
+    /// Manual page of the library, if it has one.
     #[must_use]
     pub fn manual(&self) -> Option<String> {
         if let Home::There(worker) = &self.home {
             return worker.manual();
         }
         let text = self.extension(c"radsight.manual", 1).cast::<c_char>();
-        // SAFETY: the header says that this extension is null or a C string that lives as long as the library.
+        // SAFETY: the header says that this extension is null or a C string that lives as long as
+        // the library.
         let text = unsafe { text_at(text) };
         (!text.is_empty()).then_some(text)
     }
 
-    /// What it had to say since this was last asked.
+    /// Messages logged since the last call.
     #[must_use]
     pub fn take_messages(&self) -> Vec<Message> {
         match &self.home {
@@ -228,7 +234,7 @@ impl Library {
         &self.home
     }
 
-    /// The library if it is in this process.
+    /// The library, if it is in this process.
     pub(crate) fn loaded(&self) -> Option<&Loaded> {
         match &self.home {
             Home::Here(loaded) => Some(loaded),
@@ -243,7 +249,7 @@ impl Loaded {
     }
 
     pub(crate) fn host(&self) -> *const abi::Host {
-        // A pointer to the whole structure, so that `host_log` may reach what is behind the visible part.
+        // Pointer to the whole structure, so that `host_log` can access the private part.
         std::ptr::from_ref(&*self.host).cast()
     }
 
@@ -253,7 +259,8 @@ impl Loaded {
 }
 
 unsafe extern "C" fn host_log(host: *const abi::Host, level: u32, text: *const c_char) {
-    // SAFETY: plugins pass the pointer that they got, which leads to a `LibraryHost`, and a C string.
+    // SAFETY: plugins pass the pointer that they got, which leads to a `LibraryHost`, and a C
+    // string.
     let (host, text) = unsafe { (host.cast::<LibraryHost>().as_ref(), text_at(text)) };
     let Some(host) = host else { return };
     let mut messages = host.messages.lock().unwrap_or_else(PoisonError::into_inner);
@@ -274,19 +281,20 @@ fn load_entry(path: &Path) -> Result<abi::Entry, Error> {
         let reason = error.source().map_or_else(|| error.to_string(), ToString::to_string);
         Error::CannotLoad { path: path.to_owned(), reason }
     })?;
-    // It is never unloaded.
+    // The library is never unloaded.
     let library = std::mem::ManuallyDrop::new(library);
-    // SAFETY: the symbol is a constant; its type is only relied on as far as its magic and sizes have been checked.
+    // SAFETY: the symbol is a constant; its type is only relied on as far as its magic and sizes
+    // have been checked.
     let symbol = unsafe { library.get::<*const u8>(abi::ENTRY_SYMBOL) }
         .map_err(|_| Error::MissingEntry { path: path.to_owned() })?;
     // SAFETY: what the file exports under this name is an entry, and the library stays.
     unsafe { read_entry(path, *symbol) }
 }
 
-/// A copy of the part of an entry that both sides know.
+/// Copies the part of an entry that both sides know.
 ///
 /// # Safety
-/// `entry` leads to an entry of any version.
+/// `entry` points to an entry of any version.
 unsafe fn read_entry(path: &Path, entry: *const u8) -> Result<abi::Entry, Error> {
     // SAFETY: it leads to at least its first eight bytes in a mapped page; reads are unaligned.
     let magic = unsafe { entry.cast::<u64>().read_unaligned() };
@@ -366,7 +374,8 @@ unsafe fn read_model(descriptor: *const abi::Model) -> Result<ModelInfo, String>
     }
     let mut parameters = Vec::new();
     for index in 0..model.parameter_count as usize {
-        // SAFETY: the table has `parameter_count` rows of `stride` bytes, whose strings are C strings or null.
+        // SAFETY: the table has `parameter_count` rows of `stride` bytes, whose strings are C
+        // strings or null.
         let row = unsafe {
             let at = model.parameters.cast::<u8>().add(index * stride);
             read_parameter(&copy_known::<abi::Parameter>(at, stride))
@@ -411,10 +420,10 @@ unsafe fn read_parameter(row: &abi::Parameter) -> Result<ParameterInfo, String> 
     Ok(ParameterInfo { name, unit, doc, kind, optional, default_number: row.default_number, default_word, range })
 }
 
-/// A copy of the part of a structure that both sides know; the rest is zero.
+/// Copies the part of a structure that both sides know; the rest is zero.
 ///
 /// # Safety
-/// `source` leads to `size` bytes of a `T` of any minor version, and all-zero is a valid `T`.
+/// `source` points to `size` bytes of a `T` of any minor version, and all-zero is a valid `T`.
 unsafe fn copy_known<T: Copy>(source: *const u8, size: usize) -> T {
     let mut copy = std::mem::MaybeUninit::<T>::zeroed();
     // SAFETY: at most the size of either side is copied.
@@ -424,10 +433,10 @@ unsafe fn copy_known<T: Copy>(source: *const u8, size: usize) -> T {
     }
 }
 
-/// The text at a pointer; empty when it is null.
+/// The text at a pointer; empty if it is null.
 ///
 /// # Safety
-/// `pointer` is null or leads to a C string.
+/// `pointer` is null or points to a C string.
 pub(crate) unsafe fn text_at(pointer: *const c_char) -> String {
     if pointer.is_null() {
         return String::new();

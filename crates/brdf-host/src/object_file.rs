@@ -1,12 +1,15 @@
-//! Tells what a file is before the system's loader gets it, because the loader's own words help nobody.
+//! Identifies a file before the system's loader opens it, because the loader's own errors are
+//! unhelpful.
 //!
-//! Layouts: "System V Application Binary Interface", chapter 4 (ELF header); Apple, `mach-o/loader.h`; Microsoft, "PE Format".
+//! Layouts: "System V Application Binary Interface", chapter 4 (ELF header); Apple,
+//! `mach-o/loader.h`; Microsoft, "PE Format".
 
 use crate::Error;
 use std::io::Read;
 use std::path::Path;
 
-/// Whether the file can be a plugin for this machine: loading it would run its code, so strangers are turned away before.
+/// Checks that the file can be a plugin for this machine. Loading a file runs its code, so other
+/// files are rejected first.
 pub(crate) fn examine(path: &Path) -> Result<(), Error> {
     let unreadable = |reason: std::io::Error| Error::Unreadable { path: path.to_owned(), reason: reason.to_string() };
     let mut file = std::fs::File::open(path).map_err(unreadable)?;
@@ -17,7 +20,8 @@ pub(crate) fn examine(path: &Path) -> Result<(), Error> {
     if names_entry { Ok(()) } else { Err(Error::MissingEntry { path: path.to_owned() }) }
 }
 
-/// Whether the name of the exported constant occurs in a file, whose beginning was read already.
+/// Whether the name of the exported constant occurs in a file, of which the beginning was already
+/// read.
 fn mentions_entry(mut window: Vec<u8>, mut file: std::fs::File) -> std::io::Result<bool> {
     const CHUNK_BYTES: u64 = 1 << 20;
     let name = radsight_brdf_abi::ENTRY_SYMBOL;
@@ -25,7 +29,7 @@ fn mentions_entry(mut window: Vec<u8>, mut file: std::fs::File) -> std::io::Resu
         if window.windows(name.len()).any(|part| part == name) {
             return Ok(true);
         }
-        // The name may lie across the end of a chunk.
+        // The name may span the end of a chunk.
         window.drain(..window.len().saturating_sub(name.len()));
         if file.by_ref().take(CHUNK_BYTES).read_to_end(&mut window)? == 0 {
             return Ok(false);
@@ -53,12 +57,12 @@ enum Identity {
         system: &'static str,
         machine: &'static str,
     },
-    /// A macOS library for several machines.
+    /// A macOS library for several architectures.
     Fat,
     Other(String),
 }
 
-/// The family of file formats that this system's loader takes.
+/// File formats of this system's loader.
 const OWN_SYSTEM: &str = if cfg!(windows) {
     "windows"
 } else if cfg!(target_vendor = "apple") {
@@ -139,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn other_files_are_told_apart() {
+    fn other_files_are_identified() {
         assert_eq!(identify(b""), Identity::Other("it is empty".to_owned()));
         assert_eq!(identify(b"#!/bin/sh\n"), Identity::Other("it begins with \"#!/bin/sh\\n\"".to_owned()));
         let mut elf = b"\x7fELF\x02\x01\x01\0\0\0\0\0\0\0\0\0\x03\0\xb7\0".to_vec();

@@ -1,17 +1,18 @@
-//! Pictures of a model's lobes, for `radsight plugin plot`: SVG text.
+//! Plots of a model's lobes as SVG, for `radsight plugin plot`.
 //!
-//! On the left the plane of incidence: for each outgoing angle, f in every direction, with a logarithmic radius. On the right f against
-//! the angle to the mirror direction and to the retro direction, both logarithmic, so that a lobe of a hundredth of a degree and
-//! one of ten degrees have their place in one picture.
+//! On the left is the plane of incidence: f in every direction for each outgoing angle, with a
+//! logarithmic radius. On the right is f against the angle to the mirror direction and to the retro
+//! direction, both logarithmic, so that one plot shows lobes of a hundredth of a degree and of ten
+//! degrees.
 
 use glam::DVec3;
 use radsight_brdf::Brdf;
 use std::fmt::Write;
 
-/// What to draw.
+/// Options of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotOptions {
-    /// Above the picture.
+    /// Title above the plot.
     pub title: String,
     /// Number of bands of the model.
     pub bands: usize,
@@ -30,15 +31,15 @@ impl PlotOptions {
 }
 
 const COLOURS: [&str; 6] = ["#0b62a4", "#c8511b", "#2b8a3e", "#8a2be2", "#b8860b", "#555555"];
-/// Powers of ten from the middle of the left plot to its rim.
+/// Decades from the centre of the left plot to its rim.
 const DECADES: f64 = 5.0;
 const RADIUS: f64 = 300.0;
 const CENTRE: (f64, f64) = (330.0, 400.0);
-/// The right plots: left edge, width, height, and the smallest angle in degrees.
+/// Panels on the right: left edge, width, height, and smallest angle in degrees.
 const PANEL: (f64, f64, f64) = (730.0, 300.0, 140.0);
 const SMALLEST_DEG: f64 = 1e-3;
 
-/// The picture of a model.
+/// Plots a model.
 #[must_use]
 pub fn svg(brdf: &dyn Brdf, options: &PlotOptions) -> String {
     let sampler = Sampler { brdf, bands: options.bands.max(1), band: options.band.min(options.bands.max(1) - 1) };
@@ -70,7 +71,8 @@ pub fn svg(brdf: &dyn Brdf, options: &PlotOptions) -> String {
 
 /// Pairs of an angle (radians) and f (1/sr).
 struct Curves {
-    /// By the angle from the normal in the plane of incidence, positive on the side of the outgoing direction.
+    /// By the angle from the normal in the plane of incidence, positive on the side of the outgoing
+    /// direction.
     plane: Vec<(f64, f64)>,
     mirror: Vec<(f64, f64)>,
     retro: Vec<(f64, f64)>,
@@ -86,7 +88,7 @@ impl Sampler<'_> {
     fn curves(&self, outgoing_deg: f64) -> Curves {
         let view = outgoing_deg.to_radians();
         let value = |incident: f64| self.value(in_plane(view), in_plane(incident));
-        // Fine steps around both directions, where narrow lobes are, besides even ones.
+        // Fine steps around both directions, where narrow lobes lie, and uniform ones elsewhere.
         let mut angles: Vec<f64> = (-900..=900).map(|step| (f64::from(step) * 0.1).to_radians()).collect();
         let near: Vec<f64> =
             (0..=200).map(|step| SMALLEST_DEG.to_radians() * 10f64.powf(f64::from(step) / 40.0)).collect();
@@ -95,7 +97,8 @@ impl Sampler<'_> {
         }
         angles.retain(|angle| angle.abs() <= std::f64::consts::FRAC_PI_2);
         angles.sort_by(f64::total_cmp);
-        // Away from the normal for the mirror direction would fall below the horizon first: both go towards the normal or past it.
+        // Away from the normal the mirror direction would soon be below the horizon, so both curves
+        // go towards the normal.
         let towards = |axis: f64, offset: f64| if axis > 0.0 { axis - offset } else { axis + offset };
         Curves {
             plane: angles.into_iter().map(|angle| (angle, value(angle))).collect(),
@@ -115,7 +118,7 @@ fn in_plane(angle: f64) -> DVec3 {
     DVec3::new(angle.sin(), 0.0, angle.cos())
 }
 
-/// Share of the logarithmic scale, 0 at its bottom and below.
+/// Position on the logarithmic scale, 0…1; 0 for values below it.
 fn height(value: f64, top: f64) -> f64 {
     if value > 0.0 { ((value.log10() - top) / DECADES + 1.0).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -9,35 +9,35 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// What a scene or an option asks for.
+/// A request of a scene or an option.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// Bare name of the library.
+    /// Name of the library.
     pub library: &'a str,
-    /// Model in the library.
+    /// Name of the model in the library.
     pub model: &'a str,
     /// Words after library and model.
     pub words: &'a [String],
-    /// Numbers.
+    /// Real arguments.
     pub numbers: &'a [f64],
-    /// The bands of the rendering; at least one. Wavelengths in metres.
+    /// Bands of the rendering, at least one. Wavelengths in metres.
     pub bands: &'a [Band],
-    /// For messages.
+    /// Material and position, for messages.
     pub label: &'a Label,
-    /// The scene's folder, in which files that parameters name are looked for first.
+    /// Folder of the scene, in which files named by parameters are searched first.
     pub folder: Option<&'a Path>,
 }
 
-/// An instance and what the quick self-check thinks of it.
+/// An instance, with the findings of the quick self-check.
 #[derive(Clone, Debug)]
 pub struct Instantiated {
     /// The model with its parameters.
     pub brdf: Arc<PluginBrdf>,
-    /// Findings of the self-check, each with angle and value, and warnings of the plugin itself.
+    /// Findings of the self-check, with angles and values, and warnings of the plugin.
     pub warnings: Vec<String>,
 }
 
-/// Loads each library once and keeps all instances, to tell their faults in the end.
+/// Loads each library once, and keeps all instances in order to report their faults.
 #[derive(Debug)]
 pub struct Registry {
     search: SearchPath,
@@ -48,7 +48,7 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// An empty registry. Also installs the message that precedes a crash.
+    /// An empty registry. It also installs the crash message.
     #[must_use]
     pub fn new(search: SearchPath, self_check: SelfCheck) -> Self {
         crate::guard::install_crash_messages();
@@ -61,24 +61,24 @@ impl Registry {
         Registry { isolation: Some(isolation), ..self }
     }
 
-    /// Where libraries are looked for.
+    /// Folders in which libraries are searched.
     #[must_use]
     pub fn search_path(&self) -> &SearchPath {
         &self.search
     }
 
-    /// The library with this bare name.
+    /// The library of this name.
     ///
     /// # Errors
-    /// When it is not found or is no plugin.
+    /// If it is not found or is not a plugin.
     pub fn library(&self, name: &str) -> Result<Arc<Library>, Error> {
         self.library_file(&self.search.find(name)?)
     }
 
-    /// The library in this file, as a command line names it.
+    /// The library in this file, for a command line.
     ///
     /// # Errors
-    /// When it is no plugin.
+    /// If it is not a plugin.
     pub fn library_file(&self, path: &Path) -> Result<Arc<Library>, Error> {
         self.library_file_for(path, None)
     }
@@ -90,17 +90,17 @@ impl Registry {
         libraries.entry(path).or_insert_with_key(|path| load(path).map(Arc::new)).clone()
     }
 
-    /// Makes an instance; its parameters are checked before the plugin sees them.
+    /// Makes an instance, after checking its parameters.
     ///
     /// # Errors
-    /// See [`Error`]; [`Error::token`] says which token of the scene is to blame.
+    /// See [`Error`]; [`Error::token`] is the token of the scene that caused it.
     pub fn instantiate(&self, request: &Request<'_>) -> Result<Instantiated, Error> {
         let user = User { model: request.model, label: request.label };
         let library = self.library_file_for(&self.search.find(request.library)?, Some(user))?;
         self.instantiate_from(library, request)
     }
 
-    /// As [`Registry::instantiate`], from a library that is at hand; `request.library` is not looked at.
+    /// As [`Registry::instantiate`], from a loaded library; `request.library` is ignored.
     ///
     /// # Errors
     /// As there.
@@ -119,14 +119,14 @@ impl Registry {
         Ok(Instantiated { brdf, warnings })
     }
 
-    /// The faults of all instances that have any, and what plugins logged meanwhile, to be told when the work is done.
+    /// Faults of all instances that have any. Call it when the work is done.
     #[must_use]
     pub fn fault_reports(&self) -> Vec<FaultReport> {
         let instances = self.instances.lock().unwrap_or_else(PoisonError::into_inner);
         instances.iter().filter_map(|instance| instance.fault_report()).collect()
     }
 
-    /// What the plugins logged since this was last asked, as lines that name them.
+    /// Messages that plugins logged since the last call, as lines with the plugin's name.
     #[must_use]
     pub fn take_messages(&self) -> Vec<String> {
         let libraries = self.libraries.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,4 +1,4 @@
-//! Working memory that plugins are lent during a call.
+//! Scratch memory that plugins get for the duration of a call.
 
 use radsight_brdf_abi::SCRATCH_ALIGNMENT;
 use std::cell::RefCell;
@@ -14,8 +14,9 @@ thread_local! {
     static SCRATCH: RefCell<Vec<Line>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Calls `call` with at least `fixed + count · per_direction` bytes of scratch: a line on the stack if that is enough, else
-/// the thread's own memory, which grows to the largest need and stays.
+/// Calls `call` with at least `fixed + count · per_direction` bytes of scratch memory: a line on
+/// the stack if that suffices, otherwise memory of the thread, which grows to the largest request
+/// and stays.
 #[inline]
 pub(crate) fn with_scratch<R>(fixed: u64, per_direction: u64, count: usize, call: impl FnOnce(*mut c_void) -> R) -> R {
     let bytes = fixed + per_direction * count as u64;

@@ -1,20 +1,21 @@
-//! Where plugin libraries are looked for.
+//! Search path of plugin libraries.
 
 use crate::Error;
 use radsight_diag::nearest;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 
-/// Folders, in the order in which they are searched.
+/// Folders in the order of the search.
 ///
-/// The program fills it: `--plugin-path`, the variable `RADSIGHT_PLUGIN_PATH`, the scene's folder, its own `plugins` folder.
+/// The program adds: `--plugin-path`, the variable `RADSIGHT_PLUGIN_PATH`, the scene's folder, its
+/// own `plugins` folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SearchPath {
     folders: Vec<PathBuf>,
 }
 
 impl SearchPath {
-    /// Adds a folder behind those that are there.
+    /// Appends a folder.
     pub fn push(&mut self, folder: impl Into<PathBuf>) {
         let folder = folder.into();
         if !self.folders.contains(&folder) {
@@ -22,21 +23,23 @@ impl SearchPath {
         }
     }
 
-    /// Adds the folders of a list as the system writes it (`:` between them, `;` on Windows), leaving out empty ones.
+    /// Appends the folders of a list in the system's format (`:` between them, `;` on Windows),
+    /// without empty ones.
     pub fn push_list(&mut self, list: &std::ffi::OsStr) {
         std::env::split_paths(list).filter(|folder| !folder.as_os_str().is_empty()).for_each(|f| self.push(f));
     }
 
-    /// The folders, first searched first.
+    /// Folders in the order of the search.
     #[must_use]
     pub fn folders(&self) -> &[PathBuf] {
         &self.folders
     }
 
-    /// The file of the library `name`, a bare name without folder, prefix or suffix: a scene is input and may not reach outside.
+    /// File of the library `name`, a name without folder, prefix or suffix: a scene must not name
+    /// paths.
     ///
     /// # Errors
-    /// When the name is not bare, or no folder has the library.
+    /// If the name is a path, or no folder has the library.
     pub fn find(&self, name: &str) -> Result<PathBuf, Error> {
         let bare = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-');
         if !bare {
@@ -50,7 +53,8 @@ impl SearchPath {
             .ok_or_else(|| self.not_found(name))
     }
 
-    /// The names and files of all libraries in the folders, whether or not they are plugins. A name that an earlier folder has hides later ones.
+    /// Names and files of all libraries in the folders, whether or not they are plugins. A name in
+    /// an earlier folder hides later ones.
     #[must_use]
     pub fn libraries(&self) -> Vec<(String, PathBuf)> {
         let mut found: Vec<(String, PathBuf)> = Vec::new();
@@ -83,7 +87,7 @@ impl SearchPath {
     }
 }
 
-/// The bare name of a library file: `libretrosheet.so` is `retrosheet`.
+/// Library name of a file: `libretrosheet.so` is `retrosheet`.
 #[must_use]
 pub fn library_name(path: &Path) -> Option<String> {
     let file = path.file_name()?.to_str()?;

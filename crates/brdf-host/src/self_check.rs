@@ -1,11 +1,11 @@
-//! The quick look at every instance before it is used.
+//! The quick self-check of every instance before it is used.
 
 use crate::PluginBrdf;
 use crate::faults::FaultCounts;
-use radsight_brdf::check::{self, Check, CheckOptions, Effort};
+use radsight_brdf::check::{self, Check, CheckLevel, CheckOptions};
 use radsight_brdf_abi::flags;
 
-/// What the self-check at load does.
+/// Mode of the self-check at load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SelfCheck {
     /// Findings are warnings.
@@ -13,30 +13,31 @@ pub enum SelfCheck {
     Warn,
     /// Findings are errors.
     Strict,
-    /// It is left out.
+    /// No self-check.
     Off,
 }
 
-/// What a model claims, as the statistical checks want it.
-pub(crate) fn check_options(brdf: &PluginBrdf, effort: Effort, seed: u64) -> CheckOptions {
+/// Options of the statistical checks, from the properties that a model declares.
+pub(crate) fn check_options(brdf: &PluginBrdf, level: CheckLevel, seed: u64) -> CheckOptions {
     CheckOptions {
         bands: brdf.bands(),
         seed,
-        effort,
+        level,
         reciprocal: brdf.model().claims_reciprocity(),
         isotropic: brdf.model().flags & flags::ANISOTROPIC == 0,
     }
 }
 
-/// Findings in words. A model that returns nonsense is not checked further: all else would follow from it.
+/// Findings as text. A model that returns invalid values is not checked further: other findings
+/// would follow from them.
 pub(crate) fn self_check(brdf: &PluginBrdf, mode: SelfCheck) -> Vec<String> {
     if mode == SelfCheck::Off {
         return Vec::new();
     }
-    let options = check_options(brdf, Effort::Quick, 1);
+    let options = check_options(brdf, CheckLevel::Quick, 1);
     let raw = brdf.unfiltered();
     let checks: [Check; 5] = [check::finite, check::isotropy, check::reciprocity, check::energy, check::sampling];
     let found = checks.iter().map(|check| check(&raw, &options)).find(|findings| !findings.is_empty());
-    debug_assert_eq!(brdf.faults(), FaultCounts::default(), "checks look at unfiltered numbers");
+    debug_assert_eq!(brdf.faults(), FaultCounts::default(), "checks use unfiltered numbers");
     found.into_iter().flatten().map(|finding| finding.message).collect()
 }

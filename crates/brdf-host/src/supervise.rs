@@ -1,6 +1,6 @@
-//! The process between the program and one that runs a plugin. It runs no code of the plugin, and
-//! when it ends nothing is left of those that did: they are its children, or become so when their
-//! own parent ends.
+//! The supervisor between the program and a process that runs a plugin. It runs no plugin code.
+//! When it ends, no process of the plugin is left: they are its children, or become its children
+//! when their own parent ends.
 
 use crate::child_command::{own_file, set_apart};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -9,12 +9,10 @@ use serde::{Deserialize, Serialize};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// Set in the environment of a process that is to do the work; without it the process supervises
-/// another one.
+/// Environment variable of a worker process; without it the process supervises a worker.
 const WORKER_VARIABLE: &str = "RADSIGHT_PLUGIN_WORKER";
 
-/// How long killing may take. A plugin that starts processes faster than they can be killed is left
-/// to the system.
+/// Maximum time for killing processes. A plugin that starts processes faster is left to the system.
 const LONGEST_CLEARING: Duration = Duration::from_secs(2);
 
 /// How a worker ended.
@@ -22,14 +20,14 @@ const LONGEST_CLEARING: Duration = Duration::from_secs(2);
 pub(crate) struct Ended {
     pub(crate) code: Option<i32>,
     pub(crate) signal: Option<i32>,
-    /// Whether it was killed because nobody wanted it any more.
+    /// Whether it was killed because it was no longer needed.
     pub(crate) unwanted: bool,
-    /// The most memory that it or a child of it occupied, bytes.
+    /// Maximum memory of the worker or one of its children, bytes.
     pub(crate) largest_memory: u64,
 }
 
 impl Ended {
-    /// Words for a process that came near to its limit of memory.
+    /// Description of a process that came close to its memory limit.
     pub(crate) fn memory(&self, limit: Option<u64>) -> Option<String> {
         let limit = limit.filter(|limit| self.largest_memory >= limit / 2)?;
         let megabytes = |bytes: u64| bytes >> 20;
@@ -48,19 +46,19 @@ impl std::fmt::Display for Ended {
     }
 }
 
-/// Whether this process is to do the work, rather than to supervise it.
+/// Whether this process is a worker, rather than a supervisor.
 pub(crate) fn is_worker() -> bool {
     std::env::var_os(WORKER_VARIABLE).is_some()
 }
 
-/// To be called first in a worker: it ends with its supervisor.
+/// Call it first in a worker: makes it end with its supervisor.
 pub(crate) fn begin_work() {
     let _ = rustix::process::set_parent_process_death_signal(Some(Signal::KILL));
     let nothing = Rlimit { current: Some(0), maximum: Some(0) };
     let _ = rustix::process::setrlimit(Resource::Core, nothing);
 }
 
-/// This very command as a worker.
+/// This command, as a worker.
 pub(crate) fn worker_command() -> std::io::Result<Command> {
     let mut command = Command::new(own_file()?);
     command.args(std::env::args_os().skip(1)).env(WORKER_VARIABLE, "1");
@@ -68,14 +66,13 @@ pub(crate) fn worker_command() -> std::io::Result<Command> {
     Ok(command)
 }
 
-/// Makes this process the one to which orphans of a worker come. To be called before the worker is
-/// started.
+/// Makes this process the parent of a worker's orphans. Call it before starting the worker.
 pub(crate) fn adopt_orphans() -> std::io::Result<()> {
     Ok(rustix::process::set_child_subreaper(Some(rustix::process::getpid()))?)
 }
 
 /// Waits until the worker ends, or until the other end of standard input is closed; then ends the
-/// worker and all that it started.
+/// worker and all processes that it started.
 pub(crate) fn watch(mut worker: Child) -> std::io::Result<Ended> {
     let group = Pid::from_child(&worker);
     let handle = rustix::process::pidfd_open(group, rustix::process::PidfdFlags::empty())?;
@@ -103,7 +100,7 @@ impl From<ExitStatus> for Ended {
     }
 }
 
-/// Kills all children, and theirs as they come, until there are none.
+/// Kills all children, including those adopted meanwhile, until there are none.
 fn clear() {
     let started = Instant::now();
     while started.elapsed() < LONGEST_CLEARING {
@@ -114,7 +111,7 @@ fn clear() {
             match rustix::process::wait(WaitOptions::NOHANG) {
                 Ok(Some(_)) => {}
                 Ok(None) => break,
-                // There is no child any more.
+                // There are no more children.
                 Err(_) => return,
             }
         }
@@ -132,7 +129,7 @@ fn children() -> Vec<Pid> {
 
 fn parent_of(process: i32) -> Option<i32> {
     let text = std::fs::read(format!("/proc/{process}/stat")).ok()?;
-    // The name before it may hold anything, brackets too.
+    // The name before it may contain anything, even brackets.
     let end_of_name = text.iter().rposition(|&byte| byte == b')')?;
     let rest = String::from_utf8_lossy(&text[end_of_name + 1..]).into_owned();
     rest.split_whitespace().nth(1)?.parse().ok()
@@ -148,10 +145,9 @@ fn largest_memory_of_children() -> u64 {
     u64::try_from(usage.ru_maxrss).unwrap_or(0) << 10
 }
 
-/// Lets the plugin have so many bytes beyond what the process has.
+/// Limits the plugin to this many bytes beyond the memory of the process.
 pub(crate) fn limit_memory(limit: Option<u64>, threads: usize) -> std::io::Result<()> {
-    /// Address space that allocators set aside for a thread without using it, and for files that
-    /// are mapped.
+    /// Address space that allocators reserve for a thread without using it, and for mapped files.
     const AIR_BYTES: u64 = 1 << 30;
     const THREAD_AIR_BYTES: u64 = 128 << 20;
     let Some(limit) = limit else { return Ok(()) };
@@ -159,7 +155,7 @@ pub(crate) fn limit_memory(limit: Option<u64>, threads: usize) -> std::io::Resul
     let pages: Vec<u64> = statistics.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let bytes = |field: usize| pages.get(field).copied().unwrap_or(0) * rustix::param::page_size() as u64;
     let set = |resource, wanted: u64| {
-        // Nobody but the superuser may ask for more than there is.
+        // Only the superuser may exceed the maximum.
         let most = rustix::process::getrlimit(resource).maximum.map_or(wanted, |most| most.min(wanted));
         rustix::process::setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) })
     };

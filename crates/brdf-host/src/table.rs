@@ -1,4 +1,4 @@
-//! What a model says about itself, and the check of a scene's words and numbers against it.
+//! Parameter tables of models, and the check of a scene's words and numbers against them.
 
 use crate::Error;
 use radsight_brdf_abi::{Band, flags, parameter_flags};
@@ -17,50 +17,50 @@ pub enum Token {
     Word(usize),
     /// The number with this index, from 0.
     Number(usize),
-    /// The list of words as a whole: one is missing.
+    /// The list of words as a whole, if one is missing.
     Words,
-    /// The list of numbers as a whole: one is missing.
+    /// The list of numbers as a whole, if one is missing.
     Numbers,
 }
 
-/// A model of a library.
+/// Description of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelInfo {
-    /// As a scene writes it.
+    /// Name in a scene.
     pub name: String,
-    /// One line.
+    /// Description in one line.
     pub summary: String,
-    /// Where the formulas are from; may be empty.
+    /// Source of the formulas; may be empty.
     pub citation: String,
-    /// Of [`radsight_brdf_abi::flags`].
+    /// Combination of [`radsight_brdf_abi::flags`].
     pub flags: u32,
-    /// The table.
+    /// Parameters of the model.
     pub parameters: Vec<ParameterInfo>,
 }
 
-/// A row of a model's table.
+/// Description of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterInfo {
-    /// For messages.
+    /// Name, for messages.
     pub name: String,
-    /// Such as "rad"; may be empty.
+    /// Unit, such as "rad"; may be empty.
     pub unit: String,
-    /// One sentence.
+    /// Description in one sentence.
     pub doc: String,
-    /// What a scene writes.
+    /// Kind of token in a scene.
     pub kind: ParameterKind,
-    /// Whether it may be left out.
+    /// Whether it may be omitted.
     pub optional: bool,
-    /// Of an optional number; of a spectrum, in each band.
+    /// Default of an optional number; of a spectrum, in each band.
     #[serde(with = "crate::isolate::bits")]
     pub default_number: f64,
-    /// Of an optional word.
+    /// Default of an optional word.
     pub default_word: String,
-    /// What a number must keep to.
+    /// Range of a number.
     pub range: Range,
 }
 
-/// What a scene writes for a parameter.
+/// Kind of token that a scene uses for a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ParameterKind {
     /// One number.
@@ -80,13 +80,13 @@ pub enum ParameterKind {
 /// A range of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Range {
-    /// −∞ when there is none.
+    /// Minimum; −∞ if there is none.
     #[serde(with = "crate::isolate::bits")]
     pub minimum: f64,
-    /// ∞ when there is none.
+    /// Maximum; ∞ if there is none.
     #[serde(with = "crate::isolate::bits")]
     pub maximum: f64,
-    /// Of [`radsight_brdf_abi::parameter_flags`].
+    /// Combination of [`radsight_brdf_abi::parameter_flags`].
     pub flags: u32,
 }
 
@@ -114,7 +114,7 @@ impl std::fmt::Display for Range {
 }
 
 impl ParameterInfo {
-    /// How many numbers a scene writes for it.
+    /// Number of real arguments that a scene needs for it.
     #[must_use]
     pub fn scene_numbers(&self) -> usize {
         match self.kind {
@@ -129,17 +129,17 @@ impl ParameterInfo {
     }
 }
 
-/// What `create` gets.
+/// Arguments of `create`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Arguments {
-    /// One for each number, one for each band of a spectrum.
+    /// One entry for each number, one for each band of a spectrum.
     #[serde(with = "crate::isolate::bit_list")]
     pub(crate) numbers: Vec<f64>,
     pub(crate) words: Vec<String>,
 }
 
 impl ModelInfo {
-    /// For an index that no model has.
+    /// Arguments for an index that no model has.
     pub(crate) fn unknown() -> Self {
         ModelInfo {
             name: "?".to_owned(),
@@ -150,13 +150,14 @@ impl ModelInfo {
         }
     }
 
-    /// Whether it claims reciprocity.
+    /// Whether the model declares reciprocity.
     #[must_use]
     pub fn claims_reciprocity(&self) -> bool {
         self.flags & flags::RECIPROCAL != 0
     }
 
-    /// How the primitive is written, such as `brdfplugin NAME  2 retrosheet bead_sheet  0  3 rho_s alpha index`.
+    /// Usage of the primitive, such as `brdfplugin NAME  2 retrosheet bead_sheet  0  3 rho_s alpha
+    /// index`.
     #[must_use]
     pub fn usage(&self, library: &str) -> String {
         let of = |words: bool| -> Vec<String> {
@@ -174,10 +175,10 @@ impl ModelInfo {
         )
     }
 
-    /// Checks a scene's words and numbers against the table and fills in the defaults.
+    /// Checks a scene's words and numbers against the table, and adds the defaults.
     ///
     /// # Errors
-    /// The first that does not fit, with its token.
+    /// The first argument that does not fit, with its token.
     pub(crate) fn arguments(
         &self,
         words: &[String],
@@ -264,7 +265,7 @@ fn row_list(rows: &[&ParameterInfo]) -> String {
 }
 
 impl ParameterInfo {
-    /// The tokens that a scene writes for it; those that may be left out in brackets.
+    /// Tokens of the parameter in a scene; optional ones in brackets.
     fn usage(&self) -> Vec<String> {
         let dress = |name: String| if self.optional { format!("[{name}]") } else { name };
         match self.kind {
@@ -317,8 +318,9 @@ impl ParameterInfo {
     }
 }
 
-/// A scene's colour in the bands of a rendering. Three bands are red, green and blue; otherwise each band takes the colour in
-/// whose part of the spectrum its centre lies, with the limits that Radiance 6 divides the visible spectrum at.
+/// A scene's colour in the bands of a rendering. Three bands are red, green and blue; otherwise
+/// each band takes the component in whose part of the spectrum its centre lies, with the limits of
+/// Radiance 6.
 fn spectrum_in_bands(colour: [f64; 3], bands: &[Band]) -> Vec<f64> {
     const RED_FROM_M: f64 = 588e-9;
     const GREEN_FROM_M: f64 = 480e-9;
@@ -387,7 +389,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mistake_names_its_token() {
+    fn each_error_names_its_token() {
         assert_eq!(
             refusal(&["stel"], &[]),
             (

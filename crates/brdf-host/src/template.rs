@@ -1,16 +1,16 @@
-//! The files of a new plugin project, for `radsight plugin new`.
+//! Files of a new plugin project, for `radsight plugin new`.
 
 use std::path::{Path, PathBuf};
 
-/// What the project is written in.
+/// Language of the project.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Language {
-    /// With the SDK of the workspace in this folder.
+    /// Rust, with the SDK of the workspace in this folder.
     Rust {
-        /// The root of radsight's sources.
+        /// Root of radsight's sources.
         sources: PathBuf,
     },
-    /// With the header alone.
+    /// C, with the header alone.
     C,
 }
 
@@ -23,17 +23,17 @@ pub struct ProjectFile {
     pub text: String,
 }
 
-/// Why there is no project.
+/// Why no project is created.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProjectError {
-    /// The name cannot be that of a library and a model.
+    /// The name is not suitable for a library and a model.
     #[error("\"{name}\" cannot be the name of a plugin: expected a letter, then letters, digits, \"_\" and \"-\"")]
     BadName {
-        /// As written.
+        /// Name as written.
         name: String,
     },
-    /// The folder holds no SDK.
+    /// The folder contains no SDK.
     #[error("\"{}\" does not hold radsight's sources: it has no crates/brdf-sdk", folder.display())]
     NoSdk {
         /// The folder.
@@ -41,7 +41,7 @@ pub enum ProjectError {
     },
 }
 
-/// The sources that this program was built from, if they are still there.
+/// The sources from which this program was built, if they still exist.
 #[must_use]
 pub fn own_sources() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.parent()?;
@@ -52,10 +52,10 @@ fn has_sdk(root: &Path) -> bool {
     root.join("crates/brdf-sdk/Cargo.toml").is_file() && root.join("crates/brdf-host/Cargo.toml").is_file()
 }
 
-/// The files of a project that builds and passes `radsight plugin check` as it is.
+/// Files of a project that builds and passes `radsight plugin check` unchanged.
 ///
 /// # Errors
-/// When the name is unusable, or the folder with the SDK is wrong.
+/// If the name is not suitable, or the folder of the SDK is wrong.
 pub fn new_project(name: &str, language: &Language) -> Result<Vec<ProjectFile>, ProjectError> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_must_do_for_a_library_and_a_model() {
+    fn a_name_must_suit_a_library_and_a_model() {
         for name in ["", "9lives", "a b", "../x", "é"] {
             assert!(new_project(name, &Language::C).is_err(), "{name}");
         }
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_to_fill_in() {
+    fn no_placeholder_is_left() {
         let rust = Language::Rust { sources: own_sources().unwrap() };
         for language in [Language::C, rust] {
             for file in new_project("paint", &language).unwrap() {

@@ -1,11 +1,11 @@
-//! Honest plugins pass; each kind of bad one is caught with the right message.
+//! Valid plugins pass; each kind of invalid plugin is reported with the right message.
 
 use radsight_brdf_host::check::{self, ChildCommand, Example, Report, Stage, Verdict};
 use radsight_test_support::plugins::{c_plugin, sdk_example, workspace_plugin};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Not a test: what the children of the tests below run.
+/// Not a test: entry point of the child processes of the tests below.
 #[test]
 #[ignore = "run by other tests as a child process"]
 fn child() {
@@ -61,16 +61,16 @@ fn the_plugin_in_c_of_the_plugins_folder_passes() {
 fn each_broken_plugin_is_caught_with_the_right_message() {
     let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, Stage, &str); 14] = [
-        ("PDF", Stage::Sampling, "directions are not drawn with the density that is claimed"),
+        ("PDF", Stage::Sampling, "samples do not have the density of eval_pdf"),
         ("WEIGHT", Stage::Sampling, "the weight of a sample is"),
-        ("ENERGY", Stage::Energy, "% of the light comes back at outgoing angle"),
-        ("RECIPROCITY", Stage::Reciprocity, "with the directions exchanged in band"),
+        ("ENERGY", Stage::Energy, "% at outgoing angle"),
+        ("RECIPROCITY", Stage::Reciprocity, "with exchanged directions in band"),
         ("GRAZING", Stage::Finite, "value NaN at outgoing angle"),
         ("NEGATIVE", Stage::Finite, "value -1 at outgoing angle"),
         ("INFINITE", Stage::Finite, "value inf at outgoing angle"),
-        ("LENGTH", Stage::Finite, "sample gives a direction of length"),
-        ("ANISOTROPY", Stage::Isotropy, "when both directions turn about the normal"),
-        ("BATCH", Stage::Purity, "alone but"),
+        ("LENGTH", Stage::Finite, "sample returns a direction of length"),
+        ("ANISOTROPY", Stage::Isotropy, "when both directions are rotated about the normal"),
+        ("BATCH", Stage::Purity, "in a single call but"),
         ("STATE", Stage::Purity, "numbers differ when 4 threads evaluate the same batches at once"),
         ("UNWRITTEN", Stage::Finite, "value NaN"),
         ("STATUS", Stage::Finite, "value NaN"),
@@ -141,7 +141,11 @@ fn a_panic_is_a_finding_and_not_the_end() {
     let check = |place: &str| check::run(&check::CheckOptions { examples: vec![example(place)], ..options(&library) });
     let evaluating = check("evaluating");
     assert!(!evaluating.text().contains("crash"), "{}", evaluating.text());
-    assert!(evaluating.text().contains("it says: panicked: there is no reflection at "), "{}", evaluating.text());
+    assert!(
+        evaluating.text().contains("the plugin logged: panicked: there is no reflection at "),
+        "{}",
+        evaluating.text()
+    );
     assert!(failed_stages(&evaluating).contains(&Stage::Finite));
     let creating = check("creating");
     assert!(creating.failures()[0].contains("panicked: cannot go on creating at "), "{}", creating.text());
@@ -157,5 +161,5 @@ fn a_wrong_example_and_an_unknown_model_are_told() {
     let report = check::run(&check::CheckOptions { examples: vec![wrong], ..options(&library) });
     assert_eq!(report.failures(), ["lambert(0.5, 2, 0.5): reflectance is 2, expected at least 0 and at most 1"]);
     let report = check::run(&check::CheckOptions { model: Some("velvet".to_owned()), ..options(&library) });
-    assert_eq!(report.failures(), ["there is no model \"velvet\"; it has lambert"]);
+    assert_eq!(report.failures(), ["the library has no model \"velvet\"; it has lambert"]);
 }

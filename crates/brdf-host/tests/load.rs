@@ -1,4 +1,4 @@
-//! Loading plugins, good and bad, and using them.
+//! Loads and uses valid and invalid plugins.
 
 use glam::DVec3;
 use radsight_brdf::{Brdf, Lambert, WardIsotropic};
@@ -29,7 +29,7 @@ fn instantiate(path: &Path, model: &str, numbers: &[f64], bands: usize) -> Resul
     )
 }
 
-/// Directions over the whole sphere, grazing ones too.
+/// Directions over the whole sphere, including grazing ones.
 fn directions(count: usize) -> Vec<DVec3> {
     (0..count)
         .map(|i| {
@@ -71,7 +71,7 @@ fn a_model_as_a_plugin_gives_the_same_bits_as_built_in() {
     assert_eq!(three.faults().total() + one.faults().total() + lambert.faults().total(), 0);
     assert!(three.lobes().glossy && !three.lobes().diffuse);
     let refused = instantiate(&path, "lambert", &[0.9, 0.5, 0.1], 2).unwrap_err();
-    assert_eq!(refused.to_string(), "plugin \"builtin\" cannot make \"lambert\": it works in 1 or 3 bands, not in 2");
+    assert_eq!(refused.to_string(), "plugin \"builtin\" cannot create \"lambert\": it works in 1 or 3 bands, not in 2");
 }
 
 #[test]
@@ -131,14 +131,14 @@ fn what_is_no_plugin_is_refused_with_the_reason() {
     assert_eq!(message(&file("libempty.so", b"")), "\"libempty.so\" is not a shared library: it is empty");
     assert!(message(&folder.path().join("libnone.so")).starts_with("cannot read plugin library \"libnone.so\": "));
     if cfg!(all(target_os = "linux", target_endian = "little")) {
-        // A library for a machine that no test runs on.
+        // A library for an architecture without tests.
         let mut elf = b"\x7fELF\x02\x01\x01\0\0\0\0\0\0\0\0\0\x03\0\x15\0\x01\0\0\0".to_vec();
         elf.resize(64, 0);
         assert_eq!(
             message(&file("libpower.so", &elf)),
             format!("\"libpower.so\" was built for powerpc64 elf, this program needs {} linux", std::env::consts::ARCH)
         );
-        // Right in the head, nothing behind it but the name.
+        // A valid header, followed by the name only.
         elf[18] = if cfg!(target_arch = "x86_64") { 62 } else { 183 };
         elf.extend(b"radsight_brdf_entry\0");
         assert!(message(&file("libcut.so", &elf)).starts_with("cannot load plugin library \"libcut.so\": "));
@@ -173,7 +173,7 @@ fn a_wrong_parameter_names_its_token() {
     let refused = instantiate(&path, "lambert", &[0.125, 0.5, 0.5], 3).unwrap_err();
     assert_eq!(
         (refused.token(), refused.to_string().as_str()),
-        (Token::Number(0), "plugin \"chalk\" cannot make \"lambert\": reflectance: one eighth is an unlucky number")
+        (Token::Number(0), "plugin \"chalk\" cannot create \"lambert\": reflectance: one eighth is an unlucky number")
     );
     let unknown = instantiate(&path, "lamber", &[], 3).unwrap_err();
     assert_eq!(unknown.to_string(), "plugin \"chalk\" has no model \"lamber\"; it has \"lambert\"");

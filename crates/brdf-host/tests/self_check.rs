@@ -1,4 +1,5 @@
-//! The quick check of every instance before it is used, and the last words of a crash while rendering.
+//! The quick check of every instance before it is used, and the message of a crash while
+//! rendering.
 
 use radsight_brdf::Brdf;
 use radsight_brdf_host::check::CHECK_BANDS;
@@ -33,11 +34,11 @@ fn honest_models_give_no_warning() {
 fn dishonest_models_are_told_with_angle_and_value_and_refused_when_strict() {
     let folder = tempfile::tempdir().unwrap();
     for (define, message) in [
-        ("ENERGY", "130.00 % of the light comes back at outgoing angle"),
-        ("RECIPROCITY", "with the directions exchanged in band 0 at outgoing angle"),
+        ("ENERGY", "the albedo is 130.00 % at outgoing angle"),
+        ("RECIPROCITY", "with exchanged directions in band 0 at outgoing angle"),
         ("GRAZING", "value NaN at outgoing angle"),
         ("WEIGHT", "the weight of a sample is"),
-        ("ANISOTROPY", "when both directions turn about the normal at outgoing angle"),
+        ("ANISOTROPY", "when both directions are rotated about the normal at outgoing angle"),
     ] {
         let Some(path) = c_plugin(folder.path(), "lambert.c", &define.to_lowercase(), &[&format!("-DBROKEN_{define}")])
         else {
@@ -54,7 +55,7 @@ fn dishonest_models_are_told_with_angle_and_value_and_refused_when_strict() {
     }
 }
 
-/// Not a test: crashes in a plugin on a thread, as a rendering would.
+/// Not a test: crashes in a plugin on a thread, like a rendering.
 #[test]
 #[ignore = "run by the next test as a child process"]
 fn crash() {

@@ -1,8 +1,8 @@
-//! A plugin that panics: what the SDK makes of it is tested by the host.
+//! A plugin that panics, for the host's tests of the SDK.
 
 use radsight_brdf_sdk::{CreateError, DVec3, Description, Lobes, Model, Parameter, Parameters};
 
-/// Where it panics.
+/// The function that panics.
 enum Panics {
     Evaluating,
     Dropping,

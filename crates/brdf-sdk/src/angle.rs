@@ -1,10 +1,10 @@
-//! Angles and directions that stay exact near zero, where a retroreflector lives.
+//! Angles and directions that are accurate near zero, as retroreflectors require.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// The angle between two unit vectors, radians, with full relative precision near 0 (`acos` of a dot product loses everything
-/// below 1e-8 rad).
+/// The angle between two unit vectors, radians, with full relative precision near 0 (`acos` of a
+/// dot product has an absolute error of 1e-8 rad).
 ///
 /// Kahan, "How Futile are Mindless Assessments of Roundoff", 2006, §12: `2·atan2(|a−b|, |a+b|)`.
 #[inline]
@@ -20,7 +20,7 @@ pub fn mirror(direction: DVec3) -> DVec3 {
     DVec3::new(-direction.x, -direction.y, direction.z)
 }
 
-/// Two unit vectors that make a right-handed frame with the unit vector `axis`.
+/// Two unit vectors that form a right-handed frame with the unit vector `axis`.
 ///
 /// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 #[inline]
@@ -35,8 +35,8 @@ pub fn frame(axis: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// The unit vector at `polar` radians from the unit vector `axis`, at `azimuth` radians about it (from [`frame`]'s first vector
-/// towards its second).
+/// The unit vector at `polar` radians from the unit vector `axis`, at `azimuth` radians about it
+/// (from [`frame`]'s first vector towards its second).
 #[inline]
 #[must_use]
 pub fn direction_near(axis: DVec3, polar: f64, azimuth: f64) -> DVec3 {
@@ -45,7 +45,8 @@ pub fn direction_near(axis: DVec3, polar: f64, azimuth: f64) -> DVec3 {
     ((x * cos_azimuth + y * sin_azimuth) * sin_polar + axis * cos_polar).normalize()
 }
 
-/// A direction of the upper hemisphere with density cos θ / π, from a point of the unit square (Malley's method).
+/// Maps a point of the unit square to a direction of the upper hemisphere with density cos θ / π
+/// (Malley's method).
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(u0: f64, u1: f64) -> DVec3 {

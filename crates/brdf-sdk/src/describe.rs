@@ -1,26 +1,27 @@
-//! What a model says about itself.
+//! Descriptions of models.
 
 use radsight_brdf_abi::{flags, kind, parameter_flags};
 
-/// What a model is.
+/// Description of a model.
 #[derive(Clone, Copy, Debug)]
 pub struct Description {
-    /// As a scene writes it: letters, digits, `_` and `-`.
+    /// Name in a scene: letters, digits, `_` and `-`.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line.
     pub summary: &'static str,
-    /// Where the formulas are from; may be empty.
+    /// Source of the formulas; may be empty.
     pub citation: &'static str,
-    /// The kinds of scattering that an instance may have.
+    /// Kinds of scattering of the model.
     pub lobes: Lobes,
-    /// Claims that `f(outgoing, incident) = f(incident, outgoing)`; the host checks it.
+    /// Declares that `f(outgoing, incident) = f(incident, outgoing)`; the host checks it.
     pub reciprocal: bool,
-    /// Words and numbers are separate lists in a scene, each in the order of this table.
+    /// Parameter table. Words and numbers are separate lists in a scene, each in the order of this
+    /// table.
     pub parameters: &'static [Parameter],
 }
 
 impl Description {
-    /// A description without lobes, claims and parameters, to be completed by struct update.
+    /// A description without lobes, declarations and parameters, to be completed by struct update.
     #[must_use]
     pub const fn new(name: &'static str, summary: &'static str) -> Self {
         Description { name, summary, citation: "", lobes: Lobes::NONE, reciprocal: false, parameters: &[] }
@@ -36,18 +37,18 @@ impl Description {
 pub struct Lobes {
     /// Smooth functions of direction.
     pub diffuse: bool,
-    /// Peaks of finite width.
+    /// Lobes of finite width.
     pub glossy: bool,
     /// Perfectly specular directions, which only [`sample`](crate::Model::sample) finds.
     pub delta: bool,
-    /// Light goes through the surface.
+    /// Transmission through the surface.
     pub transmission: bool,
-    /// Depends on the azimuth of the frame's x axis.
+    /// The value depends on the azimuth of the frame's x axis.
     pub anisotropic: bool,
 }
 
 impl Lobes {
-    /// None at all.
+    /// No scattering.
     pub const NONE: Lobes =
         Lobes { diffuse: false, glossy: false, delta: false, transmission: false, anisotropic: false };
 
@@ -65,7 +66,7 @@ impl Lobes {
     }
 }
 
-/// One row of a parameter table.
+/// A row of a parameter table.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     pub(crate) name: &'static str,
@@ -108,7 +109,7 @@ impl Parameter {
         Parameter::row(name, unit, doc, kind::INTEGER)
     }
 
-    /// Three numbers in a scene (red, green, blue); one for each band here.
+    /// Three numbers in a scene (red, green, blue); one per band for the model.
     #[must_use]
     pub const fn spectrum(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
         Parameter::row(name, unit, doc, kind::SPECTRUM)
@@ -120,56 +121,57 @@ impl Parameter {
         Parameter::row(name, "", doc, kind::WORD)
     }
 
-    /// One word out of `choices`, which `|` separates.
+    /// One of the words in `choices`, separated by `|`.
     #[must_use]
     pub const fn choice(name: &'static str, choices: &'static str, doc: &'static str) -> Self {
         let row = Parameter::row(name, "", doc, kind::CHOICE);
         Parameter { choices, ..row }
     }
 
-    /// One word that names a file; a name that exists in the scene's folder arrives as the path to it.
+    /// One word that names a file. A file in the scene's folder is passed by its path.
     #[must_use]
     pub const fn file(name: &'static str, doc: &'static str) -> Self {
         Parameter::row(name, "", doc, kind::FILE)
     }
 
-    /// The number must lie in `minimum ..= maximum`.
+    /// Restricts the number to `minimum ..= maximum`.
     #[must_use]
     pub const fn within(self, minimum: f64, maximum: f64) -> Self {
         Parameter { minimum, maximum, ..self }
     }
 
-    /// The number must be above `minimum`.
+    /// Restricts the number to values above `minimum`.
     #[must_use]
     pub const fn above(self, minimum: f64) -> Self {
         Parameter { minimum, flags: self.flags | parameter_flags::ABOVE_MINIMUM, ..self }
     }
 
-    /// The number must be below `maximum`.
+    /// Restricts the number to values below `maximum`.
     #[must_use]
     pub const fn below(self, maximum: f64) -> Self {
         Parameter { maximum, flags: self.flags | parameter_flags::BELOW_MAXIMUM, ..self }
     }
 
-    /// The number must be at least `minimum`.
+    /// Restricts the number to at least `minimum`.
     #[must_use]
     pub const fn at_least(self, minimum: f64) -> Self {
         Parameter { minimum, ..self }
     }
 
-    /// The number must be at most `maximum`.
+    /// Restricts the number to at most `maximum`.
     #[must_use]
     pub const fn at_most(self, maximum: f64) -> Self {
         Parameter { maximum, ..self }
     }
 
-    /// May be left out, with all later numbers; the default, in each band of a spectrum.
+    /// Makes the number optional, with all later ones, and sets the default, in each band of a
+    /// spectrum.
     #[must_use]
     pub const fn or(self, default_number: f64) -> Self {
         Parameter { default_number, flags: self.flags | parameter_flags::OPTIONAL, ..self }
     }
 
-    /// May be left out, with all later words; the default.
+    /// Makes the word optional, with all later ones, and sets the default.
     #[must_use]
     pub const fn or_word(self, default_word: &'static str) -> Self {
         Parameter { default_word, flags: self.flags | parameter_flags::OPTIONAL, ..self }

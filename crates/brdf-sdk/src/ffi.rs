@@ -1,4 +1,4 @@
-//! The border: C calls come in, safe Rust is called, no panic goes out.
+//! The interface layer: C calls enter, safe Rust is called, no panic leaves.
 
 use crate::{CreateError, Description, EvalBatch, Model, Parameters, Sample};
 use glam::DVec3;
@@ -19,7 +19,7 @@ pub struct EntryConstant(pub abi::Entry);
 unsafe impl Sync for EntryConstant {}
 
 impl EntryConstant {
-    /// The entry of this version of the interface.
+    /// The entry for this version of the interface.
     #[must_use]
     pub const fn new(
         count: abi::CountFn,
@@ -83,7 +83,7 @@ unsafe impl Send for Described {}
 unsafe impl Sync for Described {}
 
 impl Table {
-    /// A table over constant functions.
+    /// A table of models and a manual page.
     #[must_use]
     pub const fn new(models: &'static [ModelFunctions], manual: &'static str) -> Self {
         Table { models, manual, described: OnceLock::new() }
@@ -97,7 +97,7 @@ impl Table {
     }
 }
 
-/// The opening `//!` lines of a Rust source file as plain text; any other text as it is.
+/// The leading `//!` lines of a Rust source file as plain text; other text unchanged.
 fn manual_page(text: &str) -> String {
     if !text.starts_with("//!") {
         return text.to_owned();
@@ -106,12 +106,12 @@ fn manual_page(text: &str) -> String {
     lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).fold(String::new(), |page, line| page + line + "\n")
 }
 
-/// How many models.
+/// Number of models.
 pub fn count(table: &'static Table) -> u32 {
     table.models.len() as u32
 }
 
-/// The descriptor of a model, or null.
+/// Descriptor of a model, or null.
 pub fn describe(table: &'static Table, index: u32) -> *const abi::Model {
     let describe = || table.described().models.get(index as usize).map_or(std::ptr::null(), std::ptr::from_ref);
     catch_unwind(describe).unwrap_or(std::ptr::null())
@@ -141,12 +141,14 @@ pub unsafe fn create(
     instance: *mut abi::Instance,
 ) -> abi::Status {
     let Some(model) = table.models.get(index as usize) else { return status::BAD_ARGUMENT };
-    // SAFETY: the host passes null or a valid structure, which no other thread touches during the call.
+    // SAFETY: the host passes null or a valid structure, which no other thread touches during the
+    // call.
     let (Some(call), Some(instance)) = (unsafe { call.as_ref() }, unsafe { instance.as_mut() }) else {
         return status::BAD_ARGUMENT;
     };
     keep_panic_messages(call.host);
-    // SAFETY: the host's arrays have the lengths that it states, and live until this function returns.
+    // SAFETY: the host's arrays have the lengths that it states, and live until this function
+    // returns.
     let outcome = catch_unwind(AssertUnwindSafe(|| unsafe { create_checked(model, call) }));
     match outcome {
         Ok(Ok(made)) => {
@@ -191,7 +193,7 @@ struct Made {
     bands: usize,
 }
 
-/// An instance, with what the border needs to know of it.
+/// An instance, with the data that the interface layer needs.
 struct Boxed<M> {
     model: M,
     bands: usize,
@@ -233,14 +235,15 @@ unsafe fn create_checked(model: &ModelFunctions, call: &abi::Create) -> Result<M
 
 unsafe extern "C" fn eval_pdf<M: Model>(data: *const c_void, call: *const abi::Eval) -> abi::Status {
     guarded(|| {
-        // SAFETY: `data` is what `make::<M>` gave to the host, not yet destroyed; the host passes a valid call.
+        // SAFETY: `data` is what `make::<M>` gave to the host, not yet destroyed; the host passes a
+        // valid call.
         let (boxed, call) = unsafe { (&*data.cast::<Boxed<M>>(), &*call) };
         let count = call.count as usize;
         if count == 0 {
             return;
         }
-        // SAFETY: the host's arrays have the lengths of the header, do not overlap, and live until this function returns;
-        // scratch is aligned and as long as `create` asked for.
+        // SAFETY: the host's arrays have the lengths of the header, do not overlap, and live until
+        // this function returns; scratch is aligned and as long as `create` asked for.
         let mut batch = unsafe {
             EvalBatch {
                 outgoing: DVec3::from_array(call.outgoing),
@@ -293,13 +296,13 @@ unsafe extern "C" fn destroy<M: Model>(data: *mut c_void) {
     let _ = catch_unwind(AssertUnwindSafe(|| drop(boxed)));
 }
 
-/// Runs a hot call; a panic becomes a status.
+/// Runs an evaluation call; a panic becomes a status.
 #[inline]
 fn guarded(call: impl FnOnce()) -> abi::Status {
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(()) => status::OK,
         Err(payload) => {
-            // Dropping a payload may panic again.
+            // Dropping the payload might panic again.
             std::mem::forget(payload);
             report_panic();
             status::PANIC
@@ -308,7 +311,7 @@ fn guarded(call: impl FnOnce()) -> abi::Status {
 }
 
 /// # Safety
-/// `pointer` leads to `count` elements, or `count` is zero.
+/// `pointer` points to `count` elements, or `count` is zero.
 unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
     if count == 0 || pointer.is_null() {
         return &[];
@@ -318,10 +321,10 @@ unsafe fn slice<'a, T>(pointer: *const T, count: u32) -> &'a [T] {
 }
 
 /// # Safety
-/// `pointer` leads to `count` numbers that nobody else uses.
+/// `pointer` points to `count` numbers that nothing else uses.
 unsafe fn scratch<'a>(pointer: *mut c_void, count: usize) -> &'a mut [f64] {
-    // SAFETY: the caller's promise; the host aligns scratch to 64 bytes and every bit pattern is a number. The content is undefined
-    // to the plugin but initialised by the host.
+    // SAFETY: the caller's promise; the host aligns scratch to 64 bytes and every bit pattern is a
+    // number. The content is undefined to the plugin but initialised by the host.
     unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) }
 }
 
@@ -344,7 +347,7 @@ fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', " ")).unwrap_or_default()
 }
 
-/// A C string that lives for ever: descriptors are made once in a library's life.
+/// A C string that is never freed: descriptors are made once per library.
 fn leaked(text: &str) -> *const c_char {
     c_string(text).into_raw()
 }
@@ -379,8 +382,8 @@ fn describe_model(description: &Description) -> abi::Model {
     }
 }
 
-/// How many panics of hot calls are told to the user; there may be millions.
-const PANICS_TOLD: u32 = 3;
+/// Maximum number of reported panics of evaluation calls; there may be millions.
+const MAX_REPORTED_PANICS: u32 = 3;
 
 static HOST: AtomicPtr<abi::Host> = AtomicPtr::new(std::ptr::null_mut());
 static PANICS: AtomicU32 = AtomicU32::new(0);
@@ -389,8 +392,8 @@ thread_local! {
     static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// From now on a panic in this library is kept as text instead of being printed. The library has its own copy of the standard
-/// library, so that the host's hook stays as it is.
+/// From now on a panic in this library is stored as text instead of being printed. The library has
+/// its own copy of the standard library, so the host's hook is unaffected.
 fn keep_panic_messages(host: *const abi::Host) {
     static HOOK: Once = Once::new();
     HOST.store(host.cast_mut(), Ordering::Release);
@@ -415,7 +418,7 @@ fn take_panic_message() -> String {
 #[cold]
 fn report_panic() {
     let message = take_panic_message();
-    if PANICS.fetch_add(1, Ordering::Relaxed) >= PANICS_TOLD {
+    if PANICS.fetch_add(1, Ordering::Relaxed) >= MAX_REPORTED_PANICS {
         return;
     }
     let host = HOST.load(Ordering::Acquire);

@@ -1,7 +1,8 @@
-//! How much light a smooth boundary reflects. Born and Wolf, *Principles of Optics*, §1.5 and §14.2; unpolarised.
+//! Fresnel reflectance of smooth interfaces. Born and Wolf, *Principles of Optics*, §1.5 and §14.2;
+//! unpolarised.
 
-/// Reflectance of a boundary to a transparent medium with relative index `index`, for light that falls in at an angle whose
-/// cosine is `cosine` (0…1). One where the light is totally reflected.
+/// Reflectance of an interface to a dielectric of relative index `index`, at the cosine of the
+/// angle of incidence (0…1). One for total reflection.
 #[inline]
 #[must_use]
 pub fn fresnel_dielectric(cosine: f64, index: f64) -> f64 {
@@ -16,7 +17,8 @@ pub fn fresnel_dielectric(cosine: f64, index: f64) -> f64 {
     0.5 * (perpendicular * perpendicular + parallel * parallel)
 }
 
-/// Reflectance of a metal with the complex index `n + ik`, for light that falls in at an angle whose cosine is `cosine` (0…1).
+/// Reflectance of a conductor of complex index `n + ik`, at the cosine of the angle of incidence
+/// (0…1).
 #[inline]
 #[must_use]
 pub fn fresnel_conductor(cosine: f64, n: f64, k: f64) -> f64 {
@@ -60,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn grazing_light_is_reflected_and_so_is_light_beyond_the_critical_angle() {
+    fn reflection_is_total_at_grazing_incidence_and_above_the_critical_angle() {
         assert!((fresnel_conductor(0.0, 0.2, 3.0) - 1.0).abs() < 1e-12);
         assert!((fresnel_dielectric(0.0, 1.5) - 1.0).abs() < 1e-12);
         assert_eq!(fresnel_dielectric(0.7, 1.0 / 1.5), 1.0);

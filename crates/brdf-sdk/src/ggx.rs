@@ -1,21 +1,23 @@
-//! Microfacets with the distribution of Trowbridge and Reitz ("GGX").
+//! Microfacets with the distribution of Trowbridge and Reitz (GGX).
 //!
-//! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eqs. 33 and 34; Heitz, "Understanding the
-//! Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2), 2014, eqs. 72 and 99; drawing visible facets: Dupuy and
-//! Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023.
+//! Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, eqs. 33 and
+//! 34; Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2),
+//! 2014, eqs. 72 and 99; sampling of visible normals: Dupuy and Benyoub, "Sampling Visible GGX
+//! Normals with Spherical Caps", HPG 2023.
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// An isotropic distribution of facets.
+/// An isotropic microfacet distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// α: rms-like slope of the facets, above 0.
+    /// Roughness α, above 0.
     pub roughness: f64,
 }
 
 impl Ggx {
-    /// `D(h)`, 1/sr: facets whose normal is the unit vector `half`, per area of the surface.
+    /// Distribution of normals `D(h)`, 1/sr: facet area with the unit normal `half`, per surface
+    /// area and solid angle.
     #[inline]
     #[must_use]
     pub fn density(&self, half: DVec3) -> f64 {
@@ -27,15 +29,16 @@ impl Ggx {
         1.0 / (PI * alpha_squared * shape * shape)
     }
 
-    /// `Λ(v)`: how many times as many facets are hidden as are seen from `direction`.
+    /// Smith's `Λ(v)`: ratio of masked to visible projected facet area from `direction`.
     #[inline]
     #[must_use]
-    pub fn hidden(&self, direction: DVec3) -> f64 {
+    pub fn lambda(&self, direction: DVec3) -> f64 {
         let tan_squared = (direction.x * direction.x + direction.y * direction.y) / (direction.z * direction.z);
         0.5 * ((1.0 + self.roughness * self.roughness * tan_squared).sqrt() - 1.0)
     }
 
-    /// `D G₂/(4 cos θ_i cos θ_o)` in 1/sr, the BRDF of facets that reflect everything once, and the density of [`Ggx::sample`].
+    /// `D G₂/(4 cos θ_i cos θ_o)` in 1/sr, the single-scattering BRDF of perfectly reflecting
+    /// facets, and the density of [`Ggx::sample`].
     #[inline]
     #[must_use]
     pub fn reflect(&self, outgoing: DVec3, incident: DVec3) -> Reflection {
@@ -44,17 +47,18 @@ impl Ggx {
             return Reflection { value: 0.0, pdf: 0.0, cosine: 0.0 };
         }
         let half = sum.normalize();
-        let hidden = self.hidden(outgoing);
+        let hidden = self.lambda(outgoing);
         let density = self.density(half);
         Reflection {
-            value: density / (4.0 * outgoing.z * incident.z * (1.0 + hidden + self.hidden(incident))),
+            value: density / (4.0 * outgoing.z * incident.z * (1.0 + hidden + self.lambda(incident))),
             pdf: density / (4.0 * outgoing.z * (1.0 + hidden)),
             // For unit vectors h·o = |o + i|/2.
             cosine: (0.5 * sum.length()).min(1.0),
         }
     }
 
-    /// An incident direction by reflection at a facet that is visible from `outgoing`; it may point below the horizon.
+    /// Samples an incident direction by reflection at a facet visible from `outgoing`; it may be
+    /// below the horizon.
     #[inline]
     #[must_use]
     pub fn sample(&self, outgoing: DVec3, u0: f64, u1: f64) -> DVec3 {
@@ -69,14 +73,14 @@ impl Ggx {
     }
 }
 
-/// What [`Ggx::reflect`] finds.
+/// Result of [`Ggx::reflect`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflection {
-    /// 1/sr, to be multiplied by the facets' reflectance.
+    /// Value in 1/sr, to be multiplied by the facets' reflectance.
     pub value: f64,
-    /// 1/sr.
+    /// Density of [`Ggx::sample`], 1/sr.
     pub pdf: f64,
-    /// Of the angle between either direction and the facet's normal.
+    /// Cosine of the angle between either direction and the facet's normal.
     pub cosine: f64,
 }
 
@@ -91,7 +95,7 @@ mod tests {
             let steps = 200_000;
             let sum: f64 = (0..steps)
                 .map(|step| {
-                    // Steps in tan θ from 0 on, by the substitution t = s/(1 − s).
+                    // Uniform steps in s, with tan θ = s/(1 − s).
                     let s = (f64::from(step) + 0.5) / f64::from(steps);
                     let tan = s / (1.0 - s);
                     let cos = 1.0 / (1.0 + tan * tan).sqrt();

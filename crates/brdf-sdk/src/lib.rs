@@ -1,10 +1,13 @@
-//! A safe Rust layer for authors of BRDF plugins: implement [`Model`], name it in [`export!`], compile as a `cdylib`.
+//! A safe Rust layer for authors of BRDF plugins: implement [`Model`], name it in [`export!`],
+//! compile as a `cdylib`.
 //!
-//! Conventions (those of the C header, `radsight_brdf_abi::HEADER`): directions are unit vectors that point away from the
-//! surface in a frame with +z on the shading normal; `f` is in 1/sr without the cosine; densities are per solid angle.
+//! Conventions (those of the C header, `radsight_brdf_abi::HEADER`): directions are unit vectors
+//! that point away from the surface, in a frame with +z on the shading normal; `f` is in 1/sr
+//! without the cosine; densities are per solid angle.
 //!
-//! Guarantees: a panic never crosses the border, it becomes a status and a message; the parameters that [`Model::create`]
-//! sees have the kinds and lie in the ranges of the model's own table. Knows neither the host nor scenes.
+//! Guarantees: a panic never crosses the interface, but becomes a status and a message; the
+//! parameters passed to [`Model::create`] have the kinds and ranges of the model's table. The crate
+//! knows neither the host nor scenes.
 //!
 //! ```
 //! use radsight_brdf_sdk::{CreateError, DVec3, Description, Lobes, Model, Parameter, Parameters};
@@ -50,7 +53,7 @@ pub use model::{CreateError, EvalBatch, Model, Parameters, Sample};
 pub use radsight_brdf_abi::Band;
 pub use spectrum::{rgb_of_band, sample_band};
 
-/// What the macro [`export!`] needs; not for authors.
+/// Implementation of the macro [`export!`]; not for authors.
 #[doc(hidden)]
 pub mod private {
     pub use crate::ffi::{EntryConstant, Table, count, create, describe, extension, model_functions};
@@ -58,16 +61,17 @@ pub mod private {
     pub use std::ffi::{c_char, c_void};
 }
 
-/// Exports models: `export!(OrenNayar, Lambert);`, and with a manual page for people `export!(manual = TEXT; OrenNayar);`.
+/// Exports models: `export!(OrenNayar, Lambert);`, or with a manual page
+/// `export!(manual = TEXT; OrenNayar);`.
 ///
-/// `TEXT` may be `include_str!("lib.rs")`: the page is then what its opening `//!` lines say.
+/// `TEXT` may be `include_str!("lib.rs")`: the page is then the file's leading `//!` lines.
 #[macro_export]
 macro_rules! export {
     (manual = $manual:expr; $($model:ty),+ $(,)?) => {
         static RADSIGHT_BRDF_TABLE: $crate::private::Table =
             $crate::private::Table::new(&[$($crate::private::model_functions::<$model>()),+], $manual);
 
-        /// What the host looks for.
+        /// The exported constant, which the host loads.
         #[unsafe(no_mangle)]
         #[allow(non_upper_case_globals)]
         pub static radsight_brdf_entry: $crate::private::EntryConstant = {

@@ -1,4 +1,4 @@
-//! What an author implements.
+//! The trait of reflectance models.
 
 use crate::{Description, Lobes, Parameter, angle};
 use glam::DVec3;
@@ -6,50 +6,54 @@ use radsight_brdf_abi::{Band, kind};
 
 /// A reflectance model with its parameters.
 ///
-/// [`create`](Model::create) and [`value`](Model::value) suffice: such a model is sampled by the cosine. A narrow lobe also needs
-/// [`pdf`](Model::pdf) and [`sample_direction`](Model::sample_direction), which must agree with each other; a fast model
-/// overrides [`eval_pdf`](Model::eval_pdf) and [`sample`](Model::sample), a vectorised one [`eval_batch`](Model::eval_batch), and
-/// a model with delta lobes needs its own [`sample`](Model::sample).
+/// [`create`](Model::create) and [`value`](Model::value) suffice: such a model is sampled by the
+/// cosine. A narrow lobe also needs [`pdf`](Model::pdf) and
+/// [`sample_direction`](Model::sample_direction), which must agree. A fast model overrides
+/// [`eval_pdf`](Model::eval_pdf) and [`sample`](Model::sample), a vectorised one
+/// [`eval_batch`](Model::eval_batch). A model with delta lobes needs its own
+/// [`sample`](Model::sample).
 ///
-/// All functions but `create` are called from many threads at once.
+/// All functions except `create` are called from many threads at once.
 pub trait Model: Sized + Send + Sync + 'static {
-    /// Name, table of parameters, lobes, claims.
+    /// Name, parameter table, lobes and declared properties.
     const DESCRIPTION: Description;
 
     /// Makes an instance.
     ///
     /// # Errors
-    /// When the parameters do not fit together, or a file that they name cannot be read.
+    /// If the parameters contradict each other, or a file cannot be read.
     fn create(parameters: &Parameters<'_>) -> Result<Self, CreateError>;
 
-    /// The lobes that this instance has.
+    /// Lobes of this instance.
     fn lobes(&self) -> Lobes {
         Self::DESCRIPTION.lobes
     }
 
-    /// `f` in 1/sr, one value for each band, zero where the model does not reflect. Directions of either side and grazing ones occur.
+    /// `f` in 1/sr, one value per band, zero where the model does not reflect. Directions may be on
+    /// either side and at grazing angles.
     fn value(&self, outgoing: DVec3, incident: DVec3, values: &mut [f64]);
 
-    /// The density of [`sample_direction`](Model::sample_direction), 1/sr.
+    /// Density of [`sample_direction`](Model::sample_direction), 1/sr.
     #[inline]
     fn pdf(&self, outgoing: DVec3, incident: DVec3) -> f64 {
         if outgoing.z > 0.0 { angle::cosine_pdf(incident) } else { 0.0 }
     }
 
-    /// An incident direction for the point `u` of the unit cube: `u[0]` and `u[1]` place it, `u[2]` chooses a lobe.
+    /// Samples an incident direction by the point `u` of the unit cube: `u[0]` and `u[1]` choose
+    /// the direction, `u[2]` the lobe.
     #[inline]
     fn sample_direction(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
         (outgoing.z > 0.0).then(|| angle::cosine_hemisphere(u[0], u[1]))
     }
 
-    /// Fills `values` as [`value`](Model::value) does and returns the density.
+    /// Fills `values` like [`value`](Model::value), and returns the density.
     #[inline]
     fn eval_pdf(&self, outgoing: DVec3, incident: DVec3, values: &mut [f64]) -> f64 {
         self.value(outgoing, incident, values);
         self.pdf(outgoing, incident)
     }
 
-    /// Draws an incident direction and fills `weights` with `f·|cos θ_i|/pdf`, one for each band.
+    /// Samples an incident direction, and fills `weights` with `f·|cos θ_i|/pdf`, one per band.
     #[inline]
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Sample {
         let Some(incident) = self.sample_direction(outgoing, u) else { return Sample::Absorbed };
@@ -71,7 +75,7 @@ pub trait Model: Sized + Send + Sync + 'static {
             return;
         }
         if batch.scratch.len() == 1 {
-            // In one band the values of a direction stand side by side anyway.
+            // With one band the layouts are equal.
             for index in 0..count {
                 let (incident, value) = (batch.incident(index), &mut batch.values[index..=index]);
                 batch.pdfs[index] = self.eval_pdf(batch.outgoing, incident, value);
@@ -87,21 +91,22 @@ pub trait Model: Sized + Send + Sync + 'static {
     }
 }
 
-/// What [`Model::sample`] found.
+/// Result of [`Model::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sample {
-    /// Nothing.
+    /// Absorption.
     Absorbed,
     /// A direction with a density.
     Continuous {
-        /// Unit, local frame, away from the surface.
+        /// Incident direction: unit, local frame, away from the surface.
         incident: DVec3,
-        /// 1/sr, over all lobes of finite width.
+        /// Density in 1/sr, over all lobes of finite width.
         pdf: f64,
     },
-    /// A perfectly specular direction. Its weight is the reflectance divided by the probability of the choice.
+    /// A perfectly specular direction. Its weight is the reflectance over the probability of
+    /// choosing it.
     Delta {
-        /// Unit, local frame, away from the surface.
+        /// Incident direction: unit, local frame, away from the surface.
         incident: DVec3,
     },
 }
@@ -109,7 +114,7 @@ pub enum Sample {
 /// A batch of incident directions in structure-of-arrays form.
 #[derive(Debug)]
 pub struct EvalBatch<'a> {
-    /// Unit, local frame, away from the surface.
+    /// Outgoing direction: unit, local frame, away from the surface.
     pub outgoing: DVec3,
     /// x of each incident direction.
     pub incident_x: &'a [f64],
@@ -117,11 +122,11 @@ pub struct EvalBatch<'a> {
     pub incident_y: &'a [f64],
     /// z of each.
     pub incident_z: &'a [f64],
-    /// To be filled: `f` in 1/sr, element `[band · count + direction]`.
+    /// Output: `f` in 1/sr, element `[band · count + direction]`.
     pub values: &'a mut [f64],
-    /// To be filled: 1/sr, one for each direction.
+    /// Output: densities in 1/sr, one per direction.
     pub pdfs: &'a mut [f64],
-    /// One number for each band, for intermediate results.
+    /// One number per band, for intermediate results.
     pub scratch: &'a mut [f64],
 }
 
@@ -134,28 +139,28 @@ impl EvalBatch<'_> {
     }
 }
 
-/// Why an instance cannot be made. Messages: lower case, no full stop.
+/// Why an instance cannot be made. Messages are in lower case, without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CreateError {
-    /// A parameter does not fit.
+    /// A parameter is invalid.
     Parameter {
-        /// Its name in the table.
+        /// Name of the parameter.
         name: &'static str,
         /// What is wrong with it.
         message: String,
     },
-    /// A file cannot be read or understood.
+    /// A file cannot be read or parsed.
     File {
-        /// The name of the parameter that names it.
+        /// Name of the parameter.
         name: &'static str,
         /// What is wrong with it.
         message: String,
     },
-    /// Such as a number of bands that the model cannot do.
+    /// Unsupported request, such as a number of bands.
     Unsupported(String),
 }
 
-/// The parameters of an instance: complete, and checked against the model's table.
+/// Parameters of an instance: complete, and checked against the model's table.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameters<'a> {
     pub(crate) table: &'static [Parameter],
@@ -165,40 +170,41 @@ pub struct Parameters<'a> {
 }
 
 impl<'a> Parameters<'a> {
-    /// For tests of a model without a host: numbers with one for each band of a spectrum, and words, in the table's order.
+    /// Parameters for tests without a host: numbers with one per band of a spectrum, and words, in
+    /// the table's order.
     #[must_use]
     pub fn new<M: Model>(numbers: &'a [f64], words: &'a [&'a str], bands: &'a [Band]) -> Self {
         Parameters { table: M::DESCRIPTION.parameters, numbers, words, bands }
     }
 
-    /// The bands to work in; at least one.
+    /// Bands of the rendering, at least one.
     #[must_use]
     pub fn bands(&self) -> &'a [Band] {
         self.bands
     }
 
-    /// The number with this name in the table.
+    /// The number of this name.
     ///
     /// # Panics
-    /// When the table has no such number: a mistake of the plugin.
+    /// If the table has no such number, which is an error of the plugin.
     #[must_use]
     pub fn number(&self, name: &str) -> f64 {
         self.find_numbers(name)[0]
     }
 
-    /// The spectrum with this name in the table, one number for each band.
+    /// The spectrum of this name, one number per band.
     ///
     /// # Panics
-    /// When the table has no such spectrum: a mistake of the plugin.
+    /// If the table has no such spectrum, which is an error of the plugin.
     #[must_use]
     pub fn spectrum(&self, name: &str) -> &'a [f64] {
         self.find_numbers(name)
     }
 
-    /// The word, choice or file with this name in the table.
+    /// The word, choice or file of this name.
     ///
     /// # Panics
-    /// When the table has no such word: a mistake of the plugin.
+    /// If the table has no such word, which is an error of the plugin.
     #[must_use]
     pub fn word(&self, name: &str) -> &'a str {
         let mut words = self.words.iter();

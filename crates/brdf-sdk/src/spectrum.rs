@@ -1,9 +1,9 @@
-//! From measured colours and spectra to the bands of a rendering.
+//! Conversion of measured colours and spectra to the bands of a rendering.
 
 use radsight_brdf_abi::Band;
 
-/// Which of red (0), green (1) and blue (2) a band takes from data that has only these: in three bands each its own, otherwise
-/// by the part of the spectrum in which the band's centre lies, divided where Radiance 6 divides it.
+/// Component of RGB data for a band: red (0), green (1) or blue (2). With three bands each has its
+/// own component; otherwise the band's centre decides, with the limits of Radiance 6.
 #[must_use]
 pub fn rgb_of_band(bands: &[Band], band: usize) -> usize {
     const RED_FROM_M: f64 = 588e-9;
@@ -16,7 +16,8 @@ pub fn rgb_of_band(bands: &[Band], band: usize) -> usize {
     }
 }
 
-/// Wavelengths (metres) that stand for a band: its centre if it is narrower than 10 nm, otherwise the middles of 8 equal parts.
+/// Wavelengths (metres) that represent a band: its centre if it is narrower than 10 nm, otherwise
+/// the centres of 8 equal parts.
 #[must_use]
 pub fn sample_band(band: &Band) -> Vec<f64> {
     const NARROW_M: f64 = 10e-9;

@@ -1,8 +1,9 @@
 //! Statistical checks that every model must pass, built in or plugin.
 //!
-//! Each check returns [`Finding`]s, worst first; none means that nothing was found. Everything is a function of the model and
-//! of [`CheckOptions::seed`]. Integrals and counts use cells that are logarithmic in the angle to the mirror and the retro
-//! direction ([`Partition`]), so that a lobe of a thousandth of a degree is seen.
+//! Each check returns [`Finding`]s, worst first; an empty list means that the model passed. The
+//! result is a function of the model and of [`CheckOptions::seed`]. Integrals and counts use cells
+//! that are logarithmic in the angles to the mirror and the retro direction ([`Partition`]), so
+//! that a lobe of a thousandth of a degree is detected.
 //!
 //! ```
 //! use radsight_brdf::{Lambert, check};
@@ -14,6 +15,7 @@
 //! assert!(findings[0].message.contains("130"), "{}", findings[0].message);
 //! ```
 
+mod cell_statistics;
 mod chi_squared;
 mod energy;
 mod finite;
@@ -21,7 +23,6 @@ mod partition;
 mod purity;
 mod random;
 mod reciprocity;
-mod survey;
 
 pub use chi_squared::sampling;
 pub use energy::{Albedo, albedo, energy};
@@ -34,63 +35,63 @@ pub use reciprocity::reciprocity;
 use crate::Brdf;
 use glam::DVec3;
 
-/// What to check, and how hard.
+/// Options of the checks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckOptions {
     /// Number of bands of the model.
     pub bands: usize,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// How much time to spend.
-    pub effort: Effort,
+    /// How thoroughly to check.
+    pub level: CheckLevel,
     /// Whether `f(o, i) = f(i, o)` must hold.
     pub reciprocal: bool,
-    /// Whether only the azimuth between the directions may matter.
+    /// Whether the value may depend only on the azimuth between the directions.
     pub isotropic: bool,
 }
 
 impl Default for CheckOptions {
     fn default() -> Self {
-        CheckOptions { bands: 1, seed: 1, effort: Effort::Thorough, reciprocal: true, isotropic: true }
+        CheckOptions { bands: 1, seed: 1, level: CheckLevel::Thorough, reciprocal: true, isotropic: true }
     }
 }
 
-/// How much time a check spends.
+/// How thoroughly a check tests a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Effort {
-    /// A few milliseconds, before every use.
+pub enum CheckLevel {
+    /// A few milliseconds: before every use.
     Quick,
-    /// Seconds, when a model is new.
+    /// Seconds: for a new model.
     #[default]
     Thorough,
 }
 
-impl Effort {
-    /// Angles of the outgoing direction to the normal, degrees.
+impl CheckLevel {
+    /// Tested angles between the outgoing direction and the normal, degrees.
     #[must_use]
     pub fn outgoing_angles_deg(self) -> &'static [f64] {
         match self {
-            Effort::Quick => &[0.0, 45.0, 75.0, 85.0],
-            Effort::Thorough => &[0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0, 89.9],
+            CheckLevel::Quick => &[0.0, 45.0, 75.0, 85.0],
+            CheckLevel::Thorough => &[0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0, 89.9],
         }
     }
 }
 
-/// Something that a model must not do.
+/// A violated requirement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// The check that found it.
+    /// Name of the check.
     pub check: &'static str,
-    /// In words, with angles and value. Lower case, no full stop.
+    /// Message with angles and value, in lower case, without a full stop.
     pub message: String,
-    /// How bad, in units of what is just allowed; 1 and more.
+    /// Deviation as a multiple of the tolerance, at least 1.
     pub severity: f64,
 }
 
-/// A check.
+/// Type of a check.
 pub type Check = fn(&dyn Brdf, &CheckOptions) -> Vec<Finding>;
 
-/// All checks, one after the other.
+/// Runs all checks.
 #[must_use]
 pub fn all(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut findings = finite(brdf, options);
@@ -110,7 +111,7 @@ struct Worst {
 }
 
 impl Worst {
-    /// `message` is only built for the worst so far.
+    /// `message` is built only for the worst finding so far.
     fn offer(&mut self, check: &'static str, severity: f64, message: impl FnOnce() -> String) {
         let severity = if severity.is_nan() { f64::INFINITY } else { severity };
         if self.finding.as_ref().is_none_or(|finding| severity > finding.severity) {
@@ -133,20 +134,20 @@ impl Worst {
     }
 }
 
-/// One evaluation, for checks that look at single values.
+/// Evaluates a single pair of directions.
 fn evaluate(brdf: &dyn Brdf, bands: usize, outgoing: DVec3, incident: DVec3) -> (Vec<f64>, f64) {
     let (mut values, mut pdf) = (vec![f64::NAN; bands], [f64::NAN]);
     brdf.eval_pdf(outgoing, &[incident], &mut values, &mut pdf);
     (values, pdf[0])
 }
 
-/// The direction at `polar` from the normal and `azimuth` from x, radians.
+/// Direction at `polar` from the normal and `azimuth` from x, radians.
 fn from_angles(polar: f64, azimuth: f64) -> DVec3 {
     let ((sin_polar, cos_polar), (sin, cos)) = (polar.sin_cos(), azimuth.sin_cos());
     DVec3::new(sin_polar * cos, sin_polar * sin, cos_polar)
 }
 
-/// The unit vector at `polar` from `axis`, at `azimuth` about it, radians.
+/// Unit vector at `polar` from `axis`, at `azimuth` about it, radians.
 fn direction_near(axis: DVec3, polar: f64, azimuth: f64) -> DVec3 {
     let (x, y) = axis.any_orthonormal_pair();
     let ((sin_polar, cos_polar), (sin, cos)) = (polar.sin_cos(), azimuth.sin_cos());

@@ -1,17 +1,19 @@
 //! The scattered transmission of Radiance's `trans` and `trans2`.
 //!
-//! Light goes on about the straight-through direction d (Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992,
-//! section 5, as Radiance's reference gives it): with h = i − d and h_x, h_y its components in the plane of the surface,
+//! The lobe is about the straight-through direction d (Ward, "Measuring and Modeling Anisotropic
+//! Reflection", SIGGRAPH 1992, section 5, in the form of Radiance's reference). With h = i − d, and
+//! h_x, h_y its components in the plane of the surface:
 //!
 //! `f = τ/(π α_x α_y) · exp(−|h|² (h_x²/α_x² + h_y²/α_y²)/(h_x² + h_y²)) / √(|cos θ_i| cos θ_o)`
 //!
-//! For α_x = α_y the exponent is `(2 − 2 i·d)/α²`: a von Mises–Fisher lobe. It is reciprocal while d is straight.
+//! For α_x = α_y the exponent is `(2 − 2 i·d)/α²`: a von Mises–Fisher lobe. It is reciprocal if d
+//! is the reversed outgoing direction.
 
 use crate::{Brdf, BrdfSample, Density, Lobes};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// A Gaussian lobe behind a thin sheet.
+/// A Gaussian lobe of transmission through a thin sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianTransmission<const BANDS: usize> {
     /// τ, in each band.
@@ -20,21 +22,22 @@ pub struct GaussianTransmission<const BANDS: usize> {
     pub roughness: [f64; 2],
 }
 
-/// Below this the cosine of the outgoing angle does not go on to fall (Radiance's).
+/// Lower limit of the outgoing cosine (Radiance's).
 const LEAST_COSINE: f64 = 0.001;
 
-/// The drawing of azimuths takes the surface to be seen no more obliquely than this (cosine), which bounds the weights.
+/// Lower limit of the foreshortening cosine in azimuth sampling, which bounds the weights.
 const LEAST_FORESHORTENING: f64 = 0.1;
 
-/// Of directions with two widths this share is drawn from a round lobe with the larger one: far off the axis, seen obliquely,
-/// the azimuth in the plane is not what its drawing takes it for.
-const ROUND_SHARE: f64 = 0.2;
+/// Fraction of the samples of an anisotropic lobe that come from an isotropic lobe of the larger
+/// width. Far off the axis, at grazing angles, azimuth sampling alone fits the lobe badly.
+const ISOTROPIC_FRACTION: f64 = 0.2;
 
 impl<const BANDS: usize> GaussianTransmission<BANDS> {
-    /// `f·|cos θ_i|/τ` in 1/sr and the density of [`Self::draw`] in 1/sr.
+    /// `f·|cos θ_i|/τ` in 1/sr, and the density of [`Self::sample_about`] in 1/sr.
     ///
-    /// `axis` is the direction d where the lobe has its peak, unit, with z < 0; `cosine` is that of the outgoing angle. Directions on
-    /// the wrong side have neither value nor density: who draws one has drawn nothing.
+    /// `axis` is the unit direction d of the lobe's peak, with z < 0; `cosine` is that of the
+    /// outgoing angle. Directions on the wrong side have neither value nor density: such a sample
+    /// counts as absorbed.
     #[inline]
     #[must_use]
     pub fn shape(&self, axis: DVec3, cosine: f64, incident: DVec3) -> (f64, f64) {
@@ -50,27 +53,27 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         (value * (-incident.z / cosine.max(LEAST_COSINE)).sqrt(), self.density(axis, incident))
     }
 
-    /// Draws an incident direction; it may lie on the wrong side, where the lobe is zero.
+    /// Samples an incident direction. It may lie on the wrong side, where the lobe is zero.
     #[inline]
     #[must_use]
-    pub fn draw(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    pub fn sample_about(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let [x, y] = self.roughness;
         if x != y {
-            return match u < ROUND_SHARE {
-                true => self.round().draw(axis, [u / ROUND_SHARE, v]),
-                false => self.draw_azimuth_first(axis, [(u - ROUND_SHARE) / (1.0 - ROUND_SHARE), v]),
+            return match u < ISOTROPIC_FRACTION {
+                true => self.isotropic().sample_about(axis, [u / ISOTROPIC_FRACTION, v]),
+                false => self.sample_azimuth_first(axis, [(u - ISOTROPIC_FRACTION) / (1.0 - ISOTROPIC_FRACTION), v]),
             };
         }
-        self.draw_azimuth_first(axis, [u, v])
+        self.sample_azimuth_first(axis, [u, v])
     }
 
-    /// The lobe with the larger width for both.
-    fn round(&self) -> GaussianTransmission<BANDS> {
+    /// The lobe with the larger width for both axes.
+    fn isotropic(&self) -> GaussianTransmission<BANDS> {
         let widest = self.roughness[0].max(self.roughness[1]);
         GaussianTransmission { roughness: [widest; 2], ..*self }
     }
 
-    fn draw_azimuth_first(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    fn sample_azimuth_first(&self, axis: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let about = Azimuths::new(self, axis);
         let [x, y] = self.roughness;
         let (sin, cos) = (TAU * v).sin_cos();
@@ -80,22 +83,23 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         let scale = a.hypot(b).recip();
         let (a, b) = (a * scale, b * scale);
         let width = about.width(self, a, b);
-        // |h|² = 2 − 2 cos of the angle off the axis, exponential and at most 4.
+        // |h|² = 2 − 2 cos of the angle off the axis, exponentially distributed and at most 4.
         let squared = -(u * (-4.0 * width).exp_m1()).ln_1p() / width;
         let sine = (squared * (1.0 - 0.25 * squared)).max(0.0).sqrt();
         (axis * (1.0 - 0.5 * squared) + (about.upright * a + about.level * b) * sine).normalize()
     }
 
-    /// The density of [`Self::draw`], 1/sr.
+    /// Density of [`Self::sample_about`], 1/sr.
     fn density(&self, axis: DVec3, incident: DVec3) -> f64 {
         let density = self.azimuth_first_density(axis, incident);
         if self.roughness[0] == self.roughness[1] {
             return density;
         }
-        ROUND_SHARE * self.round().azimuth_first_density(axis, incident) + (1.0 - ROUND_SHARE) * density
+        ISOTROPIC_FRACTION * self.isotropic().azimuth_first_density(axis, incident)
+            + (1.0 - ISOTROPIC_FRACTION) * density
     }
 
-    /// A density by |h|² and azimuth about the axis is half of one by solid angle.
+    /// The density by |h|² and azimuth about the axis is half of the density by solid angle.
     fn azimuth_first_density(&self, axis: DVec3, incident: DVec3) -> f64 {
         let about = Azimuths::new(self, axis);
         let (a, b) = (incident.dot(about.upright), incident.dot(about.level));
@@ -103,22 +107,23 @@ impl<const BANDS: usize> GaussianTransmission<BANDS> {
         let (a, b) = if scale > 0.0 { (a / scale, b / scale) } else { (1.0, 0.0) };
         let width = about.width(self, a, b);
         let c = about.foreshortening;
-        // Density of the azimuth in the plane, 1/(2π α_x α_y · width), and its change to the azimuth about the axis.
+        // Density of the azimuth in the plane, 1/(2π α_x α_y · width), and its Jacobian to the
+        // azimuth about the axis.
         let azimuth = c / (c * c * a * a + b * b) / (TAU * self.roughness[0] * self.roughness[1] * width);
         let squared = incident.distance_squared(axis);
         2.0 * azimuth * width * (-width * squared).exp() / -(-4.0 * width).exp_m1()
     }
 }
 
-/// Azimuths about the axis, and what they are in the plane of the surface.
+/// Mapping between azimuths about the axis and azimuths in the plane of the surface.
 struct Azimuths {
-    /// Unit, in the plane of the surface and perpendicular to the axis.
+    /// Unit vector in the plane of the surface, perpendicular to the axis.
     level: DVec3,
-    /// Unit, perpendicular to the axis and to `level`.
+    /// Unit vector perpendicular to the axis and to `level`.
     upright: DVec3,
-    /// Unit, where `upright` points in the plane.
+    /// Unit vector of `upright`'s projection onto the plane.
     inward: DVec3,
-    /// How much shorter `upright` is there.
+    /// Length of that projection.
     foreshortening: f64,
 }
 
@@ -133,7 +138,8 @@ impl Azimuths {
         Azimuths { level, upright, inward, foreshortening }
     }
 
-    /// `cos²/α_x² + sin²/α_y²` of the azimuth in the plane that belongs to the direction `(a, b)` about the axis.
+    /// `cos²/α_x² + sin²/α_y²` of the azimuth in the plane that corresponds to the direction
+    /// `(a, b)` about the axis.
     fn width<const BANDS: usize>(&self, lobe: &GaussianTransmission<BANDS>, a: f64, b: f64) -> f64 {
         let in_plane = self.inward * (a * self.foreshortening) + self.level * b;
         let [x, y] = lobe.roughness;
@@ -157,7 +163,7 @@ impl<const BANDS: usize> Brdf for GaussianTransmission<BANDS> {
     }
 
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
-        let incident = self.draw(-outgoing, [u[0], u[1]]);
+        let incident = self.sample_about(-outgoing, [u[0], u[1]]);
         if outgoing.z <= 0.0 || incident.z >= 0.0 {
             return None;
         }
@@ -174,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn light_goes_either_way_alike() {
+    fn transmission_is_the_same_from_both_sides() {
         let lobe = GaussianTransmission { transmittance: [0.7], roughness: [0.1, 0.3] };
         let value = |outgoing: DVec3, incident: DVec3| {
             let (mut value, mut density) = ([0.0], [0.0]);
@@ -185,7 +191,7 @@ mod tests {
             let at = f64::from(step);
             let outgoing = DVec3::new((at * 0.7).sin(), (at * 1.3).cos(), 0.4).normalize();
             let incident = (-outgoing + DVec3::new(at.cos(), (at * 2.1).sin(), 0.0) * 0.2).normalize();
-            // From the other side the surface is the same, turned about its x axis.
+            // From the other side the surface is the same, rotated about its x axis.
             let turned = |v: DVec3| DVec3::new(v.x, -v.y, -v.z);
             let (there, back) = (value(outgoing, incident), value(turned(incident), turned(outgoing)));
             assert!((there - back).abs() <= 1e-9 * there, "{there} {back}");

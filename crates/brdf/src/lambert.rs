@@ -5,7 +5,7 @@ use glam::DVec3;
 use radsight_sampling::cosine_hemisphere;
 use std::f64::consts::FRAC_1_PI;
 
-/// Equal radiance in all directions of the front side.
+/// Reflects equal radiance into all directions of the front side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lambert<const BANDS: usize> {
     /// ρ, in each band.

@@ -1,10 +1,13 @@
-//! What a reflectance model is, the built-in models, and the statistical checks that every model passes.
+//! The interface of reflectance models, the built-in models, and the statistical checks that every
+//! model must pass.
 //!
-//! Conventions: a BRDF `f` is in 1/sr and does **not** contain the cosine; a density is per solid angle (1/sr); both
-//! directions are unit vectors that point away from the surface, in a local frame with +z on the shading normal. A direction
-//! with z < 0 is on the other side of the surface (transmission).
+//! Conventions: a BRDF `f` is in 1/sr and does **not** include the cosine. A density is per solid
+//! angle (1/sr). Both directions are unit vectors that point away from the surface, in a local
+//! frame with +z on the shading normal. A direction with z < 0 is on the other side of the surface
+//! (transmission).
 //!
-//! Guarantees: models are pure functions, safe from any thread. Knows neither scenes nor shared libraries.
+//! Guarantees: models are pure functions, safe to call from any thread. The crate knows neither
+//! scenes nor shared libraries.
 //!
 //! ```
 //! use radsight_brdf::{Brdf, Lambert};
@@ -31,32 +34,32 @@ pub use ward_anisotropic::WardAnisotropic;
 
 use glam::DVec3;
 
-/// What kinds of scattering a model has.
+/// Kinds of scattering of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lobes {
     /// Smooth functions of direction, such as Lambert's.
     pub diffuse: bool,
-    /// Peaks of finite width.
+    /// Lobes of finite width.
     pub glossy: bool,
-    /// Perfect reflection or refraction, which only `sample` can find.
+    /// Perfectly specular reflection or refraction, which only `sample` can find.
     pub delta: bool,
-    /// Light goes through the surface.
+    /// Transmission through the surface.
     pub transmission: bool,
 }
 
-/// A direction drawn by [`Brdf::sample`].
+/// A direction sampled by [`Brdf::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrdfSample {
-    /// Where the light comes from: unit, local frame, away from the surface.
+    /// Direction towards the light: unit, local frame, away from the surface.
     pub incident: DVec3,
-    /// What it was drawn with.
+    /// Density of the sample.
     pub density: Density,
 }
 
-/// How likely a drawn direction was.
+/// Probability density of a sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Density {
-    /// Per solid angle, 1/sr, over all lobes that `eval_pdf` speaks of.
+    /// Density by solid angle, 1/sr, over all lobes that `eval_pdf` covers.
     Continuous(f64),
     /// A perfectly specular direction; `eval_pdf` is zero there.
     Delta,
@@ -64,18 +67,22 @@ pub enum Density {
 
 /// A reflectance model at one point of a surface.
 pub trait Brdf: Send + Sync + std::fmt::Debug {
-    /// What kinds of scattering it has.
+    /// Kinds of scattering of the model.
     fn lobes(&self) -> Lobes;
 
-    /// BRDF values (1/sr, without the cosine) and sampling densities (1/sr) for one outgoing direction and a batch of incident ones.
+    /// BRDF values (1/sr, without the cosine) and sampling densities (1/sr) for one outgoing
+    /// direction and a batch of incident ones.
     ///
-    /// `values` holds the bands of the first direction, then those of the second, and so on: its length is the number of
-    /// directions times the number of bands. `pdfs` has one entry a direction. Delta lobes contribute to neither.
+    /// `values` holds all bands of the first direction, then those of the second, and so on: its
+    /// length is the number of directions times the number of bands. `pdfs` has one entry per
+    /// direction. Delta lobes contribute to neither.
     fn eval_pdf(&self, outgoing: DVec3, incident: &[DVec3], values: &mut [f64], pdfs: &mut [f64]);
 
-    /// Draws an incident direction. `weights` becomes `f·|cos θ_i|/pdf` in each band, summed over the lobes of that direction;
-    /// for a delta lobe its reflectance divided by the probability with which it was chosen.
+    /// Samples an incident direction. `weights` becomes `f·|cos θ_i|/pdf` in each band, summed over
+    /// the lobes of that direction; for a delta lobe, its reflectance over the probability of
+    /// choosing it.
     ///
-    /// `u` is uniform in [0,1)³: the first two place the direction, the third chooses a lobe. `None` is absorption.
+    /// `u` is uniform in [0,1)³: the first two numbers choose the direction, the third the lobe.
+    /// `None` means absorption.
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample>;
 }

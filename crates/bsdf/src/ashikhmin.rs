@@ -1,5 +1,8 @@
-//! `ashik2`: Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools 5(2), 2000, as Radiance has it:
-//! Lambert's diffuse component less Schlick's term at the incident angle, and a highlight that grows by it at the outgoing one.
+//! `ashik2`: Ashikhmin and Shirley, "An Anisotropic Phong BRDF Model", Journal of Graphics Tools
+//! 5(2), 2000, as Radiance implements it.
+//!
+//! Lambert's diffuse component loses Schlick's term at the incident angle; the highlight gains it
+//! at the outgoing angle.
 
 use crate::bsdf::{Bsdf, FresnelCoat, Highlight, schlick};
 use crate::context::{BsdfContext, SurfaceScattering};
@@ -10,26 +13,26 @@ use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 use radsight_texture::{Function, bands, luminance};
 
-/// The parameters.
+/// Parameters of `ashik2`.
 #[derive(Clone, Debug)]
 pub struct AshikhminKind {
-    /// Where u points.
+    /// Function that gives the direction of u.
     pub orientation: Function,
     /// Diffuse reflectance, by colour.
     pub diffuse: Rgb,
-    /// At normal incidence; patterns leave it alone.
+    /// Specular reflectance at normal incidence; patterns do not change it.
     pub specular: Rgb,
-    /// Along u and v.
+    /// Phong exponents along u and v.
     pub exponents: [f64; 2],
 }
 
 impl AshikhminKind {
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         self.diffuse.is_grey() && self.specular.is_grey()
     }
 
-    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    /// BSDF of the material at the intersection, and its perfectly specular rays.
     pub fn bsdf_at<'a, const BANDS: usize>(
         &self,
         context: &BsdfContext<'a, BANDS>,
@@ -42,13 +45,13 @@ impl AshikhminKind {
         let specularity = specular.map(|band| band + (1.0 - band) * fresnel);
         let (frame, exponents) = match context.oriented(&self.orientation, scratch) {
             Some(frame) => (frame, self.exponents),
-            None => (Frame::new(context.normal), [round_exponent(self.exponents); 2]),
+            None => (Frame::new(context.normal), [isotropic_exponent(self.exponents); 2]),
         };
         let highlight = match has_highlight {
             true => Highlight::Ashikhmin(AshikhminShirley { specularity, exponents }),
             false => Highlight::None,
         };
-        // What is compared is the highlight at normal incidence.
+        // `-st` compares the highlight at normal incidence.
         let diffuse = context.colored(bands(self.diffuse));
         let candidate = LobeStrength { share: luminance(&specular), color: specularity, diffuse: luminance(&diffuse) };
         let point = Bsdf {
@@ -62,7 +65,7 @@ impl AshikhminKind {
     }
 }
 
-/// One exponent for two, where nothing says which is which: the harmonic mean.
-fn round_exponent([u, v]: [f64; 2]) -> f64 {
+/// Isotropic exponent for a surface without an orientation: the harmonic mean of both.
+fn isotropic_exponent([u, v]: [f64; 2]) -> f64 {
     2.0 / (1.0 / (u + 1e-5) + 1.0 / (v + 1e-5))
 }

@@ -1,4 +1,4 @@
-//! How a lit point of a surface scatters: its components, evaluated and drawn from.
+//! The BSDF at a shading point: its components, evaluated and sampled.
 
 use crate::frame::Frame;
 use crate::function_lobe::FunctionLobe;
@@ -17,10 +17,10 @@ use radsight_sampling::cosine_hemisphere;
 use radsight_texture::{bands, spread, strongest};
 use std::f64::consts::FRAC_1_PI;
 
-/// A peak of finite width.
+/// A specular lobe of finite width.
 #[derive(Clone, Copy, Debug)]
 pub enum Highlight<'a, const BANDS: usize> {
-    /// There is none.
+    /// No highlight.
     None,
     /// Ward's isotropic highlight.
     Ward(WardIsotropic<BANDS>),
@@ -30,29 +30,30 @@ pub enum Highlight<'a, const BANDS: usize> {
     Ashikhmin(AshikhminShirley<BANDS>),
     /// The retroreflecting lobe of the paper.
     Retro(Paper1991<BANDS>),
-    /// Meets light from sources only, and is not drawn from.
+    /// A scattering function: lit by light sources only, and never sampled.
     Function(FunctionLobe<'a, BANDS>),
-    /// Of both sides.
+    /// Measured data, which reflect and transmit.
     Measured(MeasuredLobe<'a, BANDS>),
-    /// A model from elsewhere, of both sides.
+    /// A model from a plugin, which reflects and transmits.
     Model(&'a dyn Brdf),
 }
 
-/// What the surface above the diffuse component takes from light of sources before it gets there, by the incident angle.
+/// How a Fresnel coat over the diffuse component attenuates direct light, by the incident angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FresnelCoat {
-    /// Nothing.
+    /// No coat.
     None,
-    /// What a smooth coat reflects by Radiance's estimate.
+    /// A smooth coat, with Radiance's estimate of its Fresnel reflectance.
     Coat,
     /// Schlick's term of Ashikhmin and Shirley's model.
     Schlick,
 }
 
 impl FresnelCoat {
-    /// What is left at this cosine.
+    /// Fraction of the light that reaches the diffuse component at this cosine of the incident
+    /// angle.
     #[inline]
-    fn share(self, cosine: f64) -> f64 {
+    fn transmittance(self, cosine: f64) -> f64 {
         match self {
             FresnelCoat::None => 1.0,
             FresnelCoat::Coat => 1.0 - fresnel_estimate(cosine.abs()),
@@ -61,33 +62,35 @@ impl FresnelCoat {
     }
 }
 
-/// A point of a surface, ready to be lit.
+/// BSDF at one shading point, for one outgoing direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf<'a, const BANDS: usize> {
-    /// Unit, towards where the ray came from.
+    /// Unit vector towards the viewer.
     pub outgoing: DVec3,
-    /// Unit geometric normal on that side.
+    /// Unit geometric normal on the viewer's side.
     pub normal: DVec3,
     /// Frame on the shading normal.
     pub frame: Frame,
-    /// Unit normal of the diffuse component: the shading normal, but for the turned texture of a retroreflector.
+    /// Unit normal of the diffuse component: the shading normal, except on a retroreflector, whose
+    /// texture turns only this normal.
     pub diffuse_normal: DVec3,
     /// Diffuse reflectance at normal incidence.
     pub diffuse: [f64; BANDS],
-    /// What stands above the diffuse component.
+    /// Coat over the diffuse component.
     pub coat: FresnelCoat,
-    /// The peak about the mirror direction, or back to the viewer.
+    /// Lobe about the mirror direction, or about the viewer's direction.
     pub highlight: Highlight<'a, BANDS>,
-    /// What of the highlights, on both sides, is only for light of sources.
+    /// Highlights of both sides below the specular threshold (`-st`), which only direct light
+    /// meets.
     pub below_threshold: BelowThreshold<BANDS>,
-    /// Reflectance of the mirror image; zero for rough surfaces.
+    /// Reflectance of a perfect mirror; zero for rough surfaces.
     pub mirror: [f64; BANDS],
-    /// What light from the other side does; none for an opaque surface.
+    /// Transmission; none for an opaque surface.
     pub transmission: Option<Transmission<BANDS>>,
 }
 
 impl<const BANDS: usize> Highlight<'_, BANDS> {
-    /// What it reflects, about.
+    /// Estimate of the total reflectance and transmittance, 0…1.
     pub fn strength(&self) -> f64 {
         match self {
             Highlight::None | Highlight::Function(_) => 0.0,
@@ -100,26 +103,28 @@ impl<const BANDS: usize> Highlight<'_, BANDS> {
     }
 }
 
-/// Band by band.
+/// Sum, band by band.
 pub fn sum<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| a[band] + b[band])
 }
 
-/// Radiance's estimate of what the Fresnel reflectance of a smooth coat is above that at normal incidence, at this cosine.
+/// Radiance's estimate of how far the Fresnel reflectance of a smooth coat at this cosine exceeds
+/// the one at normal incidence.
 pub(crate) fn fresnel_estimate(cosine: f64) -> f64 {
     (-5.85 * cosine).exp() - 0.002_029_430_64
 }
 
-/// Specularities below this get no Fresnel estimate in Radiance.
+/// Specularities below this value get no Fresnel estimate in Radiance.
 pub(crate) const FRESNEL_THRESHOLD: f64 = 0.017_999;
 
-/// Schlick, "An Inexpensive BRDF Model for Physically-Based Rendering", Eurographics 1994: the part that grows towards grazing.
+/// Schlick, "An Inexpensive BRDF Model for Physically-Based Rendering", Eurographics 1994: the part
+/// that grows towards grazing incidence, (1 − cos θ)⁵.
 pub(crate) fn schlick(cosine: f64) -> f64 {
     (1.0 - cosine).powi(5)
 }
 
 impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
-    /// A surface that does nothing yet, seen from `outgoing`.
+    /// A BSDF without components, seen from `outgoing`.
     pub fn new(outgoing: DVec3, normal: DVec3, frame: Frame) -> Self {
         Bsdf {
             outgoing,
@@ -135,7 +140,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         }
     }
 
-    /// A plastic or metal with this (already patterned) colour and shading normal.
+    /// A plastic or metal with this shading normal and this colour, patterns included.
     pub fn glossy(
         kind: &GlossyKind,
         retro: bool,
@@ -174,13 +179,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         }
     }
 
-    /// What scatters all light evenly, seen from this unit direction.
+    /// A white Lambertian surface, seen from this unit direction.
     pub fn white(outgoing: DVec3, normal: DVec3) -> Self {
         let white = GlossyKind { color: Rgb::WHITE, specularity: 0.0, roughness: 0.0, metallic: false };
         Bsdf::glossy(&white, false, [1.0; BANDS], outgoing, normal, normal)
     }
 
-    /// The same plastic or metal; its highlight is not drawn from where it is no stronger than the threshold.
+    /// Leaves the highlight unsampled if it is no stronger than the specular threshold (`-st`).
     pub fn with_threshold(self, kind: &GlossyKind, threshold: f64) -> Self {
         let Highlight::Ward(ward) = &self.highlight else { return self };
         let share = kind.specularity;
@@ -188,13 +193,14 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         Bsdf { below_threshold: BelowThreshold::new(threshold, [highlight, LobeStrength::NONE]), ..self }
     }
 
-    /// A reflectance model from elsewhere.
+    /// A reflectance model from a plugin.
     pub fn model(model: &'a dyn Brdf, outgoing: DVec3, normal: DVec3, shading_normal: DVec3) -> Self {
         let highlight = Highlight::Model(model);
         Bsdf { highlight, ..Bsdf::new(outgoing, normal, Frame::level(shading_normal)) }
     }
 
-    /// The same surface, with a transmitting part. The shares of draws follow what each side carries.
+    /// Adds transmission. The probability of sampling a side is proportional to what that side
+    /// scatters.
     pub fn with_transmission(self, mut transmission: Transmission<BANDS>) -> Self {
         let ambient = self.ambient();
         let carried = |own: &[f64; BANDS], ambient: &[f64; BANDS]| strongest(own) + strongest(ambient);
@@ -202,16 +208,16 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         transmission.diffuse_chance = chance_of_second(carried(&self.diffuse, &ambient[0]), transmitted);
         let through = transmission.lobe.map_or(0.0, |lobe| strongest(&lobe.shape.transmittance));
         let [own_left_out, through_left_out] = self.below_threshold.is_left_out();
-        let drawn = |strength: f64, left_out: bool| if left_out { 0.0 } else { strength };
-        let own = drawn(self.highlight.strength(), own_left_out);
-        let transmission_sampled = drawn(through, through_left_out);
+        let sampled = |strength: f64, left_out: bool| if left_out { 0.0 } else { strength };
+        let own = sampled(self.highlight.strength(), own_left_out);
+        let transmission_sampled = sampled(through, through_left_out);
         transmission.lobe_chance =
             if transmission_sampled > 0.0 { chance_of_second(own, transmission_sampled) } else { 0.0 };
         let transmission = (transmitted > 0.0 || through > 0.0).then_some(transmission);
         Bsdf { transmission, ..self }
     }
 
-    /// The highlight as the drawing of places on lights sees it.
+    /// Shape of the highlight, for sampling points on lights.
     pub fn peak(&self) -> LobePeak {
         let floor = strongest(&self.diffuse) * FRAC_1_PI;
         let about_mirror = |width: f64, specularity: &[f64; BANDS]| {
@@ -223,13 +229,14 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
                 let height = strongest(&retro.reflectance) * retro.reflected_density(0.0);
                 LobePeak { axis: self.outgoing, width: 0.25 / (retro.spread * retro.spread), height, floor }
             }
-            // About the mirror direction the half vector turns half as fast as the incident one.
+            // Reflected about the mirror direction, the half vector turns half as fast as the
+            // incident direction.
             Highlight::Ward(ward) => about_mirror(0.25 / (ward.roughness * ward.roughness), &ward.specularity),
             Highlight::WardAnisotropic(ward) => {
                 let widest = ward.roughness[0].max(ward.roughness[1]);
                 about_mirror(0.25 / (widest * widest), &ward.specularity)
             }
-            // A power n of a cosine is a Gaussian of variance 1/n.
+            // The n-th power of a cosine is close to a Gaussian of variance 1/n.
             Highlight::Ashikhmin(lobe) => {
                 about_mirror(0.125 * lobe.exponents[0].min(lobe.exponents[1]), &lobe.specularity)
             }
@@ -244,7 +251,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         }
     }
 
-    /// The same for drawing lights, of which so many are drawn.
+    /// Shape of the whole BSDF, for choosing `draws` lights.
     pub fn reception(&self, draws: u32) -> Reception {
         let peak = self.peak();
         if draws == 0 {
@@ -264,11 +271,11 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             peak,
             floor: (from_anywhere + transmission) * FRAC_1_PI,
             draws,
-            places: LightSampleCount::ONE,
+            samples: LightSampleCount::ONE,
         }
     }
 
-    /// Whether there is a highlight, on either side, that can only be found by drawing from it.
+    /// Whether either side has a highlight that only BSDF sampling finds.
     pub fn has_highlight(&self) -> bool {
         let [own_left_out, through_left_out] = self.below_threshold.is_left_out();
         let own = match &self.highlight {
@@ -279,13 +286,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         own || self.transmission.is_some_and(|transmission| transmission.lobe.is_some() && !through_left_out)
     }
 
-    /// The unit normal of a point that is matte on the viewer's side and lets nothing through.
+    /// Unit normal, if the surface is purely diffuse on the viewer's side and opaque.
     pub fn facing(&self) -> Option<DVec3> {
-        let is_matte = matches!(self.highlight, Highlight::None) && self.transmission.is_none();
-        is_matte.then_some(self.diffuse_normal)
+        let is_diffuse = matches!(self.highlight, Highlight::None) && self.transmission.is_none();
+        is_diffuse.then_some(self.diffuse_normal)
     }
 
-    /// What the highlights of both sides send on, about.
+    /// Estimate of the albedo of both sides' highlights.
     pub fn highlight_strength(&self) -> f64 {
         let through = self
             .transmission
@@ -294,12 +301,13 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         self.highlight.strength() + through
     }
 
-    /// Whether its highlight sends light back to where it comes from.
+    /// Whether the highlight is the retroreflecting lobe.
     pub fn is_retroreflector(&self) -> bool {
         matches!(self.highlight, Highlight::Retro(_))
     }
 
-    /// Whether its highlight may be about the way back, as that of a model from elsewhere may.
+    /// Whether the highlight may be about the retroreflection direction. A plugin's model may have
+    /// such a lobe.
     pub fn may_retroreflect(&self) -> bool {
         matches!(self.highlight, Highlight::Retro(_) | Highlight::Model(_))
     }
@@ -312,23 +320,24 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
             || self.ambient().iter().any(any)
     }
 
-    /// Whether the diffuse component treats light from sources and other light alike. Radiance takes a coat's reflection from the former
-    /// only, and gives the latter the share of a function, and of highlights that are not drawn from.
+    /// Whether the diffuse component scatters direct and indirect light alike. Radiance subtracts a
+    /// coat's reflection from direct light only, and adds scattering functions and highlights below
+    /// the threshold to indirect light only.
     pub fn diffuse_finds_lights(&self) -> bool {
         self.coat == FresnelCoat::None
             && !self.below_threshold.has_any()
             && !matches!(&self.highlight, Highlight::Function(lobe) if lobe.has_ambient())
     }
 
-    /// The share of even light from all around, but for sources, that is scattered as if diffuse.
+    /// Albedo of the diffuse component for indirect light from the viewer's side.
     pub fn ambient_reflectance(&self) -> [f64; BANDS] {
         let [own, transmission] = self.ambient();
         let through = self.transmission.map_or([0.0; BANDS], |transmission| transmission.diffuse);
         sum(sum(self.diffuse, own), sum(through, transmission))
     }
 
-    /// What is scattered as if diffuse of light that comes from each side, but for sources: the unit normals of the surface and of
-    /// its facet, and the share.
+    /// Diffuse albedo for indirect light from each side: unit surface normal, unit normal of the
+    /// facet, albedo.
     pub fn ambient_sides(&self) -> [(DVec3, DVec3, [f64; BANDS]); 2] {
         let [own, transmission] = self.ambient();
         let (facet, through) = self
@@ -337,7 +346,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         [(self.normal, self.diffuse_normal, sum(self.diffuse, own)), (-self.normal, facet, sum(through, transmission))]
     }
 
-    /// What is scattered as if diffuse where the light is no source, on both sides.
+    /// Diffuse albedo for indirect light, for both sides.
     fn ambient(&self) -> [[f64; BANDS]; 2] {
         match &self.highlight {
             Highlight::Function(lobe) => lobe.ambient,
@@ -345,8 +354,8 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         }
     }
 
-    /// All components for light from `incident`, which comes from a source whose places are drawn with `light_pdf` (1/sr).
-    /// The densities here are right only where they are asked for.
+    /// Evaluates all components for light from `incident`, where light sampling has the density
+    /// `light_pdf` (1/sr). The densities in the result are valid only if `pdfs` asks for them.
     #[inline]
     pub fn eval(&self, incident: DVec3, light_pdf: f64, pdfs: PdfRequest, scratch: &mut Scratch) -> BsdfValue<BANDS> {
         let mut bsdf_value = BsdfValue::NONE;
@@ -404,7 +413,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         bsdf_value
     }
 
-    /// Adds what light from the other side does. Draws choose between the sides.
+    /// Adds the transmission. Sampling chooses between the two sides.
     fn eval_transmission(
         &self,
         transmission: &Transmission<BANDS>,
@@ -432,25 +441,26 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     #[inline]
     fn coat_share(&self, incident: DVec3) -> f64 {
-        if self.coat == FresnelCoat::None { 1.0 } else { self.coat.share(self.frame.z.dot(incident)) }
+        if self.coat == FresnelCoat::None { 1.0 } else { self.coat.transmittance(self.frame.z.dot(incident)) }
     }
 
-    /// Whether a direction is on the same side of the surface as of the normal with its texture; no others are drawn.
+    /// Whether the direction is on the same side of the geometric normal as of the shading normal.
+    /// Other directions are never sampled.
     pub fn sides_agree(&self, direction: DVec3) -> bool {
         matches!(self.highlight, Highlight::Retro(_))
             || (self.normal.dot(direction) > 0.0) == (self.frame.z.dot(direction) > 0.0)
     }
 
-    /// Draws from the highlight.
+    /// Samples the highlight.
     pub fn sample_highlight(&self, u: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let Some(transmission) = &self.transmission else { return self.sample_reflected(u) };
         let chance = transmission.lobe_chance;
         if u[2] >= chance {
-            let drawn = self.sample_reflected([u[0], u[1], (u[2] - chance) / (1.0 - chance)])?;
-            return Some(drawn.split(1.0 - chance));
+            let sample = self.sample_reflected([u[0], u[1], (u[2] - chance) / (1.0 - chance)])?;
+            return Some(sample.split(1.0 - chance));
         }
         let lobe = transmission.lobe.as_ref()?;
-        let direction = lobe.draw([u[0], u[1]]);
+        let direction = lobe.sample([u[0], u[1]]);
         let (shape, pdf) = lobe.eval(direction);
         if shape <= 0.0 || !self.sides_agree(direction) {
             return None;
@@ -461,9 +471,10 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
 
     fn sample_reflected(&self, u: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         if let Highlight::Measured(lobe) = &self.highlight {
-            return lobe.draw(u).filter(|drawn| self.sides_agree(drawn.direction));
+            return lobe.sample(u).filter(|sample| self.sides_agree(sample.direction));
         }
-        // The retroreflecting lobe lives on the geometric normal: its texture is what turns the other one.
+        // The retroreflecting lobe is about the geometric normal; its texture turns only the
+        // diffuse normal.
         let frame = if matches!(self.highlight, Highlight::Retro(_)) { Frame::new(self.normal) } else { self.frame };
         let outgoing = frame.to_local(self.outgoing);
         let mut weight = [0.0; BANDS];
@@ -483,7 +494,8 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         self.sides_agree(direction).then_some(BsdfSample { direction, weight, pdf: sample.density, pdf_ratio: 1.0 })
     }
 
-    /// Draws from the diffuse component; without a density where only light from elsewhere than sampled sources counts.
+    /// Samples the diffuse component. The sample has no density if the component scatters indirect
+    /// light only.
     pub fn sample_diffuse(&self, u: f64, v: f64) -> Option<BsdfSample<BANDS>> {
         let [ambient, ambient_transmission] = self.ambient();
         let Some(transmission) = &self.transmission else {
@@ -492,23 +504,23 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         let chance = transmission.diffuse_chance;
         if u >= chance {
             let u = (u - chance) / (1.0 - chance);
-            let drawn = self.sample_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v])?;
-            return Some(drawn.split(1.0 - chance));
+            let sample = self.sample_cosine(self.diffuse_normal, &sum(self.diffuse, ambient), [u, v])?;
+            return Some(sample.split(1.0 - chance));
         }
-        let drawn = self.sample_cosine(
+        let sample = self.sample_cosine(
             -transmission.normal,
             &sum(transmission.diffuse, ambient_transmission),
             [u / chance, v],
         )?;
-        Some(drawn.split(chance))
+        Some(sample.split(chance))
     }
 
-    /// Whether a direction is drawn that the diffuse component on this normal would send on.
+    /// Whether the diffuse component on this normal can sample the direction.
     pub fn is_sampled_towards(&self, direction: DVec3, normal: DVec3) -> bool {
         (self.normal.dot(direction) > 0.0) == (self.normal.dot(normal) > 0.0) && self.sides_agree(direction)
     }
 
-    /// What is scattered as if diffuse of light that is no source's and comes from the viewer's side.
+    /// Diffuse albedo for indirect light from the viewer's side.
     pub fn reflectance_of_surroundings(&self) -> [f64; BANDS] {
         sum(self.diffuse, self.ambient()[0])
     }
@@ -523,7 +535,7 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
         Some(BsdfSample { direction, weight: *reflectance, pdf: Density::Continuous(pdf), pdf_ratio: 1.0 })
     }
 
-    /// The mirror direction; a texture that would send it through the surface is not used.
+    /// The mirror direction. A texture that would turn it below the surface is ignored.
     pub fn mirror_direction(&self) -> DVec3 {
         let reflect = |normal: DVec3| normal * (2.0 * normal.dot(self.outgoing)) - self.outgoing;
         let direction = reflect(self.frame.z);
@@ -531,18 +543,18 @@ impl<'a, const BANDS: usize> Bsdf<'a, BANDS> {
     }
 }
 
-/// Share of a highlight that drawing lights expects anywhere.
+/// Fraction of a highlight that light selection assumes outside its peak.
 const BESIDE_PEAK: f64 = 0.05;
 
-/// Rays that look for light by way of mirrors are drawn from the lobe and, as often, from one this many times as wide: a
-/// camera's lights stand beside it, in the lobe's tail, where the lobe itself would send one ray in fifty.
+/// Caustic rays are sampled half from the lobe and half from a lobe this many times as wide. A
+/// camera's lights stand in the lobe's tail, which the lobe itself would sample once in fifty rays.
 const TAIL: f64 = 2.2;
 
 fn tail<const BANDS: usize>(retro: &Paper1991<BANDS>) -> Paper1991<BANDS> {
     Paper1991 { spread: TAIL * retro.spread, ..*retro }
 }
 
-/// The density of [`sample_retro`] at an observation angle, 1/sr.
+/// Density of [`sample_retro`] at an observation angle, 1/sr.
 fn retro_pdf<const BANDS: usize>(retro: &Paper1991<BANDS>, angle: f64) -> f64 {
     0.5 * (retro.sampling_density(angle) + tail(retro).sampling_density(angle))
 }
@@ -553,8 +565,8 @@ fn sample_retro<const BANDS: usize>(
     u: [f64; 3],
     weight: &mut [f64; BANDS],
 ) -> Option<BrdfSample> {
-    let drawn_from = if u[2] < 0.5 { *retro } else { tail(retro) };
-    let sample = drawn_from.sample(outgoing, u, weight)?;
+    let lobe = if u[2] < 0.5 { *retro } else { tail(retro) };
+    let sample = lobe.sample(outgoing, u, weight)?;
     let angle = observation_angle(outgoing, sample.incident);
     let pdf = retro_pdf(retro, angle);
     let value = retro.reflected_density(angle) / pdf;
@@ -562,8 +574,8 @@ fn sample_retro<const BANDS: usize>(
     Some(BrdfSample { density: Density::Continuous(pdf), ..sample })
 }
 
-/// Reflectance and transmittance of a thin pane with multiple internal reflections, both polarisations averaged (Radiance's
-/// `glass`).
+/// Reflectance and transmittance of a thin pane, with all internal reflections, averaged over both
+/// polarisations (Radiance's `glass`).
 pub fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64, cosine: f64) -> [[f64; BANDS]; 2] {
     let inside = ((1.0 - 1.0 / (index * index)) + cosine * cosine / (index * index)).sqrt();
     let perpendicular = ((cosine - index * inside) / (cosine + index * inside)).powi(2);
@@ -582,7 +594,7 @@ pub fn pane<const BANDS: usize>(transmissivity: [f64; BANDS], index: f64, cosine
     [reflected, transmitted]
 }
 
-/// Where a ray goes on behind a thin pane: straight on, or bent by a texture as Radiance's `glass` does.
+/// Direction behind a thin pane: straight on, or refracted by a texture as Radiance's `glass` does.
 #[must_use]
 pub fn through_pane(direction: DVec3, perturbation: DVec3, refractive_index: f64) -> DVec3 {
     if perturbation == DVec3::ZERO {
@@ -591,18 +603,18 @@ pub fn through_pane(direction: DVec3, perturbation: DVec3, refractive_index: f64
     (direction + perturbation * (2.0 * (1.0 - refractive_index))).normalize_or(direction)
 }
 
-/// The colour of a material with a colour of its own.
+/// Colour of a material with a colour of its own, times the pattern.
 pub fn colored<const BANDS: usize>(kind: &GlossyKind, pattern: [f64; BANDS]) -> [f64; BANDS] {
     let own: [f64; BANDS] = bands(kind.color);
     std::array::from_fn(|band| own[band] * pattern[band])
 }
 
-/// In how many bands models from elsewhere are made: they know no spectra.
+/// Number of bands for which a plugin's model is made: at most three, red, green and blue.
 pub const fn model_bands<const BANDS: usize>() -> usize {
     if BANDS > 3 { 3 } else { BANDS }
 }
 
-/// A model's values in the places of a tracer.
+/// A model's values, in the bands of a path.
 pub fn of_model<const BANDS: usize>(values: &[f64]) -> [f64; BANDS] {
     if BANDS > 3 { spread([values[0], values[1], values[2]]) } else { std::array::from_fn(|band| values[band]) }
 }

@@ -1,4 +1,4 @@
-//! What a scattering material is asked with, and what it answers.
+//! Input and result of evaluating a scattering material.
 
 use crate::bsdf::Bsdf;
 use crate::frame::Frame;
@@ -8,48 +8,48 @@ use radsight_cal::Scratch;
 use radsight_ir::Scene;
 use radsight_texture::{Appearance, Function, SurfaceInteraction, gathered};
 
-/// A ray at a scattering material.
+/// A ray at a surface of a scattering material.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfContext<'a, const BANDS: usize> {
-    /// With the tables and pictures that the material's handles name.
+    /// The scene, whose tables and pictures the material's handles refer to.
     pub scene: &'a Scene,
-    /// As the surface faces.
+    /// The intersection, with the surface's own orientation.
     pub interaction: &'a SurfaceInteraction,
-    /// As if the surface faced the viewer.
+    /// The same intersection, turned so that the surface faces the viewer.
     pub turned: &'a SurfaceInteraction,
-    /// What patterns and textures make of the surface there.
+    /// Patterns and textures, evaluated at the intersection.
     pub appearance: Appearance<BANDS>,
-    /// Unit, with textures, on the viewer's side.
+    /// Unit shading normal on the viewer's side, textures included.
     pub normal: DVec3,
-    /// Highlights of no more than this share are not drawn from.
+    /// Specular threshold (`-st`): highlights up to this albedo are not sampled.
     pub threshold: f64,
 }
 
-/// What a material makes of a ray.
+/// How a material scatters at an intersection.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceScattering<'a, const BANDS: usize> {
-    /// All that is spread over directions.
+    /// The BSDF without its perfectly specular parts.
     pub point: Bsdf<'a, BANDS>,
-    /// The mirror image.
+    /// The mirror reflection.
     pub mirror: Option<SpecularBounce<BANDS>>,
-    /// The way straight through.
+    /// The straight-through transmission.
     pub straight: Option<SpecularBounce<BANDS>>,
 }
 
-/// A ray that goes on from a perfectly specular event.
+/// A perfectly specular bounce.
 #[derive(Clone, Copy, Debug)]
 pub struct SpecularBounce<const BANDS: usize> {
-    /// Unit.
+    /// Unit vector along which the path continues.
     pub direction: DVec3,
-    /// The share of radiance that comes back along the ray, by band.
+    /// Factor of the radiance that comes back along the ray, by band.
     pub weight: [f64; BANDS],
 }
 
-/// Directions nearer to the surface than this cosine do not count as leaving it (Radiance's).
+/// A direction whose cosine to the surface is smaller does not leave it (Radiance's).
 const GRAZING: f64 = 1e-6;
 
 impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
-    /// What a function of the material sees, with this colour in its variables.
+    /// Variables of the material's functions, with this colour.
     pub fn surroundings(&self, color: [f64; BANDS]) -> Surroundings<'a> {
         Surroundings {
             interaction: self.interaction,
@@ -59,27 +59,28 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
         }
     }
 
-    /// Unit, towards the viewer.
+    /// Unit vector towards the viewer.
     pub fn outgoing(&self) -> DVec3 {
         -self.interaction.direction
     }
 
-    /// The material's colour under its patterns.
+    /// Product of the material's own colour and its patterns.
     pub fn colored(&self, own: [f64; BANDS]) -> [f64; BANDS] {
         std::array::from_fn(|band| own[band] * self.appearance.color[band])
     }
 
-    /// Where light goes straight through; a texture bends it, unless it would come back.
+    /// Direction of straight-through transmission. A texture turns it, unless it would come back.
     pub fn straight(&self) -> DVec3 {
         let direction = self.interaction.direction;
         if self.appearance.perturbation == DVec3::ZERO || self.interaction.is_smoothed() {
             return direction;
         }
-        let bent = direction - self.appearance.perturbation;
-        if bent.dot(self.interaction.normal) < -GRAZING { bent.normalize() } else { direction }
+        let turned = direction - self.appearance.perturbation;
+        if turned.dot(self.interaction.normal) < -GRAZING { turned.normalize() } else { direction }
     }
 
-    /// The frame on the shading normal that an orientation function gives; none where that is parallel to the normal, or fails.
+    /// Frame on the shading normal with x along an orientation function's vector; none if the
+    /// function fails or the vector is parallel to the normal.
     pub fn oriented(&self, orientation: &Function, scratch: &mut Scratch) -> Option<Frame> {
         let mut vector = [0.0; 3];
         orientation.program.eval_all(&[], &orientation.view(self.turned), scratch, &mut vector).ok()?;
@@ -88,7 +89,7 @@ impl<'a, const BANDS: usize> BsdfContext<'a, BANDS> {
 }
 
 impl<const BANDS: usize> SpecularBounce<BANDS> {
-    /// None where it carries nothing.
+    /// A bounce; none if its weight is zero.
     pub fn new(direction: DVec3, weight: [f64; BANDS]) -> Option<SpecularBounce<BANDS>> {
         let weight = weight.map(|band| if band.is_finite() { band.max(0.0) } else { 0.0 });
         weight.iter().any(|band| *band > 0.0).then_some(SpecularBounce { direction, weight })

@@ -11,37 +11,38 @@ pub struct Frame {
     pub z: DVec3,
 }
 
-/// A normal nearer than this to the scene's z axis has no meridian.
+/// A normal closer than this to the scene's z axis has no meridian.
 const POLE: f64 = 1e-6;
 
 impl Frame {
-    /// Any frame, for what does not depend on the azimuth.
+    /// A frame of arbitrary azimuth.
     #[inline]
     pub fn new(normal: DVec3) -> Frame {
         let (x, y) = normal.any_orthonormal_pair();
         Frame { x, y, z: normal }
     }
 
-    /// The frame whose x axis is as near to `direction` as the normal allows; none where the two are parallel.
+    /// The frame whose x axis is closest to `direction`; none if that is parallel to the normal.
     pub fn along(normal: DVec3, direction: DVec3) -> Option<Frame> {
         let y = normal.cross(direction).try_normalize()?;
         Some(Frame { x: y.cross(normal), y, z: normal })
     }
 
-    /// The frame of a model that is given no direction of its own: x is level (perpendicular to the scene's z axis) and turns with
-    /// the surface without a jump, but where the normal is along z; there x is the scene's x.
+    /// The frame of a model without an orientation of its own: x is horizontal (perpendicular to
+    /// the scene's z axis) and turns continuously with the surface. On a normal along z, x is the
+    /// scene's x.
     pub fn level(normal: DVec3) -> Frame {
         let x = if normal.x.hypot(normal.y) > POLE { DVec3::Z.cross(normal) } else { DVec3::X };
         Frame::along(normal, x).unwrap_or_else(|| Frame::new(normal))
     }
 
-    /// A vector of the scene in the frame.
+    /// Transforms a vector from the scene to the frame.
     #[inline]
     pub fn to_local(self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
-    /// A vector of the frame in the scene.
+    /// Transforms a vector from the frame to the scene.
     #[inline]
     pub fn to_scene(self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z

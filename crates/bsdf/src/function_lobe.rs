@@ -1,68 +1,69 @@
-//! The scattering functions of `plasfunc`, `plasdata` and their kin, and of `BRTDfunc`.
+//! The scattering functions of `plasfunc`, `plasdata` and similar materials, and of `BRTDfunc`.
 //!
-//! Radiance evaluates them for light sources only; what comes from elsewhere is scattered as if diffuse.
+//! Radiance evaluates them for light sources only; indirect light is scattered diffusely.
 
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
 use radsight_ir::DataGrid;
 use radsight_texture::{Function, FunctionView, SurfaceInteraction, spread};
 
-/// Cosines and values nearer to zero than this count as zero (Radiance's).
+/// Cosines and values below this count as zero (Radiance's).
 const TINY: f64 = 1e-6;
 
-/// The largest dimension of a data file that fits the evaluation's stack.
+/// Largest dimension of a data file; coordinates are kept on the stack.
 const MAX_COORDINATES: usize = 16;
 
-/// A scattering function at one point.
+/// A scattering function at one shading point.
 #[derive(Clone, Copy, Debug)]
 pub struct FunctionLobe<'a, const BANDS: usize> {
-    /// Where the values come from.
+    /// Source of the values.
     pub source: LobeFunction<'a>,
-    /// What the function sees.
+    /// Variables of the function.
     pub surroundings: Surroundings<'a>,
-    /// Factors of the function for light from the viewer's side and from the other one.
+    /// Factors of the function for light from the viewer's side and from the other side.
     pub factors: [[f64; BANDS]; 2],
-    /// What is scattered as if diffuse where the light is no source, for both sides.
+    /// Diffuse albedo for indirect light, for both sides.
     pub ambient: [[f64; BANDS]; 2],
 }
 
-/// Where the values come from.
+/// Source of a scattering function's values.
 #[derive(Clone, Copy, Debug)]
 pub enum LobeFunction<'a> {
-    /// The first root, for all bands.
+    /// The first root gives all bands.
     Grey(&'a Function),
-    /// Three roots from this one on, one a band.
+    /// Three consecutive roots, beginning with this one, give red, green and blue.
     Color(&'a Function, usize),
-    /// The first root, of the value from a table and the direction; the others are the coordinates.
+    /// The first root, given the table's value and the incident direction, gives all bands; the
+    /// other roots are the table's coordinates.
     Table(&'a Function, &'a DataGrid),
 }
 
-/// What a function of a material sees.
+/// Variables of a material's functions.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// The ray at the surface.
     pub interaction: &'a SurfaceInteraction,
-    /// Unit, with textures, on the viewer's side: `NxP`.
+    /// `NxP`…: unit shading normal on the viewer's side, textures included.
     pub normal: DVec3,
-    /// Of the outgoing direction to it: `RdotP`.
+    /// `RdotP`: cosine between the outgoing direction and that normal.
     pub cosine: f64,
-    /// Of the material or pattern: `CrP`.
+    /// `CrP`…: colour of the material or pattern.
     pub color: [f64; 3],
 }
 
-/// A [`FunctionView`] with the variables that Radiance's materials add.
+/// A [`FunctionView`] with the additional variables of Radiance's materials.
 pub struct MaterialView<'a> {
     view: FunctionView<'a>,
     surroundings: &'a Surroundings<'a>,
 }
 
 impl<'a> Surroundings<'a> {
-    /// With these variables, for one function.
+    /// View for evaluating one function.
     pub fn view(&'a self, function: &'a Function) -> MaterialView<'a> {
         MaterialView { view: function.view(self.interaction), surroundings: self }
     }
 
-    /// A root without arguments; a fault counts as zero.
+    /// Value of a root without arguments; zero if evaluation fails.
     pub fn value(&self, function: &Function, root: usize, scratch: &mut Scratch) -> f64 {
         function.program.eval(root, &[], &self.view(function), scratch).unwrap_or(0.0)
     }
@@ -83,12 +84,12 @@ impl Host for MaterialView<'_> {
 }
 
 impl<const BANDS: usize> FunctionLobe<'_, BANDS> {
-    /// Whether light that is not from a source meets something else than the function's share of the diffuse.
+    /// Whether indirect light needs another diffuse component than direct light.
     pub fn has_ambient(&self) -> bool {
         self.ambient.iter().flatten().any(|band| *band > 0.0)
     }
 
-    /// `f·|cos θ_i|` for light from a source of the given solid angle, sr.
+    /// `f·|cos θ_i|`, 1/sr, for light from a source of the given solid angle (sr).
     pub fn eval(&self, incident: DVec3, solid_angle: f64, scratch: &mut Scratch) -> [f64; BANDS] {
         let cosine = self.surroundings.normal.dot(incident);
         let factor = self.factors[usize::from(cosine < 0.0)];

@@ -1,7 +1,9 @@
-//! Materials whose scattering is a function of the direction to a light: `plasfunc` and its kin, and `BRTDfunc`.
+//! Materials with a scattering function of the direction to a light: `plasfunc` and similar
+//! materials, and `BRTDfunc`.
 //!
-//! As in Radiance, the function meets light from sources alone. Light from elsewhere is scattered by `plasfunc` and its kin as if the
-//! function's share were diffuse; `BRTDfunc` states its diffuse, mirror and straight-through shares apart.
+//! As in Radiance, only direct light meets the function. `plasfunc` and similar materials scatter
+//! indirect light as if the function were Lambertian; `BRTDfunc` has separate diffuse, mirror and
+//! straight-through parameters.
 
 use crate::bsdf::{Bsdf, Highlight};
 use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
@@ -17,27 +19,27 @@ use radsight_texture::{Function, bands, spread};
 pub struct ScatteringKind {
     /// Which of the six materials it is.
     pub role: ScatteringRole,
-    /// The function, then for data the coordinates.
+    /// The scattering function; for a `…data` material also the coordinates.
     pub function: Function,
-    /// The table of a `…data` material.
+    /// Table of a `…data` material.
     pub grid: Option<Handle<DataGrid>>,
-    /// Of the material, before patterns.
+    /// Colour of the material, before patterns.
     pub color: Rgb,
-    /// Share of light that the function reflects.
+    /// Fraction of the light that the function scatters, 0…1.
     pub specularity: f64,
-    /// Share of what is not reflected specularly that goes through, 0…1.
+    /// Fraction of the remaining light that is transmitted, 0…1.
     pub transmissivity: f64,
-    /// Share of what goes through that is specular, 0…1.
+    /// Fraction of the transmitted light that is specular, 0…1.
     pub transmitted_specularity: f64,
 }
 
 impl ScatteringKind {
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         self.color.is_grey()
     }
 
-    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    /// BSDF of the material at the intersection, and its perfectly specular rays.
     pub fn bsdf_at<'a, const BANDS: usize>(&'a self, context: &BsdfContext<'a, BANDS>) -> SurfaceScattering<'a, BANDS> {
         let color = context.colored(bands(self.color));
         let share = |share: f64| color.map(|band| band * share.max(0.0));
@@ -72,29 +74,29 @@ impl ScatteringKind {
 pub struct BrtdKind {
     /// Nine roots: mirror, straight-through and scattering, three bands each.
     pub function: Function,
-    /// Front reflected, back reflected, transmitted.
+    /// Diffuse reflectance of the front, of the back, and diffuse transmittance.
     pub diffuse: [Rgb; 3],
-    /// Whether the three bands have the same functions.
+    /// Whether red, green and blue have the same functions.
     pub has_grey_functions: bool,
 }
 
-/// First roots.
+/// First root of each part.
 const MIRROR: usize = 0;
 const STRAIGHT: usize = 3;
 const SCATTERING: usize = 6;
 
 impl BrtdKind {
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         self.has_grey_functions && self.diffuse.iter().all(|color| color.is_grey())
     }
 
-    /// Whether a shadow ray can go straight through.
+    /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
         (STRAIGHT..SCATTERING).any(|root| self.function.program.constant(root) != Some(0.0))
     }
 
-    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    /// BSDF of the material at the intersection, and its perfectly specular rays.
     pub fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,

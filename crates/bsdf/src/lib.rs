@@ -1,11 +1,13 @@
 //! How surfaces scatter light: the native materials of Radiance, evaluated and sampled.
 //!
-//! A [`Scatterer`] is a material with its parameters. Asked with a [`BsdfContext`] it answers with a [`SurfaceScattering`]: a [`Bsdf`] for all
-//! that is spread over directions, and at most two perfectly specular rays. [`Bsdf::eval`] gives value and density for a direction,
-//! [`Bsdf::sample_highlight`] and [`Bsdf::sample_diffuse`] draw directions with just these densities.
+//! A [`Scatterer`] is a material with its parameters. Given a [`BsdfContext`] it returns a
+//! [`SurfaceScattering`]: a [`Bsdf`] for everything that is spread over directions, and at most two
+//! perfectly specular rays. [`Bsdf::eval`] gives value and density for a direction;
+//! [`Bsdf::sample_highlight`] and [`Bsdf::sample_diffuse`] sample directions with these densities.
 //!
-//! Guarantees: what is drawn has the density that is told; no panic on a [`radsight_ir::ValidScene`]. Knows neither geometry nor
-//! occlusion, and of lights only what is told to those who choose among them ([`radsight_light::Reception`]).
+//! Guarantees: a sample has the density that `eval` gives; no panic on a
+//! [`radsight_ir::ValidScene`]. The crate knows neither geometry nor occlusion. Of light sampling
+//! it knows the shape of a lobe ([`radsight_light::Reception`]).
 #![forbid(unsafe_code)]
 
 mod ashikhmin;
@@ -34,7 +36,7 @@ pub use function_lobe::{FunctionLobe, LobeFunction, MaterialView, Surroundings};
 pub use functions::{BrtdKind, ScatteringKind};
 pub use glossy::GlossyKind;
 pub use measured::{MeasuredKind, MeasuredPart, Pose};
-pub use measured_lobe::{BlurredView, MeasuredLobe, PeakCells};
+pub use measured_lobe::{JitteredView, MeasuredLobe, PeakCells};
 pub use sample::{BsdfSample, BsdfValue, PdfRequest};
 pub use scatterer::Scatterer;
 pub use sheet::Sheet;

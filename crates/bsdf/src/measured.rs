@@ -1,13 +1,14 @@
 //! `BSDF` and `aBSDF`: measured or simulated scattering.
 //!
-//! A `BSDF` with a thickness stands for geometry in front of which, or behind which, it lies: views and shadow rays pass it and meet that
-//! geometry, scattered rays meet the data, and what these transmit goes on beyond the thickness. Through an `aBSDF` views and shadow
-//! rays go straight in as far as the data have a peak about the straight way.
+//! A `BSDF` with a thickness is a proxy: it lies in front of or behind the geometry that it stands
+//! for. View rays and shadow rays pass it and hit that geometry; scattered rays use the data, and
+//! transmitted ones start beyond the thickness. An `aBSDF` transmits view rays and shadow rays
+//! straight through, as far as the data have a peak there.
 
 use crate::bsdf::{Bsdf, Highlight};
 use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
 use crate::frame::Frame;
-use crate::measured_lobe::{BlurredView, MeasuredLobe, PeakCells, StraightTransmission, straight_peak};
+use crate::measured_lobe::{JitteredView, MeasuredLobe, PeakCells, StraightTransmission, straight_peak};
 use crate::specular_threshold::BelowThreshold;
 use crate::transmission_lobe::Transmission;
 use glam::DVec3;
@@ -17,43 +18,43 @@ use radsight_measured::{MeasuredBsdf, Side};
 use radsight_texture::{Function, SurfaceInteraction, bands, luminance};
 use std::sync::Arc;
 
-/// The parameters.
+/// Parameters of `BSDF` and `aBSDF`.
 #[derive(Clone, Debug)]
 pub struct MeasuredKind {
-    /// The data.
+    /// The BSDF data.
     pub bsdf: Arc<MeasuredBsdf>,
-    /// The up vector; of a proxy the thickness before it.
+    /// Function that gives the up vector; for a proxy its first root is the thickness.
     pub function: Function,
-    /// A proxy for geometry, or an aperture.
+    /// Proxy for geometry, or aperture.
     pub form: BsdfForm,
-    /// Front reflectance, back reflectance, transmittance.
+    /// Diffuse reflectance of the front, of the back, and diffuse transmittance, added to the data.
     pub added_diffuse: [Rgb; 3],
 }
 
-/// A thickness of less than this is none (Radiance's).
+/// A smaller thickness counts as zero (Radiance's).
 const LEAST_THICKNESS: f64 = 1e-6;
 
-/// Which of the light a point scatters.
+/// Part of the scattering to evaluate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeasuredPart {
-    /// To the viewer's side.
+    /// Reflection.
     Reflected,
-    /// From the other side.
+    /// Transmission.
     Transmitted,
-    /// All of it.
+    /// Reflection and transmission.
     Both,
 }
 
-/// A view of the surface in the frame of the data.
+/// Frame of the data, and the outgoing direction in it.
 pub struct Pose {
     frame: Frame,
-    /// Unit, towards the viewer.
+    /// Unit vector towards the viewer.
     outgoing: DVec3,
     peak: Option<StraightTransmission>,
 }
 
 impl MeasuredKind {
-    /// As a shadow ray meets it: a view that is not blurred by the size of the data's cells.
+    /// BSDF for a shadow ray: the outgoing direction is not jittered within the cells of the data.
     pub fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
@@ -63,14 +64,14 @@ impl MeasuredKind {
         match self.pose(context, scratch) {
             None => SurfaceScattering { point: nothing, mirror: None, straight: None },
             Some(pose) => SurfaceScattering {
-                point: self.point(context, &pose, BlurredView::exact(pose.outgoing), MeasuredPart::Both),
+                point: self.point(context, &pose, JitteredView::exact(pose.outgoing), MeasuredPart::Both),
                 mirror: None,
                 straight: self.straight(context, &pose),
             },
         }
     }
 
-    /// Whether a shadow ray can go straight through.
+    /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
         match self.form {
             BsdfForm::Proxy => self.function.program.constant(0) != Some(0.0),
@@ -78,17 +79,17 @@ impl MeasuredKind {
         }
     }
 
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         self.bsdf.is_grey() && self.added_diffuse.iter().all(|color| color.is_grey())
     }
 
-    /// Whether it is not there for shadow rays.
+    /// Whether shadow rays ignore the surface.
     pub fn is_passed_by_shadows(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> bool {
         self.thickness(interaction, scratch) != 0.0
     }
 
-    /// Scene units; zero for none.
+    /// Thickness of a proxy, scene units; zero for none.
     pub fn thickness(&self, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
         if self.form == BsdfForm::Aperture {
             return 0.0;
@@ -97,7 +98,7 @@ impl MeasuredKind {
         if thickness.abs() <= LEAST_THICKNESS { 0.0 } else { self.function.length_in_scene(interaction, thickness) }
     }
 
-    /// None where the up vector is along the normal, or fails.
+    /// Frame of the data; none if the up vector is parallel to the normal, or its function fails.
     pub fn pose<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, scratch: &mut Scratch) -> Option<Pose> {
         let interaction = context.interaction;
         let (first, view) = (usize::from(self.form == BsdfForm::Proxy), self.function.view(interaction));
@@ -114,7 +115,7 @@ impl MeasuredKind {
         Some(Pose { frame, outgoing, peak })
     }
 
-    /// What goes straight through by way of the peak of the data.
+    /// Straight-through transmission by the peak of the data.
     pub fn straight<const BANDS: usize>(
         &self,
         context: &BsdfContext<'_, BANDS>,
@@ -124,12 +125,12 @@ impl MeasuredKind {
         SpecularBounce::new(context.interaction.direction, weight)
     }
 
-    /// The BSDF there, of the wanted part.
+    /// The BSDF of the wanted part.
     pub fn point<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
         pose: &Pose,
-        view: BlurredView,
+        view: JitteredView,
         part: MeasuredPart,
     ) -> Bsdf<'a, BANDS> {
         let side = if context.interaction.behind { Side::Back } else { Side::Front };
@@ -164,11 +165,12 @@ impl MeasuredKind {
         point.with_transmission(Transmission::new(context.normal, transmitted, None))
     }
 
-    /// Where a peak goes straight through, the view is not blurred: the peak would be found twice.
-    pub fn view(&self, pose: &Pose, offset: [f64; 2]) -> BlurredView {
+    /// Jitters the outgoing direction, except where a peak is transmitted straight through: the
+    /// jittered direction would find that peak a second time.
+    pub fn view(&self, pose: &Pose, offset: [f64; 2]) -> JitteredView {
         match pose.peak {
-            Some(_) => BlurredView::exact(pose.outgoing),
-            None => BlurredView::new(&self.bsdf, pose.outgoing, offset),
+            Some(_) => JitteredView::exact(pose.outgoing),
+            None => JitteredView::new(&self.bsdf, pose.outgoing, offset),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The lobe of a measured material: light from both sides, scattered as data say.
+//! The lobe of a measured material: reflection and transmission by tabulated data.
 
 use crate::frame::Frame;
 use crate::sample::BsdfSample;
@@ -11,41 +11,44 @@ use radsight_measured::{MeasuredBsdf, Scattering, Side};
 use radsight_texture::{bands, luminance};
 use std::f64::consts::FRAC_1_PI;
 
-/// Data for one direction of view, without their Lambertian parts.
+/// Data for one outgoing direction, without their Lambertian parts.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredLobe<'a, const BANDS: usize> {
-    /// To the viewer's side.
+    /// Data for reflection.
     pub reflection: Option<&'a Scattering>,
-    /// From the other side.
+    /// Data for transmission.
     pub transmission: Option<&'a Scattering>,
-    /// The frame of the data: +z on the front.
+    /// Frame of the data: +z is the front's normal.
     pub frame: Frame,
-    /// The view in that frame.
-    pub view: BlurredView,
-    /// Multiplies what is transmitted.
+    /// Outgoing direction in that frame.
+    pub view: JitteredView,
+    /// Factor of the transmitted light.
     pub pattern: [f64; BANDS],
-    /// What goes straight through apart from this lobe.
+    /// Cells whose light is transmitted straight through, apart from this lobe.
     pub peak: PeakCells,
-    /// Whether anything is drawn from it.
+    /// Whether the lobe is sampled.
     pub is_sampled: bool,
-    /// How often a draw is of transmitted light.
+    /// Probability of sampling transmission.
     transmitted_chance: f64,
 }
 
 impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
-    /// `straight` is the luminance that goes straight through, by way of the cells of `peak`; what scatters no more than `threshold` to
-    /// a side is not drawn from, and returned beside it. None where nothing is scattered.
+    /// `straight` is the luminance that the cells of `peak` transmit straight through. A side that
+    /// scatters no more than `threshold` is not sampled; it is returned as well. None if nothing is
+    /// scattered.
     pub fn new(
         [reflection, transmission]: [Option<&'a Scattering>; 2],
-        (frame, view): (Frame, BlurredView),
+        (frame, view): (Frame, JitteredView),
         pattern: [f64; BANDS],
         (peak, straight): (PeakCells, f64),
         threshold: f64,
     ) -> Option<(Self, BelowThreshold<BANDS>)> {
-        /// Draws of transmitted light that fall into the peak are lost, but some must fall beside it.
+        /// Samples that fall into the peak are lost; this many of the transmitted ones must fall
+        /// beside it.
         const LEAST_BESIDE: f64 = 0.1;
         reflection.or(transmission)?;
-        let total = |scattering: Option<&Scattering>| scattering.map_or(0.0, |scattering| scattering.total(view.drawn));
+        let total =
+            |scattering: Option<&Scattering>| scattering.map_or(0.0, |scattering| scattering.total(view.jittered));
         let (reflected, through) = (total(reflection), total(transmission));
         let scattered = (through - straight).max(0.0);
         let below_threshold = BelowThreshold::new(
@@ -67,8 +70,9 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         Some((lobe, below_threshold))
     }
 
-    /// `f·|cos θ_i|` for light of sources, and the density of [`MeasuredLobe::draw`], both in 1/sr. A blurred view has no density: it is
-    /// blurred in another way for light of sources, which draws leave to their sampling.
+    /// `f·|cos θ_i|` for direct light, and the density of [`MeasuredLobe::sample`], both in 1/sr. A
+    /// jittered outgoing direction has no density: direct light averages over other jittered
+    /// directions, so BSDF samples leave it to light sampling.
     pub fn eval(&self, incident: DVec3) -> ([f64; BANDS], f64) {
         let incident = self.frame.to_local(incident);
         let is_transmitted = Side::of(incident) != Side::of(self.view.exact);
@@ -84,12 +88,12 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         (std::array::from_fn(|band| value[band] * pattern[band] * cosine), pdf)
     }
 
-    /// Draws a direction in the scene.
-    pub fn draw(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
+    /// Samples a direction, returned in the scene.
+    pub fn sample(&self, [u, v, choice]: [f64; 3]) -> Option<BsdfSample<BANDS>> {
         let is_transmitted = choice < self.transmitted_chance;
         let (scattering, chance) = self.part(is_transmitted)?;
-        let sample = scattering.sample(self.view.drawn, [u, v])?;
-        if is_transmitted && self.peak.holds(scattering, self.view.drawn, sample.direction) {
+        let sample = scattering.sample(self.view.jittered, [u, v])?;
+        if is_transmitted && self.peak.holds(scattering, self.view.jittered, sample.direction) {
             return None;
         }
         let value: [f64; BANDS] = bands(Rgb(sample.weight));
@@ -103,7 +107,7 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
         })
     }
 
-    /// The scattering to one side, and how often it is drawn from.
+    /// Data of one side, and the probability of sampling it.
     fn part(&self, is_transmitted: bool) -> Option<(&'a Scattering, f64)> {
         if is_transmitted {
             Some((self.transmission?, self.transmitted_chance))
@@ -113,38 +117,40 @@ impl<'a, const BANDS: usize> MeasuredLobe<'a, BANDS> {
     }
 }
 
-/// A view that is moved about within the cells of the data, so that their edges do not show.
+/// An outgoing direction jittered within a cell of the data, which hides the edges of cells.
 #[derive(Clone, Copy, Debug)]
-pub struct BlurredView {
-    /// Unit, towards the viewer, in the frame of the data.
+pub struct JitteredView {
+    /// Unit vector towards the viewer, in the frame of the data.
     exact: DVec3,
-    /// Moved within the finest cell there; what is drawn is drawn for it.
-    drawn: DVec3,
-    /// How far, in widths of a cell, 0…1; none where edges must not be blurred.
+    /// The direction jittered within the finest cell there; the lobe is sampled for it.
+    jittered: DVec3,
+    /// Jitter in widths of a cell, 0…1; none if edges must not be blurred.
     offset: Option<[f64; 2]>,
 }
 
-impl BlurredView {
-    /// As it is.
-    pub fn exact(outgoing: DVec3) -> BlurredView {
-        BlurredView { exact: outgoing, drawn: outgoing, offset: None }
+impl JitteredView {
+    /// The direction without jitter.
+    pub fn exact(outgoing: DVec3) -> JitteredView {
+        JitteredView { exact: outgoing, jittered: outgoing, offset: None }
     }
 
-    /// Moved by two numbers in [0,1).
-    pub fn new(bsdf: &MeasuredBsdf, outgoing: DVec3, offset: [f64; 2]) -> BlurredView {
-        let drawn = moved(outgoing, bsdf.resolution(outgoing).least, offset);
-        BlurredView { exact: outgoing, drawn, offset: Some(offset) }
+    /// The direction jittered by two numbers in [0,1).
+    pub fn new(bsdf: &MeasuredBsdf, outgoing: DVec3, offset: [f64; 2]) -> JitteredView {
+        let jittered = jitter(outgoing, bsdf.resolution(outgoing).least, offset);
+        JitteredView { exact: outgoing, jittered, offset: Some(offset) }
     }
 
-    /// The value towards a light: the mean over a view in each quarter of the cell that the pair falls into.
+    /// Value towards a light: the mean over one jittered direction in each quarter of the cell of
+    /// this pair.
     fn value(&self, scattering: &Scattering, incident: DVec3) -> [f64; 3] {
-        /// Views that fall into a cell smaller by this do not count: a rare bright one would be noise (Radiance's).
+        /// Jittered directions in a cell smaller by this factor are left out: a rare bright one
+        /// would be noise (Radiance's).
         const LEAST_CELL: f64 = 0.12;
         let Some([u, v]) = self.offset else { return scattering.value(self.exact, incident) };
         let Some(size) = scattering.projected_solid_angle(self.exact, incident) else { return [0.0; 3] };
         let (mut sum, mut count) = ([0.0; 3], 0.0);
         for (i, j) in [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
-            let view = moved(self.exact, size, [0.5 * u + i, 0.5 * v + j]);
+            let view = jitter(self.exact, size, [0.5 * u + i, 0.5 * v + j]);
             let value = scattering.value(view, incident);
             let is_dark = value == [0.0; 3];
             let other = scattering.projected_solid_angle(view, incident);
@@ -158,15 +164,15 @@ impl BlurredView {
     }
 }
 
-/// A direction moved within a square of a projected solid angle about it.
-fn moved(direction: DVec3, projected_solid_angle: f64, [u, v]: [f64; 2]) -> DVec3 {
+/// A direction jittered within a square of the given projected solid angle.
+fn jitter(direction: DVec3, projected_solid_angle: f64, [u, v]: [f64; 2]) -> DVec3 {
     (direction + DVec3::new(0.5 - u, 0.5 - v, 0.0) * projected_solid_angle.sqrt()).normalize()
 }
 
-/// Not all cells that are looked at belong to a peak: it must stand out from some.
+/// A peak never fills all tested cells: it must stand out from some.
 const MOST_CELLS: usize = STEPS.len() - 1;
 
-/// The cells of data through which a view goes undisturbed.
+/// Cells of the data that transmit a peak straight through.
 #[derive(Clone, Copy, Debug)]
 pub struct PeakCells {
     cells: [u32; MOST_CELLS],
@@ -192,15 +198,15 @@ impl PeakCells {
     }
 }
 
-/// A peak of transmission about the straight way.
+/// A peak of transmission about the straight-through direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StraightTransmission {
-    /// What goes through in it: red, green, blue.
+    /// Transmittance of the peak: red, green, blue.
     pub transmittance: [f64; 3],
     pub cells: PeakCells,
 }
 
-/// Directions in which a peak is looked for, in widths of the finest cell.
+/// Offsets at which a peak is searched, in widths of the finest cell.
 const STEPS: [(f64, f64); 29] = [
     (0.0, 0.0),
     (-0.6, 0.0),
@@ -233,7 +239,7 @@ const STEPS: [(f64, f64); 29] = [
     (2.4, 0.0),
 ];
 
-/// A cell that the straight way may lead through.
+/// A cell that may contain the straight-through direction.
 struct Candidate {
     luminance: f64,
     color: [f64; 3],
@@ -241,16 +247,18 @@ struct Candidate {
     projected_solid_angle: f64,
 }
 
-/// The peak of transmission about the straight way: the brightest of the finest cells there, if they stand out from enough of others
-/// around them. Found as by `aBSDF` of Radiance (Ward and others, "Modeling specular transmission of complex fenestration systems with
+/// Finds the peak of transmission about the straight-through direction: the brightest of the finest
+/// cells there, if they stand out from enough surrounding cells. This is the search of Radiance's
+/// `aBSDF` (Ward and others, "Modeling specular transmission of complex fenestration systems with
 /// data-driven BSDFs", Building and Environment 196, 2021).
 pub(crate) fn straight_peak(bsdf: &MeasuredBsdf, outgoing: DVec3) -> Option<StraightTransmission> {
-    /// Cells larger than the finest by this are no part of a peak, nor those this much darker than its mean.
+    /// Cells larger than the finest by this factor, or darker than the peak's mean by it, are not
+    /// part of a peak.
     const LARGEST_CELL: f64 = 1.5;
     const DARKEST: f64 = 8.0;
-    /// The surroundings must have this share of the peak's solid angle.
+    /// Smallest solid angle of the surrounding cells, as a fraction of the peak's.
     const LEAST_SURROUNDINGS: f64 = 0.2;
-    /// A fainter peak is none.
+    /// A peak of smaller transmittance is ignored.
     const LEAST_PEAK: f64 = 0.0005;
     const DARK: f64 = 1e-6;
 
@@ -288,7 +296,7 @@ pub(crate) fn straight_peak(bsdf: &MeasuredBsdf, outgoing: DVec3) -> Option<Stra
     (stands_out && luminance(&transmittance) >= LEAST_PEAK).then_some(StraightTransmission { transmittance, cells })
 }
 
-/// The cells near the straight way, each once, brightest first.
+/// The cells near the straight-through direction, each once, brightest first.
 fn candidates(bsdf: &MeasuredBsdf, outgoing: DVec3) -> Option<Vec<Candidate>> {
     let transmission = bsdf.transmission(Side::of(outgoing))?;
     let width = transmission.least_projected_solid_angle().sqrt();

@@ -1,7 +1,7 @@
-//! Materials that scatter in other ways than `plastic` and `metal`: what they are, and what they make of a ray that meets them.
+//! Scattering materials other than `plastic` and `metal`.
 //!
-//! Each becomes a [`Bsdf`](crate::Bsdf) for all that is spread over directions, and at most two rays that are not: a mirror image and a
-//! straight way through.
+//! Each becomes a [`Bsdf`](crate::Bsdf) for everything that is spread over directions, and at most
+//! two perfectly specular rays: mirror reflection and straight-through transmission.
 
 use crate::ashikhmin::AshikhminKind;
 use crate::context::{BsdfContext, SurfaceScattering};
@@ -31,7 +31,7 @@ pub enum Scatterer {
 }
 
 impl Scatterer {
-    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    /// BSDF of the material at the intersection, and its perfectly specular rays.
     pub fn bsdf_at<'a, const BANDS: usize>(
         &'a self,
         context: &BsdfContext<'a, BANDS>,
@@ -47,7 +47,7 @@ impl Scatterer {
         }
     }
 
-    /// Whether a shadow ray can go straight through.
+    /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
         match self {
             Scatterer::Sheet(sheet) => sheet.lets_through(),
@@ -58,7 +58,7 @@ impl Scatterer {
         }
     }
 
-    /// What of a shadow ray goes straight through.
+    /// Straight-through transmittance for a shadow ray, by band.
     pub fn passage<const BANDS: usize>(
         &self,
         scene: &Scene,
@@ -77,12 +77,12 @@ impl Scatterer {
         self.bsdf_at(&context, scratch).straight.map(|straight| straight.weight)
     }
 
-    /// Whether it is there from behind even where back faces are invisible.
+    /// Whether the surface is hit from behind even if back faces are invisible.
     pub fn has_a_back(&self) -> bool {
         matches!(self, Scatterer::Brtd(_))
     }
 
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         match self {
             Scatterer::Sheet(sheet) => sheet.is_grey(),

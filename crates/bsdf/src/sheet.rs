@@ -1,8 +1,9 @@
-//! `trans`, `plastic2`, `metal2` and `trans2`: a coloured sheet that reflects and transmits, diffusely and about the mirror and
-//! straight-through directions.
+//! `trans`, `plastic2`, `metal2` and `trans2`: a coloured sheet that reflects and transmits,
+//! diffusely and about the mirror and straight-through directions.
 //!
-//! Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992, in the form of Radiance's reference manual: of what is not
-//! reflected specularly a share goes through, and of that a share is not scattered diffusely.
+//! Ward, "Measuring and Modeling Anisotropic Reflection", SIGGRAPH 1992, with the parameters of
+//! Radiance's reference manual: a fraction of what is not reflected specularly is transmitted, and
+//! a fraction of that is not scattered diffusely.
 
 use crate::bsdf::{Bsdf, FRESNEL_THRESHOLD, FresnelCoat, Highlight, fresnel_estimate};
 use crate::context::{BsdfContext, SpecularBounce, SurfaceScattering};
@@ -15,96 +16,97 @@ use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 use radsight_texture::{Function, bands};
 
-/// The parameters.
+/// Parameters of the sheet.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    /// Of the material, before patterns.
+    /// Colour of the material, before patterns.
     pub color: Rgb,
-    /// Share of what is reflected that is specular, 0…1.
+    /// Fraction of the reflected light that is specular, 0…1.
     pub specularity: f64,
-    /// Along u and v.
+    /// Root mean square slopes along u and v.
     pub roughness: [f64; 2],
-    /// Highlights take the material's colour.
+    /// Whether highlights take the material's colour.
     pub metallic: bool,
-    /// Share of what is not reflected specularly that goes through.
+    /// Fraction of the light not reflected specularly that is transmitted, 0…1.
     pub transmissivity: f64,
-    /// Share of that which is not scattered diffusely.
+    /// Fraction of the transmitted light that is not scattered diffusely, 0…1.
     pub transmitted_specularity: f64,
-    /// Where u points; none for `trans`.
+    /// Function that gives the direction of u; none for `trans`.
     pub orientation: Option<Function>,
 }
 
-/// How the light divides at one angle.
-struct Division<const BANDS: usize> {
-    /// Specularly reflected.
+/// Fractions of the light that each component scatters at one angle.
+struct LobeAlbedos<const BANDS: usize> {
+    /// Reflected specularly.
     specular: [f64; BANDS],
     diffuse: [f64; BANDS],
     transmitted_diffuse: [f64; BANDS],
-    /// Transmitted about the straight way.
+    /// Transmitted about the straight-through direction.
     through: [f64; BANDS],
     coat: FresnelCoat,
-    /// What is too weak to be drawn from where it is rough.
+    /// Rough highlights below the specular threshold.
     below_threshold: BelowThreshold<BANDS>,
 }
 
 impl Sheet {
-    /// Whether its specular parts are a mirror image and a clear view. With two roughnesses they never are.
+    /// Whether the specular parts are a mirror reflection and a clear view. With two roughnesses
+    /// they never are.
     fn is_smooth(&self) -> bool {
         self.orientation.is_none() && self.roughness[0] <= SMOOTH_ROUGHNESS
     }
 
-    /// Whether a shadow ray can go straight through.
+    /// Whether shadow rays can pass straight through.
     pub fn lets_through(&self) -> bool {
         self.is_smooth() && self.transmissivity * self.transmitted_specularity > 0.0
     }
 
-    /// Whether every band is the same, as far as the material itself goes.
+    /// Whether the material's own parameters are the same in every band.
     pub fn is_grey(&self) -> bool {
         self.color.is_grey()
     }
 
-    /// What the material makes of a ray: its BSDF there, and the perfectly specular rays.
+    /// BSDF of the material at the intersection, and its perfectly specular rays.
     pub fn bsdf_at<'a, const BANDS: usize>(
         &self,
         context: &BsdfContext<'a, BANDS>,
         scratch: &mut Scratch,
     ) -> SurfaceScattering<'a, BANDS> {
         let outgoing = context.outgoing();
-        let division =
-            self.division(context.colored(bands(self.color)), outgoing.dot(context.normal), context.threshold);
+        let albedos =
+            self.lobe_albedos(context.colored(bands(self.color)), outgoing.dot(context.normal), context.threshold);
         let (frame, roughness) = self.frame(context, scratch);
         let smooth = self.is_smooth();
         let straight = context.straight();
         let highlight = match self.orientation {
             _ if smooth || self.specularity <= 0.0 => Highlight::None,
-            None => Highlight::Ward(WardIsotropic { specularity: division.specular, roughness: roughness[0] }),
-            Some(_) => Highlight::WardAnisotropic(WardAnisotropic { specularity: division.specular, roughness }),
+            None => Highlight::Ward(WardIsotropic { specularity: albedos.specular, roughness: roughness[0] }),
+            Some(_) => Highlight::WardAnisotropic(WardAnisotropic { specularity: albedos.specular, roughness }),
         };
         let lobe = (!smooth && self.transmitted_specularity > 0.0).then(|| {
-            let shape = GaussianTransmission { transmittance: division.through, roughness };
+            let shape = GaussianTransmission { transmittance: albedos.through, roughness };
             TransmissionLobe::new(shape, frame, straight, outgoing)
         });
-        let transmission = Transmission::new(context.normal, division.transmitted_diffuse, lobe);
+        let transmission = Transmission::new(context.normal, albedos.transmitted_diffuse, lobe);
         let point = Bsdf {
-            diffuse: division.diffuse,
-            coat: division.coat,
+            diffuse: albedos.diffuse,
+            coat: albedos.coat,
             highlight,
-            below_threshold: division.below_threshold,
+            below_threshold: albedos.below_threshold,
             ..Bsdf::new(outgoing, context.interaction.normal, frame)
         };
         let (mirror, straight) = match smooth {
             true => {
                 let has_mirror = self.specularity > 0.0;
                 let mirror =
-                    has_mirror.then(|| SpecularBounce::new(point.mirror_direction(), division.specular)).flatten();
-                (mirror, SpecularBounce::new(straight, division.through))
+                    has_mirror.then(|| SpecularBounce::new(point.mirror_direction(), albedos.specular)).flatten();
+                (mirror, SpecularBounce::new(straight, albedos.through))
             }
             false => (None, None),
         };
         SurfaceScattering { point: point.with_transmission(transmission), mirror, straight }
     }
 
-    fn division<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64, threshold: f64) -> Division<BANDS> {
+    fn lobe_albedos<const BANDS: usize>(&self, color: [f64; BANDS], cosine: f64, threshold: f64) -> LobeAlbedos<BANDS> {
         let coated = self.is_smooth() && self.specularity >= FRESNEL_THRESHOLD;
         let fresnel = if coated { fresnel_estimate(cosine.max(0.001)) } else { 0.0 };
         let specularity = self.specularity + fresnel * (1.0 - self.specularity);
@@ -126,7 +128,7 @@ impl Sheet {
                 ],
             ),
         };
-        Division {
+        LobeAlbedos {
             specular,
             diffuse: share(diffuse),
             transmitted_diffuse: share(transmitted_diffuse),
@@ -136,17 +138,18 @@ impl Sheet {
         }
     }
 
-    /// Without a usable orientation the two roughnesses become one (Radiance's root mean square).
+    /// Frame along the orientation, and the roughnesses in it. Without a usable orientation both
+    /// roughnesses become one (Radiance's root mean square).
     fn frame<const BANDS: usize>(&self, context: &BsdfContext<'_, BANDS>, scratch: &mut Scratch) -> (Frame, [f64; 2]) {
         let Some(orientation) = &self.orientation else { return (Frame::new(context.normal), self.roughness) };
         match context.oriented(orientation, scratch) {
             Some(frame) => (frame, self.roughness),
-            None => (Frame::new(context.normal), [round_roughness(self.roughness); 2]),
+            None => (Frame::new(context.normal), [isotropic_roughness(self.roughness); 2]),
         }
     }
 }
 
-/// One roughness for two, where nothing says which is which.
-pub(crate) fn round_roughness([u, v]: [f64; 2]) -> f64 {
+/// Isotropic roughness for a surface without an orientation.
+pub(crate) fn isotropic_roughness([u, v]: [f64; 2]) -> f64 {
     (0.5 * (u * u + v * v)).sqrt()
 }

@@ -1,11 +1,12 @@
-//! A lit point's draws have the density that its response claims, on both sides and under a turned normal; no sheet makes light.
+//! Tests of sheets: samples have the density that `eval` gives, on both sides and with a perturbed
+//! normal; no sheet creates energy.
 
 use crate::bsdf::Bsdf;
 use crate::context::BsdfContext;
 use crate::sample::PdfRequest;
 use crate::sheet::Sheet;
 use glam::DVec3;
-use radsight_brdf::check::{self, CheckOptions, Effort};
+use radsight_brdf::check::{self, CheckLevel, CheckOptions};
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use radsight_cal::Scratch;
 use radsight_ir::{Rgb, Scene};
@@ -16,7 +17,7 @@ use radsight_texture::{Appearance, SurfaceInteraction, shading_normal};
 struct Part<'a> {
     scene: &'a Scene,
     sheet: &'a Sheet,
-    /// What a texture adds to the normal.
+    /// Perturbation of the normal by a texture.
     perturbation: DVec3,
     component: Component,
 }
@@ -64,7 +65,7 @@ impl Brdf for Part<'_> {
                     Component::Highlight => (bsdf_value.highlight[0], bsdf_value.highlight_pdf),
                     Component::Diffuse => (bsdf_value.diffuse[0], bsdf_value.diffuse_pdf),
                 };
-                // A direction that the texture puts on the other side is not drawn.
+                // A direction that the texture puts on the other side is not sampled.
                 *value = if density > 0.0 { product / incident.z.abs() } else { 0.0 };
                 *pdf = density;
             }
@@ -75,13 +76,13 @@ impl Brdf for Part<'_> {
         if outgoing.z <= 0.0 {
             return None;
         }
-        let drawn = self.point(outgoing, |point| match self.component {
+        let sample = self.point(outgoing, |point| match self.component {
             Component::Highlight => point.sample_highlight(u),
             Component::Diffuse => point.sample_diffuse(u[0], u[1]),
         })?;
-        weights.copy_from_slice(&drawn.weight);
-        let Density::Continuous(density) = drawn.pdf else { return None };
-        Some(BrdfSample { incident: drawn.direction, density: Density::Continuous(density) })
+        weights.copy_from_slice(&sample.weight);
+        let Density::Continuous(density) = sample.pdf else { return None };
+        Some(BrdfSample { incident: sample.direction, density: Density::Continuous(density) })
     }
 }
 
@@ -98,8 +99,8 @@ fn sheet(specularity: f64, roughness: f64, transmissivity: f64, transmitted_spec
 }
 
 #[test]
-fn both_sides_are_drawn_with_the_density_that_they_claim() {
-    let options = CheckOptions { isotropic: false, effort: Effort::Quick, ..CheckOptions::default() };
+fn samples_of_both_sides_have_the_density_of_eval() {
+    let options = CheckOptions { isotropic: false, level: CheckLevel::Quick, ..CheckOptions::default() };
     let scene = Scene::default();
     for sheet in [sheet(0.1, 0.15, 0.6, 0.7), sheet(0.3, 0.01, 0.5, 0.5)] {
         for perturbation in [DVec3::ZERO, DVec3::new(0.3, -0.2, 0.1)] {
@@ -113,8 +114,8 @@ fn both_sides_are_drawn_with_the_density_that_they_claim() {
 }
 
 #[test]
-fn a_white_sheet_sends_on_what_it_gets_and_no_more() {
-    let options = CheckOptions { effort: Effort::Quick, ..CheckOptions::default() };
+fn a_white_sheet_conserves_energy() {
+    let options = CheckOptions { level: CheckLevel::Quick, ..CheckOptions::default() };
     let scene = Scene::default();
     for (sheet, least) in
         [(sheet(0.1, 0.05, 0.5, 0.5), 0.99), (sheet(0.5, 0.2, 0.5, 0.8), 0.93), (sheet(0.0, 0.0, 1.0, 0.0), 0.999)]

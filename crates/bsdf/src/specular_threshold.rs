@@ -1,34 +1,35 @@
-//! Highlights that are too weak to look for surroundings in them: Radiance's `-st`.
+//! Highlights that are too weak to be sampled: Radiance's `-st`.
 //!
-//! Light of sources meets such a highlight as any other. All other light meets its share as a part of the diffuse component, where there
-//! is one, which costs no ray and makes no noise.
+//! Direct light meets such a highlight like any other. Indirect light meets its albedo as a part of
+//! the diffuse component, if there is one: that takes no rays and adds no noise.
 
-/// The undrawn parts of a lit point's highlight, by the side from which light comes: the viewer's, and the other one.
+/// Unsampled highlights of a shading point, for light from the viewer's side and from the other
+/// side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BelowThreshold<const BANDS: usize> {
-    /// What joins the diffuse component; none where the highlight is drawn from, or where there is none.
+    /// Albedo added to the diffuse component; none if the highlight is sampled or absent.
     sides: [Option<[f64; BANDS]>; 2],
 }
 
 /// A highlight on one side.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeStrength<const BANDS: usize> {
-    /// What it reflects or transmits, about: this is compared.
+    /// Estimated albedo, which is compared with the threshold.
     pub share: f64,
-    /// What it reflects or transmits, by band.
+    /// Albedo by band.
     pub color: [f64; BANDS],
-    /// The share of the diffuse component that it would join.
+    /// Albedo of the diffuse component that it would join.
     pub diffuse: f64,
 }
 
-/// Shares up to this count as none (Radiance's).
+/// Albedos up to this count as zero (Radiance's).
 const TINY: f64 = 1e-6;
 
 impl<const BANDS: usize> BelowThreshold<BANDS> {
-    /// All highlights are drawn from.
+    /// All highlights are sampled.
     pub const NOTHING: Self = BelowThreshold { sides: [None; 2] };
 
-    /// What of these highlights is no more than the threshold.
+    /// Those of the highlights that do not exceed the threshold.
     pub fn new(threshold: f64, sides: [LobeStrength<BANDS>; 2]) -> Self {
         let weak = |side: LobeStrength<BANDS>| {
             let is_weak = side.share > 0.0 && side.share <= threshold + TINY && threshold > 0.0;
@@ -37,24 +38,24 @@ impl<const BANDS: usize> BelowThreshold<BANDS> {
         BelowThreshold { sides: sides.map(weak) }
     }
 
-    /// Whether the highlight for light from each side is left out.
+    /// Whether the highlight is left unsampled, for light from each side.
     pub fn is_left_out(&self) -> [bool; 2] {
         self.sides.map(|side| side.is_some())
     }
 
-    /// What is scattered as if diffuse of light from each side that is no source's.
+    /// Albedo that indirect light from each side meets diffusely.
     pub fn as_diffuse(&self) -> [[f64; BANDS]; 2] {
         self.sides.map(|side| side.unwrap_or([0.0; BANDS]))
     }
 
-    /// Whether there is any such light.
+    /// Whether any highlight is left unsampled.
     pub fn has_any(&self) -> bool {
         self.sides.iter().flatten().flatten().any(|band| *band > 0.0)
     }
 }
 
 impl<const BANDS: usize> LobeStrength<BANDS> {
-    /// There is none.
+    /// No highlight.
     pub const NONE: Self = LobeStrength { share: 0.0, color: [0.0; BANDS], diffuse: 0.0 };
 }
 
@@ -80,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_threshold_of_zero_draws_from_all() {
+    fn a_threshold_of_zero_samples_every_highlight() {
         assert_eq!(BelowThreshold::new(0.0, [candidate(1e-7, 0.7), candidate(0.1, 0.7)]), BelowThreshold::NOTHING);
     }
 }

@@ -1,4 +1,4 @@
-//! What light from the other side of a surface does: diffuse transmission, and a lobe about the straight way through.
+//! Transmission: a diffuse component, and a lobe about the straight-through direction.
 
 use crate::frame::Frame;
 use glam::DVec3;
@@ -7,23 +7,23 @@ use radsight_light::LobePeak;
 use radsight_texture::strongest;
 use std::f64::consts::PI;
 
-/// The transmitting part of a lit point.
+/// The transmission of a shading point.
 #[derive(Clone, Copy, Debug)]
 pub struct Transmission<const BANDS: usize> {
-    /// Unit normal of the diffuse part, on the viewer's side.
+    /// Unit normal of the diffuse component, on the viewer's side.
     pub normal: DVec3,
     /// Diffuse transmittance.
     pub diffuse: [f64; BANDS],
-    /// The part about the straight way.
+    /// Lobe about the straight-through direction.
     pub lobe: Option<TransmissionLobe<BANDS>>,
-    /// How often a draw from the diffuse component goes to this side.
+    /// Probability that a sample of the diffuse component is transmitted.
     pub diffuse_chance: f64,
-    /// How often a draw from the highlight goes to this side.
+    /// Probability that a sample of the highlight is transmitted.
     pub lobe_chance: f64,
 }
 
 impl<const BANDS: usize> Transmission<BANDS> {
-    /// The chances are set when it becomes part of a lit point.
+    /// Transmission without probabilities; [`crate::Bsdf::with_transmission`] sets them.
     pub fn new(normal: DVec3, diffuse: [f64; BANDS], lobe: Option<TransmissionLobe<BANDS>>) -> Transmission<BANDS> {
         Transmission { normal, diffuse, lobe, diffuse_chance: 0.0, lobe_chance: 0.0 }
     }
@@ -32,18 +32,18 @@ impl<const BANDS: usize> Transmission<BANDS> {
 /// A lobe of transmitted light.
 #[derive(Clone, Copy, Debug)]
 pub struct TransmissionLobe<const BANDS: usize> {
-    /// Its value and density.
+    /// Value and density of the lobe.
     pub shape: GaussianTransmission<BANDS>,
-    /// The frame in which the lobe stands.
+    /// Frame of the lobe.
     pub frame: Frame,
-    /// Unit, where light goes straight through, in the frame.
+    /// Unit straight-through direction, in the frame.
     axis: DVec3,
-    /// Of the outgoing direction to the frame's normal.
+    /// Cosine between the outgoing direction and the frame's normal.
     cosine: f64,
 }
 
 impl<const BANDS: usize> TransmissionLobe<BANDS> {
-    /// `straight` is the unit direction, in the scene, about which light goes on.
+    /// `straight` is the unit direction of straight-through transmission, in the scene.
     pub fn new(
         shape: GaussianTransmission<BANDS>,
         frame: Frame,
@@ -53,17 +53,18 @@ impl<const BANDS: usize> TransmissionLobe<BANDS> {
         TransmissionLobe { shape, frame, axis: frame.to_local(straight), cosine: outgoing.dot(frame.z) }
     }
 
-    /// `f·|cos θ_i|` for a transmittance of one, and the density of [`TransmissionLobe::draw`], both in 1/sr.
+    /// `f·|cos θ_i|` for a transmittance of one, and the density of [`TransmissionLobe::sample`],
+    /// both in 1/sr.
     pub fn eval(&self, incident: DVec3) -> (f64, f64) {
         self.shape.shape(self.axis, self.cosine, self.frame.to_local(incident))
     }
 
-    /// A direction in the scene.
-    pub fn draw(&self, u: [f64; 2]) -> DVec3 {
-        self.frame.to_scene(self.shape.draw(self.axis, u))
+    /// Samples a direction, returned in the scene.
+    pub fn sample(&self, u: [f64; 2]) -> DVec3 {
+        self.frame.to_scene(self.shape.sample_about(self.axis, u))
     }
 
-    /// The lobe as the drawing of places on lights sees it.
+    /// Shape of the lobe, for sampling points on lights.
     pub fn peak(&self, floor: f64) -> LobePeak {
         let [x, y] = self.shape.roughness;
         let height = strongest(&self.shape.transmittance) / (PI * x * y);
@@ -71,7 +72,7 @@ impl<const BANDS: usize> TransmissionLobe<BANDS> {
     }
 }
 
-/// The chance of the second of two ways by what they carry; even where neither carries anything.
+/// Probability of the second of two components, by their albedos; one half if both are zero.
 pub(crate) fn chance_of_second(first: f64, second: f64) -> f64 {
     if first + second > 0.0 { second / (first + second) } else { 0.5 }
 }

@@ -1,4 +1,5 @@
-//! Plastic, metal and the retroreflector of the paper in a furnace, and the densities that multiple importance sampling rests on.
+//! Plastic, metal and the retroreflector of the paper: furnace tests, and the densities that
+//! multiple importance sampling needs.
 
 use glam::DVec3;
 use radsight_brdf::Density;
@@ -6,7 +7,7 @@ use radsight_bsdf::{Bsdf, BsdfValue, GlossyKind, PdfRequest, pane};
 use radsight_cal::Scratch;
 use radsight_ir::Rgb;
 
-/// The R₂ sequence (Roberts 2018) and a third step.
+/// The R₂ sequence (Roberts 2018), with a third dimension.
 fn points(count: u32) -> impl Iterator<Item = [f64; 3]> {
     const STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_4];
     (0..count).map(|n| STEPS.map(|step| (f64::from(n) * step + 0.5).fract()))
@@ -30,7 +31,7 @@ fn eval(bsdf: &Bsdf<'_, 1>, incident: DVec3) -> BsdfValue<1> {
 
 const COUNT: u32 = 1 << 14;
 
-/// What each component sends on of even light from all around, by its own samples.
+/// Albedo of each component, estimated by its own samples.
 fn albedo(bsdf: &Bsdf<'_, 1>) -> [f64; 2] {
     let diffuse: f64 = points(COUNT).filter_map(|[u, v, _]| bsdf.sample_diffuse(u, v)).map(|s| s.weight[0]).sum();
     let highlight: f64 = points(COUNT).filter_map(|u| bsdf.sample_highlight(u)).map(|s| s.weight[0]).sum();
@@ -38,11 +39,11 @@ fn albedo(bsdf: &Bsdf<'_, 1>) -> [f64; 2] {
 }
 
 #[test]
-fn a_white_matte_surface_sends_on_all_that_it_gets() {
+fn a_white_lambertian_surface_reflects_all_light() {
     for angle in [0.0, 0.7, 1.5] {
         let white = Bsdf::<1>::white(viewed(angle), DVec3::Z);
         assert!((albedo(&white)[0] - 1.0).abs() < 1e-12);
-        // By the value alone, over directions even in solid angle: 2π times the mean.
+        // Uniform directions instead of samples: 2π times the mean value.
         let mean = points(COUNT)
             .map(|[u, v, _]| {
                 let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
@@ -56,7 +57,7 @@ fn a_white_matte_surface_sends_on_all_that_it_gets() {
 }
 
 #[test]
-fn no_plastic_and_no_metal_makes_light() {
+fn plastic_and_metal_conserve_energy() {
     for (specularity, roughness, metallic) in
         [(0.05, 0.0, false), (0.05, 0.1, false), (0.9, 0.2, true), (1.0, 0.05, true), (0.3, 0.3, false)]
     {
@@ -70,14 +71,14 @@ fn no_plastic_and_no_metal_makes_light() {
 }
 
 #[test]
-fn at_normal_incidence_a_rough_metal_loses_next_to_nothing() {
+fn a_rough_metal_loses_almost_no_energy_at_normal_incidence() {
     let bsdf = bsdf(&glossy(1.0, 0.05, true), false, 0.0);
     assert!((albedo(&bsdf)[1] - 1.0).abs() < 0.01);
 }
 
 #[test]
 fn the_retroreflector_of_the_paper_returns_its_specularity() {
-    // The lobe of 0.3° is nothing but the share that comes back.
+    // At 0.3° the lobe lies within the hemisphere and returns its albedo.
     let bsdf = bsdf(&glossy(0.4, 0.005, true), true, 0.3);
     let [_, highlight] = albedo(&bsdf);
     assert!((highlight - 0.4).abs() < 0.4 * 0.01, "{highlight}");
@@ -86,12 +87,12 @@ fn the_retroreflector_of_the_paper_returns_its_specularity() {
 }
 
 #[test]
-fn samples_have_the_density_and_weight_that_values_tell() {
+fn samples_have_the_density_and_weight_of_eval() {
     for (kind, retro) in
         [(glossy(0.05, 0.1, false), false), (glossy(0.8, 0.25, true), false), (glossy(0.3, 0.01, true), true)]
     {
         let bsdf = bsdf(&kind, retro, 0.8);
-        let mut drawn = 0;
+        let mut samples = 0;
         for u in points(500) {
             if let Some(sample) = bsdf.sample_highlight(u) {
                 let value = eval(&bsdf, sample.direction);
@@ -99,23 +100,24 @@ fn samples_have_the_density_and_weight_that_values_tell() {
                 assert!((value.highlight_pdf / pdf - 1.0).abs() < 1e-6, "{} and {pdf}", value.highlight_pdf);
                 let weight = value.highlight[0] / pdf;
                 assert!((sample.weight[0] - weight).abs() <= 1e-6 * weight, "{} and {weight}", sample.weight[0]);
-                drawn += 1;
+                samples += 1;
             }
         }
-        assert!(drawn > 250);
+        assert!(samples > 250);
     }
 }
 
 #[test]
-fn weighting_both_ways_of_sampling_gives_what_each_gives_of_its_own_part() {
-    // The balance heuristic (Veach 1997): weights of one direction sum to one, so both sums estimate the whole.
+fn balance_weighted_samples_estimate_both_components() {
+    // The balance heuristic (Veach 1997): the weights of one direction sum to one, so both sums
+    // estimate the whole.
     for roughness in [0.08, 0.3] {
         let bsdf = bsdf(&glossy(0.4, roughness, false), false, 0.6);
         let [diffuse, highlight] = albedo(&bsdf);
         let weighted = |direction: DVec3| {
             let value = eval(&bsdf, direction);
             let sum = value.diffuse_pdf + value.highlight_pdf;
-            // The weight of either way is its density over the sum, and its estimate the value over its density.
+            // Weight: one density over the sum. Estimate: value over that density.
             (value.diffuse[0] + value.highlight[0]) / sum
         };
         let by_diffuse = points(COUNT).filter_map(|[u, v, _]| bsdf.sample_diffuse(u, v));
@@ -128,7 +130,7 @@ fn weighting_both_ways_of_sampling_gives_what_each_gives_of_its_own_part() {
 }
 
 #[test]
-fn a_clear_pane_reflects_by_fresnel_and_loses_nothing() {
+fn a_clear_pane_reflects_by_fresnel_and_absorbs_nothing() {
     let index: f64 = 1.52;
     let [[reflected], [transmitted]] = pane([1.0], index, 1.0);
     let once = ((index - 1.0) / (index + 1.0)).powi(2);

@@ -1,4 +1,4 @@
-//! Prints how long evaluations take, in nanoseconds, on expressions such as scenes have.
+//! Prints evaluation times in nanoseconds for expressions that are typical of scenes.
 //!
 //! `cargo run --release -p radsight-cal --example cal_speed`
 
@@ -7,7 +7,8 @@ use radsight_diag::SourceMap;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Evaluations of one run; the quickest of [`RUNS`] counts, so that other work on the machine matters less.
+/// Evaluations of one run; the quickest of [`RUNS`] counts, so that other work on the machine
+/// matters less.
 const EVALUATIONS: u32 = 10_000;
 const RUNS: u32 = 300;
 

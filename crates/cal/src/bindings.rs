@@ -1,30 +1,32 @@
-//! What the host of a program tells when the program is compiled.
+//! Bindings: what the host of a program provides at compile time.
 
 use crate::channel;
 use crate::definitions::Definitions;
 use crate::names::{Symbol, SymbolId, bare};
 use radsight_diag::Diagnostic;
 
-/// What the host knows at compile time, and what it offers at run time.
+/// Values known at compile time, and channels and functions offered at run time.
 ///
-/// Real arguments and constant channels are folded into the program, so that what depends on nothing else costs nothing.
+/// Real arguments and constant channels are folded into the program, so that expressions of them
+/// alone cost nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bindings<'a> {
     /// The values of `arg(1)`, `arg(2)`, …; `arg(0)` is their number.
     pub real_arguments: &'a [f64],
-    /// Channels whose value never changes: (number, value). The axes of a modifier's frame, for instance.
+    /// Channels of constant value: (number, value). For example, the axes of a modifier's frame.
     pub constant_channels: &'a [(u32, f64)],
-    /// The highest channel that the host serves; a higher one is an error. `None`: any.
+    /// Highest channel that the host provides; a higher one is an error. `None`: no limit.
     pub highest_channel: Option<u32>,
-    /// Variables that the host serves as channels, for names that no definition gives: (name, channel).
+    /// Variables that the host provides as channels, for names without a definition: (name,
+    /// channel).
     pub variables: &'a [(&'a str, u32)],
-    /// Functions that the host computes, for names that no definition gives: (name, number of arguments). Their index here is
-    /// what [`Host::call`](crate::Host::call) gets.
+    /// Functions that the host computes, for names without a definition: (name, number of
+    /// arguments). [`Host::call`](crate::Host::call) gets their index in this list.
     pub functions: &'a [(&'a str, usize)],
 }
 
 impl Bindings<'_> {
-    /// What a ray offers to a modifier: the channels of [`channel`](crate::channel), no functions.
+    /// Bindings of a ray for a modifier: the channels of [`channel`](crate::channel), no functions.
     #[must_use]
     pub fn of_ray() -> Bindings<'static> {
         Bindings { highest_channel: Some(channel::HIGHEST), ..Bindings::default() }
@@ -54,7 +56,7 @@ impl Bindings<'_> {
     }
 }
 
-/// The definitions, and names that occur in the roots but not in the definitions.
+/// The definitions, and names that occur in the roots but have no definition.
 #[derive(Debug)]
 pub(crate) struct Known<'a> {
     pub(crate) definitions: &'a Definitions,
@@ -79,7 +81,7 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// A new symbol for a name without a definition.
+    /// Adds a symbol for a name without a definition.
     pub(crate) fn stranger(&mut self, name: &str) -> SymbolId {
         let index = self.strangers.iter().position(|known| known == name).unwrap_or_else(|| {
             self.strangers.push(name.to_owned());
@@ -88,7 +90,7 @@ impl<'a> Known<'a> {
         SymbolId(u32::try_from(self.definitions.symbols.len() + index).unwrap_or(u32::MAX))
     }
 
-    /// The names that could have been meant.
+    /// Names that may have been intended.
     pub(crate) fn candidates(&self, bindings: &Bindings<'a>, functions: bool) -> impl Iterator<Item = &str> {
         let defined = self.definitions.symbols.iter().filter(move |symbol| match functions {
             true => symbol.function().is_some() || symbol.builtin.is_some(),

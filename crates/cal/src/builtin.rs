@@ -1,10 +1,11 @@
-//! The functions that the language itself provides, and their values.
+//! The built-in functions of the language.
 
 use crate::noise;
 
-/// A library function of the language.
+/// A built-in function of the language.
 ///
-/// `if`, `select`, `min` and `max` decide which of their arguments they evaluate; the machines treat them themselves.
+/// `if`, `select`, `min` and `max` decide which of their arguments they evaluate; the machines
+/// implement them directly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Builtin {
     Acos,
@@ -41,7 +42,7 @@ pub(crate) enum Builtin {
     Yn,
 }
 
-/// Every library function with its name.
+/// Every built-in function with its name.
 const NAMES: [(&str, Builtin); 32] = [
     ("acos", Builtin::Acos),
     ("arg", Builtin::Arg),
@@ -77,7 +78,7 @@ const NAMES: [(&str, Builtin); 32] = [
     ("yn", Builtin::Yn),
 ];
 
-/// The most arguments that a function without branches takes.
+/// Maximum number of arguments of a function without branches.
 pub(crate) const WIDEST: usize = 3;
 
 impl Builtin {
@@ -86,12 +87,12 @@ impl Builtin {
         NAMES.into_iter()
     }
 
-    /// The name under which files call it.
+    /// Name of the function in files.
     pub(crate) fn name(self) -> &'static str {
         NAMES.iter().find(|(_, builtin)| *builtin == self).map_or("?", |(name, _)| name)
     }
 
-    /// How many arguments it must have; `select`, `min` and `max` take more.
+    /// Required number of arguments; `select`, `min` and `max` accept more.
     pub(crate) fn arity(self) -> usize {
         match self {
             Builtin::If | Builtin::FractalNoise => 3,
@@ -101,13 +102,14 @@ impl Builtin {
         }
     }
 
-    /// Whether it depends on nothing but its arguments, so that a call with constants is a constant.
+    /// Whether it depends on its arguments alone, so that a call with constants is constant.
     pub(crate) fn is_constant(self) -> bool {
         self != Builtin::Arg
     }
 
-    /// The value, for the functions that evaluate all their arguments. May be infinite or not a number: the caller turns
-    /// that into a fault. Missing arguments count as zero; callers check the arity beforehand.
+    /// Value of a function that evaluates all its arguments. It may be infinite or not a number:
+    /// the caller turns that into a fault. Missing arguments count as zero; callers check the arity
+    /// beforehand.
     pub(crate) fn apply(self, arguments: &[f64]) -> f64 {
         let at = |index: usize| arguments.get(index).copied().unwrap_or(0.0);
         match self {
@@ -123,7 +125,7 @@ impl Builtin {
         }
     }
 
-    /// The value of a function of one argument.
+    /// Value of a function of one argument.
     #[inline]
     pub(crate) fn apply_to_one(self, x: f64) -> f64 {
         match self {
@@ -152,18 +154,19 @@ impl Builtin {
     }
 }
 
-/// The order of a Bessel function is rounded half up, as `select` rounds its index.
+/// The order of a Bessel function is rounded half up, like the index of `select`.
 fn rounded(order: f64) -> i32 {
     truncated(order + 0.5)
 }
 
-/// A C cast to `int` as the x86 processor does it: what does not fit becomes the least value.
+/// A C cast to `int` as on x86: a value out of range becomes the smallest integer.
 #[inline]
 pub(crate) fn truncated(x: f64) -> i32 {
     if x > -2_147_483_649.0 && x < 2_147_483_648.0 { x as i32 } else { i32::MIN }
 }
 
-/// `rand(x)` of the language: a fixed scrambling of `x` into [0, 1), with the constants of calcomp's `rand`.
+/// `rand(x)` of the language: a fixed hash of `x` to [0, 1), with the constants of calcomp's
+/// `rand`.
 #[inline]
 #[must_use]
 #[expect(clippy::approx_constant, reason = "the digits that Radiance has; more would change every value")]

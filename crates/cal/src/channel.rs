@@ -1,9 +1,11 @@
-//! The channels through which a ray speaks to functions.
+//! The channels of a ray, by which functions read its variables.
 //!
-//! 1 to 27 are Radiance's. Those above are ours, for the variables that Radiance's materials set by name; a host that
-//! cannot serve them looks at [`Program::channels_used`](crate::Program::channels_used).
+//! Channels 1 to 27 are Radiance's. The higher ones are radsight's, for variables that Radiance's
+//! materials set by name; a host that does not provide them checks
+//! [`Program::channels_used`](crate::Program::channels_used).
 //!
-//! All vectors are in the modifier's own frame; lengths are in its units. D, N, I, J and K are unit vectors.
+//! All vectors are in the modifier's frame; lengths are in its units. D, N, I, J and K are unit
+//! vectors.
 
 /// `Dx`: ray direction; `Dy` and `Dz` follow.
 pub const DX: u32 = 1;
@@ -13,7 +15,7 @@ pub const NX: u32 = 4;
 pub const PX: u32 = 7;
 /// `T`: distance from the start of the path.
 pub const T: u32 = 10;
-/// `Rdot`: cosine between the ray, looking back, and the normal, −1 to 1.
+/// `Rdot`: cosine between the reversed ray and the normal, −1…1.
 pub const RDOT: u32 = 11;
 /// `S`: scale of the world in the modifier's frame.
 pub const S: u32 = 12;
@@ -37,5 +39,5 @@ pub const RDOTP: u32 = 31;
 pub const CRP: u32 = 32;
 /// `DxA`: direction to the light source, in prisms; `DyA` and `DzA` follow.
 pub const DXA: u32 = 35;
-/// The highest channel of a ray.
+/// Highest channel of a ray.
 pub const HIGHEST: u32 = 37;

@@ -13,16 +13,16 @@ use radsight_diag::{Diagnostic, SourceId, Span};
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Definitions of constants, variables and functions, each global or belonging to a file.
+/// Definitions of constants, variables and functions, each global or local to a file.
 ///
-/// A file is loaded once; [`Program::compile`](crate::Program::compile) then makes programs of them. Cloning is cheap
-/// enough to do once a scene.
+/// A file is loaded once; [`Program::compile`](crate::Program::compile) then compiles programs from
+/// the definitions. Cloning is cheap enough to be done once per scene.
 #[derive(Clone, Debug)]
 pub struct Definitions {
     pub(crate) symbols: Symbols,
     scopes: HashSet<Scope>,
     warnings: Vec<Diagnostic>,
-    /// Channels that have a value while constants are read.
+    /// Channels with a value while constants are evaluated.
     pub(crate) fixed_channels: Vec<(u32, f64)>,
 }
 
@@ -34,23 +34,23 @@ impl Default for Definitions {
 
 /// One statement of a function file.
 pub(crate) enum Statement {
-    /// A definition of a full name, and the names of its arguments if it is a function.
+    /// A definition of a qualified name, with the names of its arguments if it is a function.
     Define(String, Definition),
     /// `$n = expression`.
     Output(u32, Body),
 }
 
-/// Which statements a text may hold.
+/// Kinds of statements that a text may contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialect {
-    /// Names only, as in function files.
+    /// Definitions of names only, as in function files.
     Functions,
-    /// Output channels too, as in `rcalc`.
+    /// Output channels as well, as in `rcalc`.
     Records,
 }
 
 impl Definitions {
-    /// The library functions of the language alone.
+    /// The built-in functions of the language alone.
     #[must_use]
     pub fn new() -> Definitions {
         Definitions {
@@ -61,8 +61,8 @@ impl Definitions {
         }
     }
 
-    /// What every function file of a scene may use: the variables of the ray (`Dx`, `Nx`, `Px`, … on the channels of
-    /// [`channel`](crate::channel)) and the definitions of Radiance's `rayinit.cal`.
+    /// Definitions for the function files of a scene: the variables of the ray (`Dx`, `Nx`, `Px`, …
+    /// on the channels of [`channel`](crate::channel)) and those of Radiance's `rayinit.cal`.
     #[must_use]
     pub fn with_initial_library() -> Definitions {
         let mut definitions = Definitions::new();
@@ -72,16 +72,16 @@ impl Definitions {
         definitions
     }
 
-    /// Loads definitions that come with this crate. A fault in them is a bug, which the tests would find.
+    /// Loads definitions of this crate. An error in them is a bug, which tests find.
     pub(crate) fn load_builtin(&mut self, text: &str) {
         let statements = self.read(None, text.as_bytes(), &Scope::global(), Dialect::Functions);
         debug_assert!(statements.is_ok(), "{statements:?}", statements = statements.err());
     }
 
-    /// Reads a function file into a scope. What reads well is defined even when other statements are wrong.
+    /// Loads a function file into a scope. Correct statements are defined even if others are wrong.
     ///
     /// # Errors
-    /// Every mistake of the text. Unknown names are no mistake before they are used.
+    /// Every syntax error of the text. An unknown name is an error only where it is used.
     pub fn load(&mut self, source: SourceId, text: &[u8], scope: &Scope) -> Result<(), Vec<Diagnostic>> {
         self.scopes.insert(scope.clone());
         self.read(Some(source), text, scope, Dialect::Functions).map(|_| ())
@@ -93,12 +93,13 @@ impl Definitions {
         *scope == Scope::global() || self.scopes.contains(scope)
     }
 
-    /// What was suspect in the files loaded so far: constants that were defined again with another value.
+    /// Warnings about the files loaded so far: constants that were redefined with another value.
     pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
         std::mem::take(&mut self.warnings)
     }
 
-    /// How many arguments the function takes that this name means in this scope; `None` if it means none.
+    /// Number of arguments of the function with this name in this scope; `None` if there is no such
+    /// function.
     #[must_use]
     pub fn function_arity(&self, name: &str, scope: &Scope) -> Option<usize> {
         let symbol = self.symbols.get(self.symbols.find(name, scope)?);
@@ -108,13 +109,13 @@ impl Definitions {
         }
     }
 
-    /// Whether the name means a variable or constant in this scope.
+    /// Whether the name is a variable or constant in this scope.
     #[must_use]
     pub fn is_variable(&self, name: &str, scope: &Scope) -> bool {
         self.symbols.find(name, scope).is_some_and(|id| self.symbols.get(id).variable().is_some())
     }
 
-    /// Reads statements and defines what they define; gives the output channels.
+    /// Reads statements and adds their definitions; returns the output channels.
     pub(crate) fn read(
         &mut self,
         source: Option<SourceId>,
@@ -153,7 +154,7 @@ impl Definitions {
         read_expression(&mut loading, text, source, 0)
     }
 
-    /// Gives a name its meaning.
+    /// Defines a name.
     pub(crate) fn define(&mut self, name: String, definition: Definition) {
         let id = self.symbols.insert(name);
         let symbol = self.symbols.get(id);
@@ -161,14 +162,14 @@ impl Definitions {
             && old.assignment == Assignment::Constant
             && !old.body.same_as(&definition.body)
         {
-            let warning = Diagnostic::warning(format!("constant \"{}\" is defined again", symbol.bare()));
+            let warning = Diagnostic::warning(format!("constant \"{}\" is redefined", symbol.bare()));
             self.warnings.push(definition.span.into_iter().fold(warning, Diagnostic::at));
         }
         self.symbols.define(id, Some(Arc::new(definition)));
     }
 }
 
-/// Reads a text that is one expression; its first byte stands at `base` of `source`.
+/// Reads a text that is one expression; its first byte is at `base` of `source`.
 pub(crate) fn read_expression<N: Names>(
     names: &mut N,
     text: &[u8],
@@ -245,11 +246,11 @@ fn parameters<N: Names>(reader: &mut Reader<'_, '_, N>) -> Result<(), Diagnostic
     reader.lexer.expect(b')')
 }
 
-/// The meaning of names while a file is read.
+/// Resolution of names while a file is read.
 struct Loading<'d> {
     definitions: &'d mut Definitions,
     scope: &'d Scope,
-    /// What folding constants may still take.
+    /// Remaining steps for folding constants.
     steps: u64,
 }
 
@@ -325,7 +326,7 @@ fn machine_warning(stacks: &Stacks) -> Option<String> {
     stacks.warnings.last().map(ToString::to_string)
 }
 
-/// The name of the constant or function that a use of it is about.
+/// Name of the constant or function for a message.
 fn constant_name<'k>(known: &'k Known<'_>, body: &Body, node: Node) -> &'k str {
     match body.expr(node) {
         Expr::Variable(symbol) | Expr::Call { callee: Callee::Symbol(symbol), .. } => known.bare_name(symbol),
@@ -333,7 +334,7 @@ fn constant_name<'k>(known: &'k Known<'_>, body: &Body, node: Node) -> &'k str {
     }
 }
 
-/// What keeps a constant from being one.
+/// The error of an expression that is not constant.
 fn unfoldable(mut problems: Vec<Diagnostic>, name: &str) -> Diagnostic {
     let mut first = problems.swap_remove(0);
     if let Some(channel) = first.message.strip_prefix("illegal channel ") {

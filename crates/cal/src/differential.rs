@@ -1,4 +1,4 @@
-//! The fast machine against the exact one, on thousands of generated programs.
+//! Compares the fast machine with the exact one on thousands of generated programs.
 
 mod writer;
 

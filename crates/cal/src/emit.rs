@@ -1,4 +1,4 @@
-//! A graph to fast code, by its schedule.
+//! Generates fast code from a graph and its schedule.
 
 use crate::builtin::Builtin;
 use crate::fast::{Chain, Code, Op, Register};
@@ -6,25 +6,26 @@ use crate::graph::{Graph, Node, Test, Value};
 use crate::schedule::{Form, OUTERMOST, RegionId, Schedule};
 use crate::syntax::Operator;
 
-/// Registers of shared values and of their code are numbered from here until it is known how many others there are.
+/// First number of the registers of shared values and their code, until the number of the others is
+/// known.
 const LASTING: Register = 1 << 15;
 
-/// A place to jump to, until its position is known.
+/// A jump target, until its position is known.
 type Label = u32;
 
-/// Writes code.
+/// Generates code.
 struct Emitter<'g> {
     graph: &'g Graph,
     schedule: Schedule,
     ops: Vec<Op>,
     /// Code of shared values.
     bodies: Vec<(Label, Vec<Op>)>,
-    /// Where the labels are: which body (0 is the main code), and which step.
+    /// Positions of the labels: body (0 is the main code), and step.
     labels: Vec<(usize, usize)>,
     body: usize,
-    /// The register of each value that is computed where the code stands.
+    /// Register of each value that has been computed at the current position.
     registers: Vec<Option<Register>>,
-    /// What becomes unknown again when a region ends.
+    /// Values to forget at the end of a region.
     computed: Vec<Value>,
     next: u32,
     most: u32,
@@ -44,7 +45,7 @@ struct Shared {
     entry: Label,
 }
 
-/// Writes the code of `roots`; `None` if it needs more registers than there are.
+/// Generates the code of `roots`; `None` if it needs too many registers.
 pub(crate) fn emit(graph: &Graph, roots: &[Value]) -> Option<Code> {
     let schedule = Schedule::new(graph, roots);
     let mut emitter = Emitter {
@@ -149,7 +150,7 @@ impl Emitter<'_> {
         self.computed.push(value);
     }
 
-    /// Writes `code` in a region of its own, whose registers are free again afterwards.
+    /// Generates `code` in a region of its own, whose registers are free afterwards.
     fn within<T>(&mut self, region: RegionId, code: impl FnOnce(&mut Self) -> T) -> T {
         let (computed, next) = (self.computed.len(), self.next);
         self.hoist(region);
@@ -162,21 +163,22 @@ impl Emitter<'_> {
         result
     }
 
-    /// At the start of a region: computes what its branches, and the code that they call, take for granted.
+    /// At the start of a region: computes values that its branches, and the code they call, rely
+    /// on.
     fn hoist(&mut self, region: RegionId) {
         for value in self.schedule.regions[region as usize].hoisted.clone() {
             self.value(value, region);
         }
     }
 
-    /// The code of the shared values that branches of a region call.
+    /// Code of the shared values that branches of a region call.
     fn emit_shared(&mut self, region: RegionId) {
         for value in self.schedule.regions[region as usize].shared.clone() {
             let Some(shared) = self.shared[value as usize] else { continue };
             let outer_body = std::mem::replace(&mut self.body, self.bodies.len() + 1);
             self.bodies.push((shared.entry, Vec::new()));
             let outer_ops = std::mem::take(&mut self.ops);
-            // What the calling branches computed is not there for all callers.
+            // Values computed by one calling branch are not available to all callers.
             let hidden = self.hide_shared();
             self.bind(shared.entry);
             let own = self.schedule.own_region(value);
@@ -193,7 +195,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Makes shared values unknown, which may not have been computed when shared code runs.
+    /// Forgets shared values that may not be computed when shared code runs.
     fn hide_shared(&mut self) -> Vec<(Value, Register)> {
         let mut hidden = Vec::new();
         for &value in &self.computed {
@@ -206,14 +208,14 @@ impl Emitter<'_> {
         hidden
     }
 
-    /// The register that holds a value, computed if need be.
+    /// Register of a value, which is computed if necessary.
     fn value(&mut self, value: Value, region: RegionId) -> Register {
         if let Some(register) = self.registers[value as usize] {
             return register;
         }
         let register = match (self.graph.node(value), self.schedule.form(value)) {
             (Node::Constant(bits), _) => {
-                // Not remembered: shared code could not rely on it.
+                // The value is not recorded, because shared code could not rely on it.
                 let d = self.fresh();
                 self.ops.push(Op::Constant { d, value: f64::from_bits(bits) });
                 return d;
@@ -245,7 +247,7 @@ impl Emitter<'_> {
         shared.register
     }
 
-    /// The register that holds a value, which is finite there.
+    /// Register of a value, with a check that it is finite.
     fn checked(&mut self, value: Value, region: RegionId) -> Register {
         let a = self.value(value, region);
         if self.graph.is_tainted(value) {
@@ -370,7 +372,7 @@ impl Emitter<'_> {
         self.bind(end);
     }
 
-    /// The tests of one value against numbers that begin with `value` and go on where each fails.
+    /// Tests of one value against numbers, which begin with `value` and continue where each fails.
     fn chain(&self, value: Value) -> Tests {
         let mut tests = Tests { subject: value, above: true, tests: Vec::new(), otherwise: value };
         let mut next = value;
@@ -397,7 +399,7 @@ impl Emitter<'_> {
         tests
     }
 
-    /// A test that is "this value above (or below) that number".
+    /// A test of the form "this value above (or below) that number".
     fn against_number(&self, test: Value) -> Option<(Value, bool, f64)> {
         match self.graph.test(test) {
             Test::Above(x, limit) => Some((x, true, limit)),
@@ -427,8 +429,8 @@ impl Emitter<'_> {
         self.bind(end);
     }
 
-    /// Jumps unless the test is positive. `inner`: the test is itself chosen by an `if`, which would replace an infinite
-    /// value by 0 and a fault.
+    /// Jumps unless the test is positive. `inner` means that the test is itself chosen by an `if`,
+    /// which would replace an infinite value by 0 and a fault.
     fn jump_unless(&mut self, test: Value, target: Label, region: RegionId, inner: bool) {
         match self.condition(test, region, inner) {
             Condition::Constant(true) => {}
@@ -461,7 +463,8 @@ impl Emitter<'_> {
         }
     }
 
-    /// Jumps unless a choice between tests is positive: `and`, `or`, `not` and the like become jumps alone.
+    /// Jumps unless a choice between tests is positive: `and`, `or`, `not` and similar functions
+    /// become jumps alone.
     fn jump_unless_choice(&mut self, test: Value, parts: [Value; 3], target: Label, region: RegionId) {
         let [first, then, otherwise] = parts;
         let [then_region, else_region] = self.schedule.branches(test);
@@ -493,7 +496,7 @@ impl Emitter<'_> {
         a
     }
 
-    /// How a test is decided; what that needs is computed.
+    /// Condition of a test, after computing its operands.
     fn condition(&mut self, test: Value, region: RegionId, inner: bool) -> Condition {
         match self.graph.test(test) {
             Test::Positive(_) => match self.graph.node(test) {
@@ -514,7 +517,7 @@ impl Emitter<'_> {
     }
 }
 
-/// From so many tests on, a chain is decided in one step.
+/// Number of tests from which a chain is decided in one step.
 const SHORTEST_CHAIN: usize = 4;
 
 /// A chain of tests: the `if` with the value it chooses, and the number tested against.
@@ -525,7 +528,7 @@ struct Tests {
     otherwise: Value,
 }
 
-/// What a jump depends on.
+/// Condition of a jump.
 enum Condition {
     Constant(bool),
     Choice([Value; 3]),
@@ -537,7 +540,7 @@ enum Condition {
     Below(Register, f64),
 }
 
-/// Lets jumps to jumps go where those go.
+/// Redirects jumps to jumps to their final targets.
 fn shorten(ops: &mut [Op]) {
     for at in 0..ops.len() {
         let mut op = ops[at];

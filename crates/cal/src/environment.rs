@@ -1,4 +1,4 @@
-//! Definitions that change while they are used, as in `rcalc`, `gensurf` and their like.
+//! Definitions that change between evaluations, as in `rcalc` and `gensurf`.
 
 use crate::bindings::{Bindings, Known};
 use crate::definitions::{Definitions, Dialect};
@@ -10,14 +10,14 @@ use radsight_diag::{Diagnostic, SourceId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The first channel through which variables that are set to numbers are served.
+/// First channel for variables that are set to numbers.
 const FIRST_SLOT: u32 = 0x4000_0000;
 
-/// Something of an [`Environment`] that can be evaluated again and again.
+/// A root of an [`Environment`] that can be evaluated repeatedly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Handle(usize);
 
-/// A program, and its own memory if variables of it are defined by means of themselves.
+/// A program, with memory of its own if a variable is defined recursively.
 #[derive(Clone, Debug)]
 struct Compiled {
     program: Program,
@@ -31,12 +31,13 @@ enum Request {
     Function(SymbolId, u16),
 }
 
-/// Definitions from `-e` and `-f` options, variables set for each record, output channels.
+/// Definitions from `-e` and `-f` options, variables set for each record, and output channels.
 ///
-/// All names are global. A change of a definition takes effect at the next evaluation, which then compiles anew what it
-/// needs; setting a variable to another number compiles nothing. Mathematical faults are no errors here, as they are none in
-/// `rcalc`: the value goes on as Radiance's would, and [`Environment::warnings`] tells what happened. A variable that is
-/// defined by means of itself uses its value of the evaluation before, 0 at first, so that `sum=sum+$1` adds up.
+/// All names are global. A changed definition takes effect at the next evaluation, which recompiles
+/// what depends on it; setting a variable to another number recompiles nothing. As in `rcalc`,
+/// mathematical faults are not errors: evaluation continues with the value that Radiance would use,
+/// and [`Environment::warnings`] lists the faults. A variable that depends on itself uses its value
+/// of the previous evaluation, initially 0, so that `sum=sum+$1` accumulates.
 ///
 /// ```
 /// use radsight_cal::{Environment, NoHost};
@@ -70,7 +71,7 @@ pub struct Environment {
     output_program: Option<Compiled>,
     output_values: Vec<(u32, f64)>,
     host_functions: Vec<(String, usize)>,
-    /// The numbers of the variables that are set to numbers, and which variables they are.
+    /// Variables that are set to numbers, with their values.
     slots: Vec<(SymbolId, f64)>,
     scratch: Scratch,
 }
@@ -82,13 +83,14 @@ impl Default for Environment {
 }
 
 impl Environment {
-    /// The library functions of the language alone; not even `PI` is defined.
+    /// The built-in functions of the language alone; not even `PI` is defined.
     #[must_use]
     pub fn new() -> Environment {
         Environment::over(Definitions::new())
     }
 
-    /// On top of other definitions, [`Definitions::with_initial_library`] for instance.
+    /// An environment on top of other definitions, for example
+    /// [`Definitions::with_initial_library`].
     #[must_use]
     pub fn over(definitions: Definitions) -> Environment {
         Environment {
@@ -104,7 +106,8 @@ impl Environment {
         }
     }
 
-    /// What Radiance's generators start with: `PI`, and the curves `hermite`, `bezier` and `bspline`.
+    /// Initial definitions of Radiance's generators: `PI`, and the curves `hermite`, `bezier` and
+    /// `bspline`.
     #[must_use]
     pub fn for_generators() -> Environment {
         let mut environment = Environment::new();
@@ -113,18 +116,18 @@ impl Environment {
         environment
     }
 
-    /// Offers a function that the host computes, for a name without a definition; [`Host::call`] gets the index returned, and all the
-    /// arguments of the call, of which there are at least `arity`.
+    /// Registers a function that the host computes, for a name without a definition. [`Host::call`]
+    /// gets the returned index and all arguments of the call, at least `arity`.
     pub fn offer_function(&mut self, name: &str, arity: usize) -> u32 {
         self.host_functions.push((name.to_owned(), arity));
         self.forget_programs();
         self.host_functions.len() as u32 - 1
     }
 
-    /// Reads definitions and output channels, from a file or an option.
+    /// Reads definitions and output channels from a file or an option.
     ///
     /// # Errors
-    /// Every mistake of the text; what reads well is defined.
+    /// Every syntax error of the text; correct statements are defined.
     pub fn define(&mut self, source: SourceId, text: &[u8]) -> Result<(), Vec<Diagnostic>> {
         self.forget_programs();
         self.publish_slots();
@@ -136,7 +139,7 @@ impl Environment {
         Ok(())
     }
 
-    /// Sets a variable to a number. Cheap when the variable was set before and not defined otherwise since.
+    /// Sets a variable to a number. Cheap if the variable was set before and not redefined since.
     pub fn set_variable(&mut self, name: &str, value: f64) {
         let symbol = self.definitions.symbols.insert(Scope::global().qualify(name));
         match self.slots.iter().position(|(known, _)| *known == symbol) {
@@ -152,7 +155,7 @@ impl Environment {
         }
     }
 
-    /// Sets a constant, which is folded into what is read from now on.
+    /// Sets a constant, which is folded into texts that are read afterwards.
     pub fn set_constant(&mut self, name: &str, value: f64) {
         let name = Scope::global().qualify(name);
         let body = Body::number(value);
@@ -160,7 +163,7 @@ impl Environment {
         self.forget_programs();
     }
 
-    /// Takes a definition away.
+    /// Removes a definition.
     pub fn remove(&mut self, name: &str) {
         if let Some(symbol) = self.definitions.symbols.find(name, &Scope::global()) {
             self.definitions.symbols.define(symbol, None);
@@ -168,7 +171,7 @@ impl Environment {
         }
     }
 
-    /// How many arguments the function takes that this name means.
+    /// Number of arguments of the function with this name.
     #[must_use]
     pub fn function_arity(&self, name: &str) -> Option<usize> {
         let defined = self.definitions.function_arity(name, &Scope::global());
@@ -190,45 +193,45 @@ impl Environment {
         variable.is_some_and(|definition| definition.assignment == Assignment::Constant)
     }
 
-    /// Whether the name occurs anywhere, so that setting it could matter.
+    /// Whether the name occurs anywhere, so that setting it has an effect.
     #[must_use]
     pub fn is_mentioned(&self, name: &str) -> bool {
         self.definitions.symbols.find(name, &Scope::global()).is_some()
     }
 
-    /// Reads an expression, to be evaluated with the definitions that hold at each evaluation.
+    /// Reads an expression, which is evaluated with the definitions current at each evaluation.
     ///
     /// # Errors
-    /// A mistake of the text.
+    /// The syntax error of the text.
     pub fn expression(&mut self, source: SourceId, text: &[u8]) -> Result<Handle, Diagnostic> {
         self.publish_slots();
         let body = self.definitions.read_expression(source, text)?;
         Ok(self.request(Request::Expression(Arc::new(body))))
     }
 
-    /// A variable, by its name.
+    /// Handle of a variable by name.
     pub fn variable(&mut self, name: &str) -> Handle {
         let symbol = self.definitions.symbols.find_or_insert(name, &Scope::global());
         self.request(Request::Variable(symbol))
     }
 
-    /// A function, by its name and the number of arguments that it will be given.
+    /// Handle of a function by name and number of arguments.
     pub fn function(&mut self, name: &str, arity: u16) -> Handle {
         let symbol = self.definitions.symbols.find_or_insert(name, &Scope::global());
         self.request(Request::Function(symbol, arity))
     }
 
-    /// The output channels that are defined, in increasing order.
+    /// Defined output channels, in ascending order.
     #[must_use]
     pub fn outputs(&self) -> Vec<(u32, Handle)> {
         self.outputs.iter().map(|(channel, handle)| (*channel, *handle)).collect()
     }
 
-    /// Evaluates all output channels for one record: (channel, value), in increasing order. What they share is computed
-    /// once.
+    /// Evaluates all output channels for one record: (channel, value), in ascending order. Common
+    /// subexpressions are computed once.
     ///
     /// # Errors
-    /// Names without a definition, missing arguments, and computations without end.
+    /// Names without a definition, missing arguments, and evaluations that do not terminate.
     pub fn eval_outputs<H: Host + ?Sized>(&mut self, host: &H) -> Result<&[(u32, f64)], Vec<Diagnostic>> {
         let mut compiled = match self.output_program.take() {
             Some(compiled) => compiled,
@@ -256,10 +259,10 @@ impl Environment {
         Ok(&self.output_values)
     }
 
-    /// Evaluates. `arguments` are those of a function.
+    /// Evaluates a root. `arguments` are those of a function.
     ///
     /// # Errors
-    /// Names without a definition, missing arguments, and computations without end.
+    /// Names without a definition, missing arguments, and evaluations that do not terminate.
     pub fn eval<H: Host + ?Sized>(
         &mut self,
         handle: Handle,
@@ -287,7 +290,7 @@ impl Environment {
         }
     }
 
-    /// The mathematical faults of the last evaluation.
+    /// Mathematical faults of the last evaluation.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         self.scratch.warnings()
@@ -323,7 +326,7 @@ impl Environment {
         FIRST_SLOT.saturating_add(u32::try_from(slot).unwrap_or(u32::MAX))
     }
 
-    /// Whether the variable still is the slot, and nothing was defined in its place.
+    /// Whether the variable is still served by the slot and was not redefined.
     fn serves(&self, symbol: SymbolId, slot: usize) -> bool {
         let variable = self.definitions.symbols.get(symbol).variable();
         variable.is_some_and(|definition| definition.body.as_channel() == Some(Self::slot_channel(slot)))
@@ -336,7 +339,7 @@ impl Environment {
         self.forget_programs();
     }
 
-    /// Lets constants that are read see the numbers of now.
+    /// Makes the current numbers available to constants that are read.
     fn publish_slots(&mut self) {
         let numbered = self.slots.iter().enumerate();
         self.definitions.fixed_channels =
@@ -344,7 +347,7 @@ impl Environment {
     }
 }
 
-/// The host of the caller, and the variables that are set to numbers.
+/// The caller's host, extended by the variables that are set to numbers.
 struct WithSlots<'h, H: ?Sized> {
     host: &'h H,
     slots: &'h [(SymbolId, f64)],

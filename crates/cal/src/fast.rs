@@ -1,19 +1,19 @@
-//! The fast machine: straight code on registers, for evaluations in which nothing faults.
+//! The fast machine: straight-line code on registers, for evaluations without faults.
 //!
-//! Whenever it meets what could be a fault it gives up, and the exact machine evaluates again.
+//! If a fault is possible, it stops and the exact machine evaluates again.
 
 use crate::builtin::Builtin;
 use crate::graph::table_entry;
 use crate::noise;
 use crate::program::Host;
 
-/// A register.
+/// Index of a register.
 pub(crate) type Register = u16;
 
-/// All registers; every [`Register`] is one of them, so no access needs a check.
+/// The register file; every [`Register`] is a valid index, so no access needs a check.
 pub(crate) type File = [f64; 1 << 16];
 
-/// One step. `d` is the register that gets the value.
+/// An instruction; `d` is the destination register.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Op {
     Constant {
@@ -70,13 +70,13 @@ pub(crate) enum Op {
         a: Register,
         b: f64,
     },
-    /// The constant minus the register.
+    /// Constant minus register.
     SubtractFrom {
         d: Register,
         a: Register,
         b: f64,
     },
-    /// The constant divided by the register.
+    /// Constant over register.
     DivideInto {
         d: Register,
         a: Register,
@@ -153,7 +153,7 @@ pub(crate) enum Op {
         a: Register,
         table: u32,
     },
-    /// The arguments are `count` registers of [`Code::lists`] from `first`.
+    /// Calls a host function with `count` registers of [`Code::lists`] from `first`.
     Host {
         d: Register,
         function: u16,
@@ -217,7 +217,7 @@ pub(crate) enum Op {
         a: Register,
         chain: u32,
     },
-    /// Runs a shared value's code unless it ran before.
+    /// Runs a shared value's code unless it has run.
     Share {
         shared: u16,
         target: u32,
@@ -230,7 +230,7 @@ pub(crate) enum Op {
 }
 
 impl Op {
-    /// The registers that it names.
+    /// Registers that the instruction refers to.
     pub(crate) fn registers(&mut self) -> [Option<&mut Register>; 4] {
         match self {
             Op::Constant { d, .. } | Op::Channel { d, .. } | Op::Argument { d, .. } | Op::Host { d, .. } => {
@@ -263,7 +263,7 @@ impl Op {
         }
     }
 
-    /// Where it may jump to.
+    /// Jump target of the instruction.
     pub(crate) fn target(&mut self) -> Option<&mut u32> {
         match self {
             Op::JumpUnlessPositive { target, .. }
@@ -283,20 +283,20 @@ impl Op {
     }
 }
 
-/// A chain of tests of one value against numbers, of which the first that holds decides.
+/// A chain of tests of one value against numbers; the first that holds decides.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
-    /// Whether the tests are "above", against falling numbers, or "below", against rising ones.
+    /// Whether the tests are "above" with descending numbers, or "below" with ascending ones.
     pub(crate) above: bool,
     pub(crate) limits: Box<[f64]>,
-    /// Where to go on when each test holds, and last when none does.
+    /// Target if each test holds, and last the target if none does.
     pub(crate) targets: Box<[u32]>,
 }
 
 impl Chain {
     #[inline]
     fn target(&self, x: f64) -> u32 {
-        // If a test holds, so do those after it.
+        // If a test holds, so do the following ones.
         let first = match (self.above, self.limits.len()) {
             (true, ..=COUNTED) => self.limits.iter().map(|&limit| usize::from(!is_above(x, limit))).sum(),
             (false, ..=COUNTED) => self.limits.iter().map(|&limit| usize::from(!is_above(limit, x))).sum(),
@@ -307,27 +307,27 @@ impl Chain {
     }
 }
 
-/// Up to so many tests are counted without a branch; more are searched.
+/// Up to this number of tests they are counted without a branch; more are searched.
 const COUNTED: usize = 32;
 
 /// Code for one or more roots.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
     pub(crate) ops: Vec<Op>,
-    /// The registers in which the roots' values end.
+    /// Registers of the roots' values.
     pub(crate) results: Vec<Register>,
     pub(crate) tables: Vec<Box<[f64]>>,
     pub(crate) lists: Vec<Register>,
     pub(crate) chains: Vec<Chain>,
-    /// How many values have code of their own.
+    /// Number of shared values.
     pub(crate) shared: u16,
 }
 
-/// The machine's memory.
+/// Memory of the machine.
 #[derive(Clone, Debug)]
 pub(crate) struct Registers {
     pub(crate) file: Box<File>,
-    /// In which evaluation each shared value was computed last.
+    /// Number of the evaluation that computed each shared value last.
     computed: Vec<u32>,
     evaluation: u32,
     returns: Vec<u32>,
@@ -348,7 +348,7 @@ impl Default for Registers {
 }
 
 impl Registers {
-    /// Forgets the shared values of the evaluation before.
+    /// Forgets the shared values of the previous evaluation.
     #[inline]
     fn begin(&mut self, shared: u16) {
         if shared == 0 {
@@ -366,7 +366,7 @@ impl Registers {
     }
 }
 
-/// Why the fast machine stopped before the end.
+/// The fast machine stopped because a fault is possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GaveUp;
 
@@ -381,7 +381,7 @@ macro_rules! checked {
 }
 
 impl Code {
-    /// Runs; the values are then in the registers of [`Code::results`].
+    /// Runs the code; the values are then in the registers of [`Code::results`].
     #[inline]
     pub(crate) fn run<H: Host + ?Sized>(
         &self,
@@ -506,7 +506,7 @@ impl Code {
     }
 }
 
-/// Greater than, and false when either is not a number.
+/// Greater than; false if either is not a number.
 #[inline]
 fn is_above(a: f64, b: f64) -> bool {
     a > b

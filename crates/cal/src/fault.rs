@@ -1,53 +1,54 @@
-//! What can go wrong while a program runs.
+//! Faults of evaluations.
 
 use crate::builtin::Builtin;
 
-/// Why an evaluation did not go well.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum FaultKind {
-    /// A function was asked for a value where it has none, `acos(2)` say.
+    /// A function has no value for its arguments, such as `acos(2)`.
     #[error("domain error")]
     Domain,
-    /// A division by zero, or a function's value is infinite.
+    /// A division by zero, or an infinite value of a function.
     #[error("range error")]
     Range,
-    /// Functions call each other without end, or nearly so.
+    /// Calls are nested without end, or nearly so.
     #[error("functions call each other more than {} deep", crate::limits::DEEPEST_CALL)]
     TooDeep,
-    /// The evaluation takes too long.
+    /// The evaluation takes too many steps.
     #[error("evaluation takes more than {} steps", crate::limits::MOST_STEPS)]
     TooLong,
-    /// Something was reached that cannot be evaluated: an unknown name, a missing argument, a number called as a function.
+    /// The evaluation reached an unknown name, a missing argument, or a number called as a
+    /// function.
     #[error("an undefined name or argument was used")]
     Undefined,
-    /// A value that single precision cannot hold; the evaluation goes on with it.
-    #[error("a value goes beyond single precision")]
+    /// The value exceeds single precision; the evaluation continues with it.
+    #[error("a value exceeds single precision")]
     Overflow,
 }
 
 impl FaultKind {
-    /// Whether Radiance would stop the whole program, not only note an error in the computation.
+    /// Whether Radiance would end the whole program, instead of noting a computation error.
     #[must_use]
     pub fn is_fatal(self) -> bool {
         !matches!(self, FaultKind::Domain | FaultKind::Range | FaultKind::Overflow)
     }
 }
 
-/// An evaluation that did not go well.
+/// A fault of an evaluation.
 ///
-/// Radiance goes on after a mathematical fault, with 0 in place of the value of the function that failed; patterns and
-/// textures then do nothing ("compute error"), other places use the value.
+/// Radiance continues after a mathematical fault with 0 as the value of the function that failed.
+/// Patterns and textures then do nothing ("compute error"); other uses take the value.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{kind}")]
 pub struct Fault {
-    /// What went wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// The value that Radiance goes on with; 0 for a fatal fault.
+    /// Value with which Radiance continues; 0 for a fatal fault.
     pub value: f64,
 }
 
-/// A mathematical fault, as Radiance reports it on its error output.
+/// A mathematical fault, as Radiance reports it on standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Warning {
     pub(crate) place: Place,

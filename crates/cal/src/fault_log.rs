@@ -1,14 +1,14 @@
-//! What went wrong in all evaluations of a program, counted.
+//! Counts of faults over all evaluations of a program.
 
 use crate::fault::FaultKind;
 use crate::program::Host;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// The channel of the point's x in Radiance's numbering; y and z come behind it.
+/// Channel of the point's x in Radiance's numbering; y and z follow.
 const POINT: u32 = 7;
 
-/// Faults of a program, counted by all threads; clones of a program share them.
+/// Fault counter of a program, for all threads; clones of a program share it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaultLog(Arc<Counted>);
 
@@ -18,14 +18,15 @@ struct Counted {
     first: OnceLock<(FaultKind, [f64; 3])>,
 }
 
-/// What went wrong in the evaluations of a program so far.
+/// Faults of a program's evaluations so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Faults {
-    /// How many evaluations had a fault.
+    /// Number of evaluations with a fault.
     pub count: u64,
-    /// What one of the first was.
+    /// Kind of one of the first faults.
     pub kind: FaultKind,
-    /// Channels 7 to 9 of that one: the point, where the host numbers its channels as Radiance does.
+    /// Channels 7 to 9 of that evaluation: the point, if the host numbers its channels as Radiance
+    /// does.
     pub point: [f64; 3],
 }
 

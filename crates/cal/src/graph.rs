@@ -1,46 +1,47 @@
-//! Expressions as a graph in which equal parts are one, with what can be computed beforehand computed.
+//! Expressions as a graph with shared common subexpressions and folded constants.
 //!
-//! The fast machine runs what is written from this graph. It may compute parts in another order than Radiance, or parts that
-//! Radiance would skip: when anything faults, the exact machine does the whole evaluation again. So a node here need not know
-//! what a fault leads to; it must only be impossible for a fault to go unnoticed. Library functions check their values. Of the
-//! functions that only pass a value on (`if`, `select`, `min`, `max`, which turn an infinite value into 0 and a fault), the
-//! value is *tainted* unless it is known to be finite: whoever could hide that it is not finite must check it first.
+//! The fast machine's code is generated from this graph. It may compute parts in another order than
+//! Radiance, or parts that Radiance would skip: after any fault the exact machine repeats the whole
+//! evaluation. A node need not model the effect of a fault; a fault must only never go unnoticed.
+//! Built-in functions check their values. A function that only passes a value on (`if`, `select`,
+//! `min`, `max`) would turn an infinite value into 0 and a fault. Its value is *tainted* unless it
+//! is known to be finite: an operation that could hide an infinite value must check it first.
 
 use crate::builtin::{Builtin, truncated};
 use crate::syntax::Operator;
 use std::collections::HashMap;
 
-/// A node of the graph. Operands come before what uses them.
+/// A node of the graph. Operands precede their users.
 pub(crate) type Value = u32;
 
-/// The deepest graph that is written as fast code; writing it recurses.
+/// Deepest graph for which fast code is generated, since generation recurses.
 pub(crate) const DEEPEST: u16 = 1000;
 
-/// One value.
+/// Operation of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Node {
-    /// The bits of a number.
+    /// Bits of a number.
     Constant(u64),
     Channel(u32),
-    /// An argument that the host gives, from 0.
+    /// Argument given by the host, from 0.
     Argument(u16),
     Negate(Value),
     Absolute(Value),
     Binary(Operator, Value, Value),
-    /// The second if it is less, else the first.
+    /// The second if it is smaller, otherwise the first.
     Least(Value, Value),
     Greatest(Value, Value),
-    /// A library function of one argument.
+    /// A built-in function of one argument.
     Function(Builtin, Value),
-    /// A library function of two arguments.
+    /// A built-in function of two arguments.
     Function2(Builtin, Value, Value),
     /// A noise function.
     Noise(Builtin, [Value; 3]),
-    /// A value that a library function passes on.
+    /// A value that a built-in function passes on.
     Guarded(Value),
-    /// The second if the first is positive, else the third; only that one is computed.
+    /// The second if the first is positive, otherwise the third; only that one is computed.
     If(Value, Value, Value),
-    /// An entry of [`Graph::tables`], chosen by an index rounded half up.
+    /// An entry of [`Graph::tables`], selected by an index rounded half up.
     Table(Value, u32),
     /// A host function; its arguments are an entry of [`Graph::lists`].
     Host(u16, u32),
@@ -60,7 +61,7 @@ pub(crate) enum Test {
     Below(Value, f64),
 }
 
-/// Values that depend on values.
+/// A graph of values.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     nodes: Vec<Node>,
@@ -70,12 +71,12 @@ pub(crate) struct Graph {
     pub(crate) lists: Vec<Box<[Value]>>,
 }
 
-/// What is known about a value.
+/// Properties of a value.
 #[derive(Clone, Copy, Debug)]
 struct Facts {
-    /// It is finite, or its computation has faulted.
+    /// The value is finite, or its computation has faulted.
     finite: bool,
-    /// It may be a value that should have been replaced by 0, with a fault.
+    /// The value may be one that should have been replaced by 0, with a fault.
     tainted: bool,
     depth: u16,
 }
@@ -93,7 +94,7 @@ impl Graph {
         self.insert(Node::Constant(number.to_bits()))
     }
 
-    /// The number, if the value is one.
+    /// The number, if the value is constant.
     pub(crate) fn as_constant(&self, value: Value) -> Option<f64> {
         match self.node(value) {
             Node::Constant(bits) => Some(f64::from_bits(bits)),
@@ -106,7 +107,7 @@ impl Graph {
         self.facts[value as usize].finite
     }
 
-    /// Whether the value must be checked before something hides that it is not finite.
+    /// Whether the value must be checked before an operation hides that it is not finite.
     pub(crate) fn is_tainted(&self, value: Value) -> bool {
         self.facts[value as usize].tainted
     }
@@ -115,7 +116,7 @@ impl Graph {
         self.facts[value as usize].depth
     }
 
-    /// What a node computes from, whether always or sometimes.
+    /// Operands of a node, used always or sometimes.
     pub(crate) fn operands(&self, node: Node, mut each: impl FnMut(Value)) {
         match node {
             Node::Constant(_) | Node::Channel(_) | Node::Argument(_) | Node::Fault => {}
@@ -160,7 +161,7 @@ impl Graph {
             (Operator::Divide, _, Some(0.0)) => self.fault(),
             (Operator::Power, _, _) => self.power(left, right),
             (_, Some(a), Some(b)) => self.constant(operator.apply(a, b)),
-            // No sum is a negative zero.
+            // A sum is never a negative zero.
             (Operator::Add, Some(zero), None) | (Operator::Add, None, Some(zero)) if zero == 0.0 => {
                 let (value, zero) = (if self.as_constant(left).is_some() { right } else { left }, self.constant(0.0));
                 self.insert(Node::Binary(Operator::Add, value, zero))
@@ -185,7 +186,7 @@ impl Graph {
                 self.guarded(square)
             }
             (None, Some(0.5)) => {
-                // The power of a negative zero is a positive one.
+                // The power of a negative zero is a positive zero.
                 let (root, zero) = (self.insert(Node::Function(Builtin::Sqrt, base)), self.constant(0.0));
                 self.insert(Node::Binary(Operator::Add, root, zero))
             }
@@ -193,7 +194,7 @@ impl Graph {
         }
     }
 
-    /// A library function that evaluates all its arguments.
+    /// A built-in function that evaluates all its arguments.
     pub(crate) fn function(&mut self, builtin: Builtin, arguments: &[Value]) -> Value {
         let numbers: Option<Vec<f64>> = arguments.iter().map(|&value| self.as_constant(value)).collect();
         if let Some(numbers) = numbers {
@@ -208,7 +209,7 @@ impl Graph {
         }
     }
 
-    /// `min` or `max` of two, in the order in which Radiance compares.
+    /// `min` or `max` of two values, in Radiance's order of comparison.
     pub(crate) fn extreme(&mut self, builtin: Builtin, so_far: Value, next: Value) -> Value {
         let least = builtin == Builtin::Min;
         match (self.as_constant(so_far), self.as_constant(next)) {
@@ -221,7 +222,7 @@ impl Graph {
         }
     }
 
-    /// A value that a library function passes on.
+    /// A value that a built-in function passes on.
     pub(crate) fn guarded(&mut self, value: Value) -> Value {
         match self.node(value) {
             Node::Constant(bits) if !f64::from_bits(bits).is_finite() => self.fault(),
@@ -230,7 +231,7 @@ impl Graph {
         }
     }
 
-    /// `if`. A constant test must be decided before: the caller then need not look at the other branch.
+    /// `if`. The caller decides a constant test itself and skips the other branch.
     pub(crate) fn choose(&mut self, test: Value, then: Value, otherwise: Value) -> Value {
         match self.branchless(test, then, otherwise) {
             Some(value) => self.guarded(value),
@@ -238,7 +239,7 @@ impl Graph {
         }
     }
 
-    /// Choices that are a minimum, a maximum or an absolute value.
+    /// Choices that amount to a minimum, a maximum or an absolute value.
     fn branchless(&mut self, test: Value, then: Value, otherwise: Value) -> Option<Value> {
         if test == then && self.node(otherwise) == Node::Negate(test) {
             return Some(self.insert(Node::Absolute(test)));
@@ -258,7 +259,7 @@ impl Graph {
         if (then, otherwise) == (greater, lesser) {
             return Some(self.insert(Node::Greatest(lesser, greater)));
         }
-        // bound(a,x,b): a if a > x, else the lesser of x and b.
+        // bound(a,x,b): a if a > x, otherwise the smaller of x and b.
         let lower = self.as_constant(greater).filter(|_| then == greater)?;
         match self.node(otherwise) {
             Node::Least(x, upper) if x == lesser && self.as_constant(upper).is_some_and(|upper| lower <= upper) => {
@@ -269,7 +270,7 @@ impl Graph {
         }
     }
 
-    /// How to decide a test without computing more than is needed.
+    /// The cheapest form of a test.
     pub(crate) fn test(&self, test: Value) -> Test {
         match self.node(test) {
             Node::Negate(a) => Test::Negative(a),
@@ -287,7 +288,7 @@ impl Graph {
         }
     }
 
-    /// One of several numbers: `entries[0]` is what index 0 gives.
+    /// Selects one of several numbers; `entries[0]` is the value for index 0.
     pub(crate) fn table(&mut self, index: Value, entries: Box<[f64]>) -> Value {
         if let Some(index) = self.as_constant(index) {
             return match table_entry(&entries, index) {
@@ -332,7 +333,7 @@ impl Graph {
         });
         let finite = match node {
             Node::Constant(bits) => f64::from_bits(bits).is_finite(),
-            // Library functions, and what comes from outside, are checked where they are computed.
+            // Built-in functions, and values from outside, are checked where they are computed.
             Node::Channel(_) | Node::Function(..) | Node::Function2(..) | Node::Noise(..) | Node::Host(..) => true,
             Node::Binary(Operator::Power, ..) | Node::Table(..) => true,
             Node::Argument(_) | Node::Binary(..) | Node::Fault => false,
@@ -344,7 +345,7 @@ impl Graph {
     }
 }
 
-/// What `select` or `arg` gives from a table of numbers, if it does not fault.
+/// Value of `select` or `arg` from a table of numbers, if it does not fault.
 #[inline]
 pub(crate) fn table_entry(entries: &[f64], index: f64) -> Option<f64> {
     let rounded = truncated(index + 0.5);
@@ -356,7 +357,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_parts_are_one() {
+    fn common_subexpressions_are_shared() {
         let mut graph = Graph::default();
         let x = graph.channel(1);
         let (a, b) = (graph.binary(Operator::Multiply, x, x), graph.binary(Operator::Multiply, x, x));

@@ -1,11 +1,11 @@
-//! Text to tokens: names, numbers, punctuation; white space and nested `{ }` comments go.
+//! Lexer: names, numbers and punctuation, without white space and nested `{ }` comments.
 
 use radsight_diag::{Diagnostic, SourceId, Span};
 
-/// The longest name; the rest of a longer one is ignored, as in Radiance.
+/// Maximum length of a name; the rest of a longer one is ignored, as in Radiance.
 const LONGEST_NAME: usize = 127;
 
-/// The mark between a name and the scope it belongs to.
+/// Separator between a name and its scope.
 pub(crate) const SCOPE_MARK: u8 = b'`';
 
 /// One token.
@@ -21,28 +21,28 @@ pub(crate) enum Token<'t> {
     End,
 }
 
-/// Reads one token ahead.
+/// A lexer with one token of lookahead.
 #[derive(Debug)]
 pub(crate) struct Lexer<'t> {
     text: &'t [u8],
     source: Option<SourceId>,
     base: u32,
     at: usize,
-    /// The token ahead.
+    /// The next token.
     pub(crate) token: Token<'t>,
     start: usize,
     previous_end: usize,
 }
 
 impl<'t> Lexer<'t> {
-    /// Starts on a text whose first byte stands at `base` of `source`.
+    /// Starts on a text whose first byte is at `base` of `source`.
     pub(crate) fn new(text: &'t [u8], source: Option<SourceId>, base: u32) -> Result<Self, Diagnostic> {
         let mut lexer = Lexer { text, source, base, at: 0, token: Token::End, start: 0, previous_end: 0 };
         lexer.advance()?;
         Ok(lexer)
     }
 
-    /// Moves to the next token and returns the one passed.
+    /// Moves to the next token and returns the current one.
     pub(crate) fn advance(&mut self) -> Result<Token<'t>, Diagnostic> {
         let passed = self.token;
         self.previous_end = self.at;
@@ -61,7 +61,7 @@ impl<'t> Lexer<'t> {
         Ok(passed)
     }
 
-    /// Passes the mark if it is the token ahead.
+    /// Consumes the mark if it is the next token.
     pub(crate) fn take(&mut self, mark: u8) -> Result<bool, Diagnostic> {
         let found = self.token == Token::Mark(mark);
         if found {
@@ -70,12 +70,12 @@ impl<'t> Lexer<'t> {
         Ok(found)
     }
 
-    /// Passes the mark, which must be there.
+    /// Consumes the mark, which must be the next token.
     pub(crate) fn expect(&mut self, mark: u8) -> Result<(), Diagnostic> {
         if self.take(mark)? { Ok(()) } else { Err(self.unexpected(&format!("\"{}\"", char::from(mark)))) }
     }
 
-    /// The token ahead is wrong here.
+    /// Error about the next token.
     pub(crate) fn unexpected(&self, expected: &str) -> Diagnostic {
         let found = match self.token {
             Token::Name(name) => format!("\"{name}\""),
@@ -87,7 +87,7 @@ impl<'t> Lexer<'t> {
         self.error(format!("expected {expected}, found {found}"), self.start, self.at)
     }
 
-    /// An error at a range of bytes of the text.
+    /// An error at a byte range of the text.
     pub(crate) fn error(&self, message: impl Into<String>, start: usize, end: usize) -> Diagnostic {
         let diagnostic = Diagnostic::error(message);
         match self.source {
@@ -96,28 +96,28 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// The span of a range of bytes of the text.
+    /// Span of a byte range of the text.
     pub(crate) fn place(&self, start: usize, end: usize) -> Option<Span> {
         let offset = |byte: usize| self.base.saturating_add(u32::try_from(byte).unwrap_or(u32::MAX));
         self.source.map(|source| Span { source, start: offset(start), end: offset(end.max(start)) })
     }
 
-    /// The byte where the token ahead begins.
+    /// Start of the next token, in bytes.
     pub(crate) fn token_start(&self) -> usize {
         self.start
     }
 
-    /// The byte after the token ahead.
+    /// End of the next token, in bytes.
     pub(crate) fn token_end(&self) -> usize {
         self.at
     }
 
-    /// The byte after the token passed last.
+    /// End of the last consumed token, in bytes.
     pub(crate) fn passed_end(&self) -> usize {
         self.previous_end
     }
 
-    /// After an error: goes on behind the next `;` that is not in a comment, or to the end.
+    /// Error recovery: continues after the next `;` outside of comments, or at the end.
     pub(crate) fn recover(&mut self) -> Result<(), Diagnostic> {
         if self.token == Token::Mark(b';') {
             return self.advance().map(|_| ());

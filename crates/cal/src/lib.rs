@@ -1,11 +1,13 @@
 //! The `.cal` function language of Radiance: parse, compile, evaluate.
 //!
-//! [`Definitions`] hold what function files define; [`Program::compile`] turns expressions and functions of them into fast
-//! code; [`Program::eval`] runs it with the channels of a [`Host`], a ray for instance.
+//! [`Definitions`] hold the content of function files; [`Program::compile`] compiles expressions
+//! and functions of them to fast code; [`Program::eval`] runs it with the channels of a [`Host`],
+//! such as a ray.
 //!
-//! Guarantees: the values are those of Radiance, and so is what happens at mathematical faults; no input makes loading,
-//! compiling or evaluating panic, hang, overflow the stack or eat the memory; a [`Program`] is `Send + Sync`, and evaluating
-//! it takes no lock and, after the first time, no memory. Knows nothing of scenes and rays, and reads no files.
+//! Guarantees: the values are those of Radiance, and so is the behaviour at mathematical faults; no
+//! input makes loading, compiling or evaluating panic, hang, overflow the stack or exhaust the
+//! memory; a [`Program`] is `Send + Sync`, and evaluation takes no lock and, after the first time,
+//! allocates no memory. The crate knows nothing of scenes and rays, and reads no files.
 //!
 //! ```
 //! use radsight_cal::{Bindings, Definitions, Program, Root, Scope, Scratch};

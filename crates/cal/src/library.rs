@@ -3,13 +3,13 @@
 /// The variables of a ray, on their channels.
 pub(crate) const RAY_VARIABLES: &str = include_str!("../library/ray_variables.cal");
 
-/// The curves that Radiance's generators offer.
+/// Curves of Radiance's generators.
 pub(crate) const CURVES: &str = include_str!("../library/curves.cal");
 
 /// Our equivalent of Radiance's `rayinit.cal`.
 pub(crate) const RAYINIT: &str = include_str!("../library/rayinit.cal");
 
-/// Every file, by the name under which scenes ask for it.
+/// Every file, by its name in scenes.
 const FILES: &[(&str, &str)] = &[
     ("ray_variables.cal", RAY_VARIABLES),
     ("rayinit.cal", RAYINIT),
@@ -101,13 +101,13 @@ const FILES: &[(&str, &str)] = &[
     ("wrinkle.cal", include_str!("../library/wrinkle.cal")),
 ];
 
-/// The text of a function file, by its name.
+/// Text of a function file by name.
 #[must_use]
 pub fn file(name: &str) -> Option<&'static str> {
     FILES.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// The names of all the files.
+/// Names of all files.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)
 }

@@ -1,7 +1,8 @@
-//! Definitions to code for the exact machine.
+//! Linker: generates the exact machine's code from definitions.
 //!
-//! Everything that the roots reach is written out once: the roots, each function, each variable, each argument of each call.
-//! Arguments are code of their own, because they are evaluated only when they are used.
+//! Everything that the roots reach is generated once: the roots, each function, each variable, each
+//! argument of each call. Arguments have code of their own, because they are evaluated only when
+//! they are used.
 
 use crate::bindings::{Bindings, Known};
 use crate::builtin::Builtin;
@@ -11,7 +12,7 @@ use crate::syntax::{Body, Callee, Expr, Node, Operator};
 use radsight_diag::{Diagnostic, Span};
 use std::collections::HashMap;
 
-/// Writes an [`Image`].
+/// Generates an [`Image`].
 pub(crate) struct Linker<'a> {
     known: &'a Known<'a>,
     bindings: &'a Bindings<'a>,
@@ -21,9 +22,9 @@ pub(crate) struct Linker<'a> {
     host_wrappers: HashMap<(u16, u16), u32>,
     variables: HashMap<SymbolId, u32>,
     pending: Vec<Pending<'a>>,
-    /// With how many arguments functions got as arguments are called.
+    /// Numbers of arguments with which functions passed as arguments are called.
     parameter_calls: Vec<u16>,
-    /// What is wrong with what was reached; the code fails where it comes to that.
+    /// Errors in reachable code; evaluation fails where it gets there.
     pub(crate) problems: Vec<Diagnostic>,
 }
 
@@ -49,7 +50,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Adds an expression as a root and returns where its code begins.
+    /// Adds an expression as a root and returns the start of its code.
     pub(crate) fn expression_root(&mut self, body: &'a Body, node: Node) -> u32 {
         let entry = self.here();
         self.expr(body, node);
@@ -83,7 +84,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Writes what is still to be written, and gives the image.
+    /// Generates the remaining code and returns the image.
     pub(crate) fn finish(mut self) -> (Image, Vec<Diagnostic>) {
         while let Some(pending) = self.pending.pop() {
             let entry = self.here();
@@ -209,7 +210,8 @@ impl<'a> Linker<'a> {
                     self.expr(body, right);
                     guard = self.push(Op::DivideGuard(0));
                 }
-                // The exponent comes first, as in Radiance's own programs; it matters for faults only.
+                // The exponent comes first, as in Radiance's own programs; it matters for faults
+                // only.
                 Operator::Power => {
                     self.push(Op::Clear);
                     self.expr(body, right);
@@ -272,7 +274,7 @@ impl<'a> Linker<'a> {
         enough
     }
 
-    /// A library function; `argument` writes the code of one argument.
+    /// A built-in function; `argument` generates the code of one argument.
     fn builtin(&mut self, builtin: Builtin, count: u16, argument: &mut dyn FnMut(&mut Self, usize)) {
         match builtin {
             Builtin::If => {
@@ -297,7 +299,8 @@ impl<'a> Linker<'a> {
                 self.push(Op::LibraryEnd(builtin));
             }
             Builtin::Atan2 => {
-                // The second argument comes first, as in Radiance's own programs; it matters for faults only.
+                // The second argument comes first, as in Radiance's own programs; it matters for
+                // faults only.
                 self.push(Op::Clear);
                 argument(self, 1);
                 argument(self, 0);
@@ -343,7 +346,7 @@ impl<'a> Linker<'a> {
         self.push(Op::HostCall { function, count: arity as u16 });
     }
 
-    /// What is to be called for a name, if it names a function.
+    /// Target of calls by a name, if it is a function.
     fn callable(&mut self, symbol: SymbolId, count: u16) -> Option<Callable> {
         let known = self.known.symbol(symbol);
         if let Some(definition) = known.and_then(|symbol| symbol.function()) {
@@ -363,7 +366,7 @@ impl<'a> Linker<'a> {
         Some(Callable::Function(self.host_wrapper(function, arity.max(usize::from(count)))))
     }
 
-    /// A library function as a routine, for calls through an argument.
+    /// A built-in function as a routine, for calls through an argument.
     fn wrapper(&mut self, builtin: Builtin, count: u16) -> u32 {
         let count = if matches!(builtin, Builtin::Select | Builtin::Min | Builtin::Max) { count } else { 0 };
         if let Some(&routine) = self.wrappers.get(&(builtin, count)) {
@@ -392,7 +395,7 @@ impl<'a> Linker<'a> {
         routine
     }
 
-    /// Writes a routine in the middle of other code, which jumps over it.
+    /// Generates a routine within other code, which jumps over it.
     fn routine(&mut self, needs: u16, write: impl FnOnce(&mut Self)) -> u32 {
         let skip = self.push(Op::Jump(0));
         let entry = self.here();
@@ -403,7 +406,7 @@ impl<'a> Linker<'a> {
         self.image.routines.len() as u32 - 1
     }
 
-    /// Reserves the arguments of a call; their code comes later.
+    /// Reserves the arguments of a call; their code follows later.
     fn arguments(&mut self, body: &'a Body, nodes: &'a [Node]) -> u32 {
         let first = self.image.arguments.len() as u32;
         for &node in nodes {
@@ -414,7 +417,7 @@ impl<'a> Linker<'a> {
             };
             let argument = self.image.arguments.len() as u32;
             self.image.arguments.push(Argument { entry: u32::MAX, callable });
-            // A name that is only a function has no value of its own.
+            // A name that is only a function has no value.
             let function = matches!(callable, Some(Callable::Function(_) | Callable::Variadic(_)));
             if function && !self.has_value(body.expr(node)) {
                 self.image.arguments[argument as usize].entry = FAIL_ENTRY;
@@ -440,7 +443,7 @@ impl<'a> Linker<'a> {
     }
 }
 
-/// How many arguments the body uses.
+/// Number of arguments that the body uses.
 pub(crate) fn highest_parameter(body: &Body) -> usize {
     let index = |expr: &Expr| match expr {
         Expr::Parameter(index) | Expr::Call { callee: Callee::Parameter(index), .. } => usize::from(*index) + 1,
@@ -449,7 +452,7 @@ pub(crate) fn highest_parameter(body: &Body) -> usize {
     body.exprs().iter().map(index).max().unwrap_or(0)
 }
 
-/// A name that means nothing.
+/// Error about an unknown name.
 pub(crate) fn unknown(known: &Known<'_>, bindings: &Bindings<'_>, symbol: SymbolId, wanted: &str) -> Diagnostic {
     let name = known.bare_name(symbol);
     let is_function = |symbol: &crate::names::Symbol| symbol.function().is_some() || symbol.builtin.is_some();
@@ -465,7 +468,7 @@ pub(crate) fn unknown(known: &Known<'_>, bindings: &Bindings<'_>, symbol: Symbol
     Diagnostic::error(format!("unknown {wanted} \"{name}\"")).maybe_hint(hint)
 }
 
-/// A call that lacks arguments.
+/// Error about a call with too few arguments.
 pub(crate) fn too_few_arguments(name: &str, given: u16, needed: usize) -> Diagnostic {
     let plural = if needed == 1 { "" } else { "s" };
     Diagnostic::error(format!("function \"{name}\" needs {needed} argument{plural}, {given} given"))

@@ -1,7 +1,8 @@
-//! Definitions to a graph: functions are written out where they are called, variables once.
+//! Lowering of definitions to a graph: functions are inlined at their calls, variables are shared.
 //!
-//! Arguments are looked at only when they are used, as at run time, so a branch that constants rule out costs nothing and is
-//! never wrong. Recursion that constants do not end cannot be written out; such roots are left to the exact machine.
+//! Arguments are lowered only when they are used, as at run time, so a branch that constants
+//! exclude costs nothing and is never an error. Recursion that constants do not terminate cannot be
+//! inlined; such roots are left to the exact machine.
 
 use crate::bindings::{Bindings, Known};
 use crate::builtin::Builtin;
@@ -12,38 +13,38 @@ use crate::syntax::{Body, Callee, Expr, Node, Operator};
 use radsight_diag::{Diagnostic, Span};
 use std::collections::HashMap;
 
-/// The most expressions that are looked at for one program.
+/// Maximum number of lowered expressions per program.
 const MOST_STEPS: usize = 400_000;
-/// The largest graph.
+/// Maximum number of nodes.
 const MOST_NODES: usize = 30_000;
-/// The deepest nesting, of expressions and calls together.
+/// Maximum nesting of expressions and calls together.
 const DEEPEST_NESTING: usize = 1200;
-/// The deepest nesting of calls.
+/// Maximum nesting of calls.
 const DEEPEST_CALLS: usize = 200;
-/// The most arguments of `select` that become branches rather than a table.
+/// Maximum number of arguments of `select` that become branches instead of a table.
 const MOST_BRANCHES: usize = 256;
 
-/// The root cannot be written as a graph, though it may be right.
+/// The root cannot be represented as a graph, although it may be valid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Beyond;
+pub(crate) struct TooComplex;
 
-type Lowered<T> = Result<T, Beyond>;
+type Lowered<T> = Result<T, TooComplex>;
 
-/// Turns roots into values of a graph.
+/// Lowers roots to values of a graph.
 pub(crate) struct Lowering<'a> {
     known: &'a Known<'a>,
     bindings: &'a Bindings<'a>,
     pub(crate) graph: Graph,
-    /// `None` while a variable is being looked at.
+    /// Lowered variables; `None` while a variable is being lowered.
     variables: HashMap<SymbolId, Option<Value>>,
     frames: Vec<Frame<'a>>,
-    /// The place in a file that leads to what is being looked at.
+    /// Position in a file that led to the current expression.
     place: Option<Span>,
     steps: usize,
     depth: usize,
-    /// A variable that is defined by means of itself, and where.
+    /// A variable that depends on itself, with its position.
     circular: Option<(SymbolId, Option<Span>)>,
-    /// What an evaluation could meet that is wrong.
+    /// Errors that an evaluation could reach.
     pub(crate) problems: Vec<Diagnostic>,
 }
 
@@ -87,17 +88,17 @@ impl<'a> Lowering<'a> {
         self.end_root(value)
     }
 
-    /// A root that is a function; its arguments come from the host.
+    /// A root that is a function; the host gives its arguments.
     pub(crate) fn function(&mut self, symbol: SymbolId, arity: u16, span: Option<Span>) -> Lowered<Value> {
         let arguments: Vec<_> = (0..arity).map(|index| Slot::Seen(self.graph.argument(index))).collect();
         let value = self.call(symbol, arguments, 0, span);
         self.end_root(value)
     }
 
-    /// The mistake of a variable that is defined by means of itself.
+    /// The error of a variable that depends on itself.
     pub(crate) fn circular(&self) -> Option<Diagnostic> {
         let (symbol, span) = self.circular?;
-        let message = format!("variable \"{}\" is defined by means of itself", self.known.bare_name(symbol));
+        let message = format!("variable \"{}\" depends on itself", self.known.bare_name(symbol));
         Some(span.into_iter().fold(Diagnostic::error(message), Diagnostic::at))
     }
 
@@ -123,7 +124,7 @@ impl<'a> Lowering<'a> {
         self.steps += 1;
         self.depth += 1;
         if self.steps > MOST_STEPS || self.depth > DEEPEST_NESTING || self.graph.len() > MOST_NODES {
-            return Err(Beyond);
+            return Err(TooComplex);
         }
         let outer_place = self.place;
         self.place = body.span(node).or(outer_place);
@@ -151,7 +152,7 @@ impl<'a> Lowering<'a> {
         };
         self.depth -= 1;
         self.place = outer_place;
-        if self.graph.depth(value) > DEEPEST { Err(Beyond) } else { Ok(value) }
+        if self.graph.depth(value) > DEEPEST { Err(TooComplex) } else { Ok(value) }
     }
 
     fn binary(&mut self, body: &'a Body, operator: Operator, left: Node, right: Node, frame: usize) -> Lowered<Value> {
@@ -179,7 +180,7 @@ impl<'a> Lowering<'a> {
                 self.frames[frame].arguments[index] = Slot::Seen(value);
                 Ok(value)
             }
-            // Missing arguments are found at the call.
+            // Missing arguments are reported at the call.
             None => Ok(self.graph.fault()),
         }
     }
@@ -187,10 +188,10 @@ impl<'a> Lowering<'a> {
     fn variable(&mut self, symbol: SymbolId, span: Option<Span>) -> Lowered<Value> {
         match self.variables.get(&symbol) {
             Some(Some(value)) => return Ok(*value),
-            // It needs its own value, of an evaluation before.
+            // The variable needs its own value, of the previous evaluation.
             Some(None) => {
                 self.circular.get_or_insert((symbol, span));
-                return Err(Beyond);
+                return Err(TooComplex);
             }
             None => {}
         }
@@ -206,7 +207,7 @@ impl<'a> Lowering<'a> {
         Ok(value)
     }
 
-    /// The function that an argument stands for.
+    /// The function that an argument refers to.
     fn resolve(&self, mut index: usize, mut frame: usize) -> Function {
         while let Some(Slot::Unseen(body, node)) = self.frames[frame].arguments.get(index) {
             match body.expr(*node) {
@@ -222,7 +223,7 @@ impl<'a> Lowering<'a> {
         let known = self.known.symbol(symbol);
         let count = arguments.len();
         if self.frames.len() > DEEPEST_CALLS {
-            return Err(Beyond);
+            return Err(TooComplex);
         }
         if let Some(definition) = known.and_then(|symbol| symbol.function()) {
             if let Some(fault) = self.lacking(symbol, count, highest_parameter(&definition.body), span) {
@@ -242,7 +243,7 @@ impl<'a> Lowering<'a> {
         if let Some(fault) = self.lacking(symbol, count, needed, span) {
             return Ok(fault);
         }
-        // A frame of its own, so that an argument is looked at once.
+        // A frame of its own, so that an argument is lowered once.
         self.frames.push(Frame { arguments, caller: frame });
         let own = self.frames.len() - 1;
         let value = match (known.and_then(|symbol| symbol.builtin), host) {
@@ -337,7 +338,7 @@ impl<'a> Lowering<'a> {
             return Ok(self.graph.table(index, numbers));
         }
         if count > MOST_BRANCHES {
-            return Err(Beyond);
+            return Err(TooComplex);
         }
         let half = self.graph.constant(0.5);
         let shifted = self.graph.binary(Operator::Add, index, half);

@@ -1,17 +1,19 @@
 //! The exact machine: evaluates in Radiance's order, with Radiance's treatment of faults.
 //!
-//! Arguments and variables are evaluated when they are first used, and once. A fault of a library function is noted and makes
-//! its value 0; so does a fault that one of its arguments left behind. The next library function forgets it. That rule (it is
-//! how C's `errno` works in calcomp) decides what a scene looks like where a pattern divides by zero, so it is kept exactly.
+//! Arguments and variables are evaluated at their first use, and once. A fault of a built-in
+//! function is recorded and makes its value 0; so does a fault that one of its arguments left. The
+//! next built-in function clears it. This rule (the behaviour of C's `errno` in calcomp) decides
+//! the appearance of a scene whose pattern divides by zero, so it is implemented exactly.
 //!
-//! Nothing recurses in Rust: depth and steps are limited, memory is kept in the [`Stacks`] from one evaluation to the next.
+//! Nothing recurses in Rust: depth and steps are limited, and memory is kept in the [`Stacks`]
+//! between evaluations.
 
 use crate::builtin::{Builtin, WIDEST, truncated};
 use crate::fault::{FaultKind, Place, Warning};
 use crate::limits::{DEEPEST_CALL, MOST_WARNINGS};
 use crate::program::Host;
 
-/// One step. Operands are on a stack.
+/// An instruction. Operands are on a stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Op {
     Number(f64),
@@ -22,7 +24,7 @@ pub(crate) enum Op {
     Add,
     Subtract,
     Multiply,
-    /// If the divisor on the stack is zero, leaves a fault and 0, and jumps.
+    /// If the divisor on the stack is zero, records a fault, leaves 0, and jumps.
     DivideGuard(u32),
     /// Dividend over divisor; the divisor is below.
     Divide,
@@ -31,13 +33,13 @@ pub(crate) enum Op {
     Swap,
     Least,
     Greatest,
-    /// A library function begins: forgets the fault.
+    /// Start of a built-in function: clears the fault.
     Clear,
     Library {
         builtin: Builtin,
         count: u16,
     },
-    /// A library function that chose its arguments itself ends.
+    /// End of a built-in function that selected its arguments itself.
     LibraryEnd(Builtin),
     HostCall {
         function: u16,
@@ -65,19 +67,19 @@ pub(crate) enum Op {
     Fail,
 }
 
-/// A function's code.
+/// Code of a function.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Routine {
     pub(crate) entry: u32,
-    /// How many arguments it uses.
+    /// Number of arguments that it uses.
     pub(crate) needs: u16,
 }
 
-/// What an argument stands for when it is called.
+/// Target of a call through an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Callable {
     Function(u32),
-    /// What the caller got as this argument.
+    /// The caller's argument of this index.
     Parameter(u16),
     /// `select`, `min` or `max`, whose code depends on the number of arguments.
     Variadic(Builtin),
@@ -90,7 +92,7 @@ pub(crate) struct Argument {
     pub(crate) callable: Option<Callable>,
 }
 
-/// The step that every image begins with, for what cannot be evaluated.
+/// The first instruction of every image, for expressions that cannot be evaluated.
 pub(crate) const FAIL_ENTRY: u32 = 0;
 
 /// Linked code.
@@ -99,12 +101,12 @@ pub(crate) struct Image {
     pub(crate) code: Vec<Op>,
     pub(crate) routines: Vec<Routine>,
     pub(crate) arguments: Vec<Argument>,
-    /// Where the code of each variable begins.
+    /// Start of each variable's code.
     pub(crate) variables: Vec<u32>,
     pub(crate) tables: Vec<u32>,
     pub(crate) variadic: Vec<(Builtin, u16, u32)>,
     pub(crate) real_arguments: Box<[f64]>,
-    /// The channels that occur.
+    /// Channels that occur in the code.
     pub(crate) channels: Vec<u32>,
 }
 
@@ -129,16 +131,16 @@ impl Image {
     }
 }
 
-/// What to do when code returns.
+/// Continuation when code returns.
 #[derive(Clone, Copy, Debug)]
 enum After {
-    /// Keep the value as argument of an activation.
+    /// Store the value as an argument of an activation.
     KeepArgument {
         activation: u32,
         index: u16,
     },
     KeepVariable(u32),
-    /// Drop the innermost activation.
+    /// Remove the innermost activation.
     EndCall,
     /// The function is a root.
     Stop,
@@ -157,11 +159,11 @@ struct Activation {
     first: u32,
     count: u16,
     caller: u32,
-    /// Where its arguments' values are kept.
+    /// Position of its arguments' values.
     kept: u32,
 }
 
-/// The machine's memory, reused from one evaluation to the next.
+/// Memory of the machine, reused between evaluations.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Stacks {
     values: Vec<f64>,
@@ -169,13 +171,13 @@ pub(crate) struct Stacks {
     activations: Vec<Activation>,
     kept: Vec<Option<f64>>,
     variables: Vec<Option<f64>>,
-    /// The last value of each variable, for those that are defined by means of themselves.
+    /// Last value of each variable, for those that depend on themselves.
     last: Vec<f64>,
-    /// The mathematical faults of the last evaluation.
+    /// Mathematical faults of the last evaluation.
     pub(crate) warnings: Vec<Warning>,
 }
 
-/// Where a root begins.
+/// Start of a root.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Entry {
     Expression(u32),
@@ -188,14 +190,14 @@ pub(crate) struct Machine<'m, H: ?Sized> {
     stacks: &'m mut Stacks,
     host: &'m H,
     steps: u64,
-    /// The fault that the last library function, power or division left.
+    /// Fault left by the last built-in function, power or division.
     pub(crate) fault: Option<FaultKind>,
 }
 
 type Fatal = FaultKind;
 
 impl<'m, H: Host + ?Sized> Machine<'m, H> {
-    /// Starts afresh: no variable has a value yet. `steps` is what the whole evaluation may take.
+    /// Starts an evaluation without values of variables; `steps` limits the whole evaluation.
     pub(crate) fn new(image: &'m Image, stacks: &'m mut Stacks, host: &'m H, steps: u64) -> Self {
         stacks.variables.clear();
         stacks.variables.resize(image.variables.len(), None);
@@ -204,7 +206,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
         Machine { image, stacks, host, steps, fault: None }
     }
 
-    /// The steps that are left.
+    /// Remaining steps.
     pub(crate) fn steps_left(&self) -> u64 {
         self.steps
     }
@@ -246,7 +248,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                     let value = self.pop();
                     self.push(-value);
                 }
-                // Radiance adds to zero, so that no sum is a negative zero.
+                // Radiance adds to zero, so a sum is never a negative zero.
                 Op::Add => self.binary(|a, b| 0.0 + a + b),
                 Op::Subtract => self.binary(|a, b| a - b),
                 Op::Multiply => self.binary(|a, b| a * b),
@@ -284,7 +286,8 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
                 Op::Variable(variable) => match self.stacks.variables[variable as usize] {
                     Some(value) => self.push(value),
                     None => {
-                        // A variable that needs itself finds the value of the evaluation before.
+                        // A variable that depends on itself gets its value of the previous
+                        // evaluation.
                         self.stacks.variables[variable as usize] = Some(self.stacks.last[variable as usize]);
                         self.enter(at, current, After::KeepVariable(variable))?;
                         at = image.variables[variable as usize] as usize;
@@ -338,7 +341,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
         self.push(apply(below, above));
     }
 
-    /// Replaces the value on the stack by 0 and notes the fault.
+    /// Replaces the value on the stack by 0 and records the fault.
     fn warn(&mut self, place: Place, kind: FaultKind) {
         self.fault = Some(kind);
         if self.stacks.warnings.len() < MOST_WARNINGS {
@@ -348,7 +351,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
         self.push(0.0);
     }
 
-    /// A library function ends with a value.
+    /// Ends a built-in function with a value.
     fn finish(&mut self, value: f64, place: Place) {
         self.push(value);
         let own = if value.is_nan() {
@@ -389,7 +392,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
         self.finish(value, Place::HostFunction(function));
     }
 
-    /// Where `select` goes on.
+    /// Continuation of `select`.
     fn select(&mut self, count: u16, table: u32) -> Result<u32, Fatal> {
         let choice = self.pop();
         let end = self.image.tables[table as usize];
@@ -436,7 +439,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
             return Err(FaultKind::Undefined);
         }
         self.enter(*at, *current, After::EndCall)?;
-        // Arguments that the function does not use are never evaluated.
+        // Unused arguments are never evaluated.
         let count = routine.needs;
         let kept = self.stacks.kept.len();
         self.stacks.kept.resize(kept + usize::from(count), None);
@@ -446,7 +449,7 @@ impl<'m, H: Host + ?Sized> Machine<'m, H> {
         Ok(())
     }
 
-    /// The function that an argument stands for.
+    /// The function that an argument refers to.
     fn resolve(&self, parameter: u16, count: u16, current: u32) -> Result<u32, Fatal> {
         let (mut index, mut activation) = (parameter, current);
         loop {

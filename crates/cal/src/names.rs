@@ -1,8 +1,9 @@
-//! Names, the scopes they belong to, and what they mean.
+//! Names, their scopes, and their definitions.
 //!
-//! A name defined in a function file belongs to that file: inside, `x` is stored as ``x`file``. A name that is used means the
-//! innermost one that is known at that moment: the file's own, else the global one; a name that is nowhere known becomes the
-//! file's own, to be defined later. ``x` `` (mark behind) is always the global `x`, and `` `x`` (mark before) always the file's.
+//! A name defined in a function file is local to that file: `x` is stored as ``x`file``. A use
+//! refers to the innermost name known at that moment: the file's own, otherwise the global one. A
+//! name known nowhere becomes a local name of the file, to be defined later. ``x` `` (trailing
+//! mark) is always the global `x`, and `` `x`` (leading mark) always the file's.
 
 use crate::builtin::Builtin;
 use crate::lexer::SCOPE_MARK;
@@ -11,26 +12,26 @@ use radsight_diag::Span;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The longest scope, in bytes.
+/// Maximum length of a scope, bytes.
 const LONGEST_SCOPE: usize = 1023;
 
-/// A symbol of a table.
+/// Index of a symbol in the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct SymbolId(pub(crate) u32);
 
-/// Where names are looked up first: a function file, or nowhere but among the global names.
+/// Scope in which names are looked up first: a function file, or none.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Scope(String);
 
 impl Scope {
-    /// No file: only global names.
+    /// The global scope.
     #[must_use]
     pub fn global() -> Scope {
         Scope::default()
     }
 
-    /// The scope of a function file, by the name that a primitive gives. `.` means no file; a suffix `.cal` goes; whatever
-    /// cannot stand in a name becomes `_`.
+    /// Scope of a function file, by its name in a primitive. `.` means no file; the suffix `.cal`
+    /// is removed; characters that are invalid in names become `_`.
     #[must_use]
     pub fn of_file(name: &str) -> Scope {
         if name == "." {
@@ -54,7 +55,7 @@ impl Scope {
         Scope(path)
     }
 
-    /// The full name of `name` as it is defined in this scope.
+    /// Qualified form of a name that is defined in this scope.
     pub(crate) fn qualify(&self, name: &str) -> String {
         let mark = char::from(SCOPE_MARK);
         let name = name.strip_prefix(mark).unwrap_or(name);
@@ -64,7 +65,7 @@ impl Scope {
         }
     }
 
-    /// The full names that `name` may mean in this scope, innermost first.
+    /// Qualified names to which `name` may refer in this scope, innermost first.
     fn candidates(&self, name: &str) -> impl Iterator<Item = String> {
         let mark = char::from(SCOPE_MARK);
         let first = self.qualify(name);
@@ -76,23 +77,23 @@ impl Scope {
     }
 }
 
-/// How a name was defined.
+/// Kind of an assignment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Assignment {
-    /// `:`; uses of it are replaced by its value as they are read.
+    /// `:`; uses are replaced by the value when they are read.
     Constant,
     /// `=`.
     Variable,
 }
 
-/// What a name means.
+/// Definition of a name.
 #[derive(Debug)]
 pub(crate) struct Definition {
     pub(crate) assignment: Assignment,
-    /// How many arguments a function takes; `None` for a variable.
+    /// Number of arguments of a function; `None` for a variable.
     pub(crate) arity: Option<u16>,
     pub(crate) body: Body,
-    /// Where the name stands.
+    /// Position of the name.
     pub(crate) span: Option<Span>,
 }
 
@@ -118,7 +119,7 @@ impl Symbol {
         self.definition.as_ref().filter(|definition| definition.arity.is_some())
     }
 
-    /// Whether a call with constant arguments is a constant.
+    /// Whether a call with constant arguments is constant.
     pub(crate) fn is_constant_function(&self) -> bool {
         match &self.definition {
             Some(definition) => definition.arity.is_some() && definition.assignment == Assignment::Constant,
@@ -127,12 +128,12 @@ impl Symbol {
     }
 }
 
-/// A full name without its scope.
+/// A qualified name without its scope.
 pub(crate) fn bare(name: &str) -> &str {
     name.split(char::from(SCOPE_MARK)).next().unwrap_or(name)
 }
 
-/// All names.
+/// Symbol table.
 #[derive(Clone, Debug)]
 pub(crate) struct Symbols {
     by_name: HashMap<Box<str>, SymbolId>,
@@ -140,7 +141,7 @@ pub(crate) struct Symbols {
 }
 
 impl Symbols {
-    /// The library functions.
+    /// Table of the built-in functions.
     pub(crate) fn new() -> Symbols {
         let mut symbols = Symbols { by_name: HashMap::new(), symbols: Vec::new() };
         for (name, builtin) in Builtin::all() {
@@ -166,22 +167,22 @@ impl Symbols {
         self.symbols.iter()
     }
 
-    /// The symbol with exactly this full name.
+    /// Symbol of exactly this qualified name.
     pub(crate) fn exact(&self, name: &str) -> Option<SymbolId> {
         self.by_name.get(name).copied()
     }
 
-    /// The innermost symbol that `name` means in a scope.
+    /// Innermost symbol to which `name` refers in a scope.
     pub(crate) fn find(&self, name: &str, scope: &Scope) -> Option<SymbolId> {
         scope.candidates(name).find_map(|full| self.exact(&full))
     }
 
-    /// The same, or a new one that belongs to the scope.
+    /// The same, or a new symbol local to the scope.
     pub(crate) fn find_or_insert(&mut self, name: &str, scope: &Scope) -> SymbolId {
         self.find(name, scope).unwrap_or_else(|| self.insert(scope.qualify(name)))
     }
 
-    /// The symbol with this full name, which is added if need be.
+    /// Symbol of this qualified name, added if necessary.
     pub(crate) fn insert(&mut self, name: String) -> SymbolId {
         if let Some(id) = self.exact(&name) {
             return id;

@@ -1,12 +1,13 @@
-//! The noise functions of Radiance: `noise3` with its slopes, and `fnoise3`.
+//! The noise functions of Radiance: `noise3` with its gradient, and `fnoise3`.
 //!
-//! `noise3` is the improved gradient noise of Perlin ("Improving Noise", Computer Graphics 35(3), 2002) with his table of
-//! 256 values; the slopes are backward differences over [`STEP`]. `fnoise3` is a random midpoint subdivision of the unit cube,
-//! seeded by an integer hash. Both give the values of Radiance's functions, bit for bit where the order of additions allows.
+//! `noise3` is Perlin's improved gradient noise ("Improving Noise", Computer Graphics 35(3), 2002)
+//! with his table of 256 values; its derivatives are backward differences over [`STEP`]. `fnoise3`
+//! is a random midpoint subdivision of the unit cube, seeded by an integer hash. Both give the
+//! values of Radiance's functions, bit for bit where the order of additions permits.
 
 use crate::builtin::truncated;
 
-/// The difference over which a slope is taken, and the finest detail of the fractal.
+/// Step of the differences, and finest detail of the fractal.
 const STEP: f64 = 0.0005;
 
 /// Perlin's permutation of 0..=255.
@@ -49,7 +50,7 @@ pub(crate) fn value(point: [f64; 3]) -> f64 {
     mix(w, layer(0, z), layer(1, z - 1.0))
 }
 
-/// `noise3x`, `noise3y`, `noise3z`: the slope of [`value`] along one axis (0, 1, 2).
+/// `noise3x`, `noise3y`, `noise3z`: derivative of [`value`] along one axis (0, 1, 2).
 pub(crate) fn slope(point: [f64; 3], axis: usize) -> f64 {
     let mut before = point;
     before[axis] -= STEP;
@@ -65,7 +66,8 @@ fn mix(t: f64, from: f64, to: f64) -> f64 {
     from + t * (to - from)
 }
 
-/// Perlin's twelve edge directions, four of them twice. Looking them up beats choosing, which no processor can foresee.
+/// Perlin's twelve edge directions, four of them twice. A table avoids branches that processors
+/// cannot predict.
 const DIRECTIONS: [[f64; 3]; 16] = [
     [1.0, 1.0, 0.0],
     [-1.0, 1.0, 0.0],
@@ -93,8 +95,8 @@ fn gradient(hash: i32, x: f64, y: f64, z: f64) -> f64 {
 
 /// `fnoise3(x,y,z)`: fractal noise, between −1 and 1.
 ///
-/// The cube that holds the point is halved eleven times; a new corner is the mean of those it lies between plus a random
-/// number scaled by the cube's size.
+/// The cube that contains the point is halved eleven times. A new corner is the mean of the corners
+/// around it, plus a random number scaled by the cube's size.
 pub(crate) fn fractal(point: [f64; 3]) -> f64 {
     const FINEST: i64 = 2000; // 1/STEP steps along a unit cube
     let mut size = FINEST;
@@ -122,8 +124,9 @@ pub(crate) fn fractal(point: [f64; 3]) -> f64 {
     }
 }
 
-/// Replaces the corners of a cube by those of the eighth `branch` of it: first the corner at the centre of the old cube, then
-/// those on its faces, then those on its edges, each from the corners as they then are.
+/// Replaces the corners of a cube by those of its octant `branch`: first the corner at the old
+/// cube's centre, then those on its faces, then those on its edges, each from the corners at that
+/// stage.
 fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize, size: i64) {
     let amplitude = size as f64 * STEP;
     let toward = |axis: usize| if branch >> axis & 1 == 1 { size } else { -size };
@@ -145,7 +148,7 @@ fn subdivide(corners: &mut [f64; 8], mean: f64, centre: [i64; 3], branch: usize,
     }
 }
 
-/// A random number in (−1, 1] for a lattice point, by the usual integer hash in 64-bit arithmetic.
+/// A random number in (−1, 1] for a lattice point, by a common integer hash in 64-bit arithmetic.
 fn lattice(point: [i64; 3]) -> f64 {
     let [x, y, z] = point;
     let seed = x.wrapping_mul(17).wrapping_add(y.wrapping_mul(23)).wrapping_add(z.wrapping_mul(29));

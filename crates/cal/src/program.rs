@@ -16,13 +16,14 @@ use crate::syntax::{Body, Names, Node};
 use radsight_diag::{Diagnostic, Span};
 use std::sync::Arc;
 
-/// What a program asks of its host while it runs.
+/// Host of a running program.
 pub trait Host {
-    /// The value of a channel, from 1.
+    /// Value of a channel, numbered from 1.
     fn channel(&self, channel: u32) -> f64;
 
-    /// The value of a function of the host, by its index in [`Bindings::functions`]; a call may have more arguments than it needs. Must depend on nothing but the
-    /// arguments and what the channels depend on.
+    /// Value of a host function, by its index in [`Bindings::functions`]; a call may have more
+    /// arguments than needed. It must depend only on the arguments and on what the channels depend
+    /// on.
     fn call(&self, function: u32, arguments: &[f64]) -> f64 {
         let _ = (function, arguments);
         0.0
@@ -39,35 +40,35 @@ impl Host for NoHost {
     }
 }
 
-/// Channel values in a list; the first is `$1`. Channels past its end are 0.
+/// Channel values in a slice; the first is `$1`. Channels past its end are 0.
 impl Host for [f64] {
     fn channel(&self, channel: u32) -> f64 {
         (channel as usize).checked_sub(1).and_then(|index| self.get(index)).copied().unwrap_or(0.0)
     }
 }
 
-/// Something to compile.
+/// A root to compile.
 #[derive(Clone, Copy, Debug)]
 pub enum Root<'a> {
-    /// An expression, as it stands in a primitive's string arguments.
+    /// An expression, as in a primitive's string arguments.
     Expression {
         /// Its text.
         text: &'a str,
-        /// Where the text stands; positions inside are counted from its start.
+        /// Position of the text; positions inside are relative to its start.
         span: Span,
     },
-    /// A function, by its name; the host gives its arguments at each evaluation.
+    /// A function by name; the host gives its arguments at each evaluation.
     Function {
         /// Its name.
         name: &'a str,
-        /// How many arguments the host gives.
+        /// Number of arguments.
         arity: u16,
-        /// Where the name stands.
+        /// Position of the name.
         span: Span,
     },
 }
 
-/// Memory for evaluations, one for each thread. Any program can use it.
+/// Memory for evaluations, one per thread. Any program can use it.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     stacks: Stacks,
@@ -75,7 +76,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Memory that grows as it is needed.
+    /// Memory that grows as needed.
     #[must_use]
     pub fn new() -> Scratch {
         Scratch::default()
@@ -89,17 +90,18 @@ impl Scratch {
         self.stacks.warnings.clone_from(&other.stacks.warnings);
     }
 
-    /// The mathematical faults of the last evaluation that had any, in order; the first hundred of them.
+    /// Mathematical faults of the last evaluation that had any, in order; at most the first
+    /// hundred.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.stacks.warnings
     }
 }
 
-/// Compiled roots, safe to share between threads.
+/// Compiled roots, which threads can share.
 ///
-/// Each root has exact code, and fast code if it has one: without recursion that only the ray ends. Fast code gives up at
-/// anything that could be a fault, and the exact code runs instead.
+/// Each root has exact code, and fast code unless its recursion depends on the ray. Fast code stops
+/// at any possible fault, and the exact code runs instead.
 #[derive(Clone, Debug)]
 pub struct Program {
     image: Image,
@@ -115,7 +117,8 @@ impl Program {
     /// Compiles roots, whose names are looked up in `scope` first.
     ///
     /// # Errors
-    /// Every unknown name, missing argument, illegal channel and mistake of syntax that an evaluation could meet.
+    /// Every unknown name, missing argument, illegal channel and syntax error that an evaluation
+    /// could reach.
     pub fn compile(
         definitions: &Definitions,
         scope: &Scope,
@@ -130,7 +133,7 @@ impl Program {
         }
     }
 
-    /// A program, and what is wrong with a variable of it that is defined by means of itself.
+    /// A program, and the error of a variable that depends on itself.
     pub(crate) fn build(
         known: &Known<'_>,
         roots: &[ReadRoot],
@@ -154,7 +157,8 @@ impl Program {
             }
         }
         let (image, exact_problems) = linker.finish();
-        // What the graph reaches is what an evaluation can reach; exact code also has what constants rule out.
+        // The graph contains what an evaluation can reach; exact code also contains what constants
+        // exclude.
         let all: Option<Vec<Value>> = values.iter().copied().collect();
         let problems = match all {
             Some(_) => std::mem::take(&mut lowering.problems),
@@ -180,19 +184,19 @@ impl Program {
         Ok((program, lowering.circular()))
     }
 
-    /// How many roots there are.
+    /// Number of roots.
     #[must_use]
     pub fn roots(&self) -> usize {
         self.entries.len()
     }
 
-    /// The channels that an evaluation may read, in increasing order.
+    /// Channels that an evaluation may read, in ascending order.
     #[must_use]
     pub fn channels_used(&self) -> &[u32] {
         &self.channels
     }
 
-    /// The value of a root that is the same for every ray.
+    /// Value of a root that is the same for every ray.
     ///
     /// # Panics
     /// If there is no such root.
@@ -210,7 +214,7 @@ impl Program {
     /// Evaluates one root. `arguments` are those of a [`Root::Function`].
     ///
     /// # Errors
-    /// A [`Fault`], which holds the value that Radiance would go on with.
+    /// A [`Fault`], with the value with which Radiance would continue.
     ///
     /// # Panics
     /// If there is no such root.
@@ -234,14 +238,15 @@ impl Program {
         self.eval_exactly(root, arguments, host, scratch)
     }
 
-    /// Evaluates all roots into `values`, as many as there are roots; what they share is computed once.
+    /// Evaluates all roots into `values`, one per root; common subexpressions are computed once.
     ///
     /// # Errors
-    /// The fault that stands at the end, when Radiance's colour and texture functions look: the library functions of a later
-    /// root forget a fault of an earlier one. `values` holds what Radiance would go on with.
+    /// The fault that remains at the end, where Radiance's colour and texture functions test for
+    /// one: built-in functions of a later root clear the fault of an earlier one. `values` holds
+    /// the values with which Radiance would continue.
     ///
     /// # Panics
-    /// If `values` is shorter than the roots are many.
+    /// If `values` is shorter than the number of roots.
     pub fn eval_all<H: Host + ?Sized>(
         &self,
         arguments: &[f64],
@@ -316,21 +321,21 @@ impl Program {
         Fault { kind, value }
     }
 
-    /// What went wrong in the evaluations so far, of this program and its clones in all threads;
-    /// `None` where nothing did.
+    /// Faults of the evaluations so far, of this program and its clones in all threads; `None` if
+    /// there were none.
     #[must_use]
     pub fn faults(&self) -> Option<Faults> {
         self.faults.read()
     }
 }
 
-/// Whether single precision cannot hold a value; so it is with what is no number.
+/// Whether a value exceeds single precision, or is not a number.
 #[inline]
 fn is_beyond(value: f64) -> bool {
     value.is_nan() || value.abs() > f64::from(f32::MAX)
 }
 
-/// A root after reading.
+/// A root after parsing.
 pub(crate) enum ReadRoot {
     Expression(Arc<Body>),
     Function { symbol: SymbolId, arity: u16, span: Option<Span> },
@@ -339,7 +344,7 @@ pub(crate) enum ReadRoot {
 fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Result<Vec<ReadRoot>, Vec<Diagnostic>> {
     let mut read = Vec::with_capacity(roots.len());
     let mut mistakes = Vec::new();
-    let mut names = Looking { known, scope, steps: MOST_FOLDING_STEPS };
+    let mut names = RootNames { known, scope, steps: MOST_FOLDING_STEPS };
     for root in roots {
         match *root {
             Root::Expression { text, span } => {
@@ -357,14 +362,14 @@ fn read_roots(known: &mut Known<'_>, scope: &Scope, roots: &[Root<'_>]) -> Resul
     if mistakes.is_empty() { Ok(read) } else { Err(mistakes) }
 }
 
-/// The meaning of names in a root.
-struct Looking<'k, 'd> {
+/// Resolution of names in a root.
+struct RootNames<'k, 'd> {
     known: &'k mut Known<'d>,
     scope: &'k Scope,
     steps: u64,
 }
 
-impl Looking<'_, '_> {
+impl RootNames<'_, '_> {
     fn find(&mut self, name: &str) -> SymbolId {
         match self.known.definitions.symbols.find(name, self.scope) {
             Some(symbol) => symbol,
@@ -373,7 +378,7 @@ impl Looking<'_, '_> {
     }
 }
 
-impl Names for Looking<'_, '_> {
+impl Names for RootNames<'_, '_> {
     fn resolve(&mut self, name: &str) -> Result<SymbolId, Diagnostic> {
         Ok(self.find(name))
     }

@@ -1,27 +1,28 @@
-//! Where each value of a graph is computed.
+//! Schedule: the region in which each value of a graph is computed.
 //!
-//! Code forms regions: the root, and in it the two branches of each `if`, and so on. A value that is certainly needed in a
-//! region is computed there, once. A value needed only in some of a region's branches is computed before them if that is
-//! cheap; otherwise it gets code of its own, which the branches call, and which runs once an evaluation.
+//! Code consists of regions: the root region, in it the two branches of each `if`, and so on. A
+//! value that a region certainly needs is computed there, once. A value needed only in some
+//! branches of a region is computed before them if that is cheap; otherwise it gets code of its
+//! own, which the branches call and which runs at most once per evaluation.
 
 use crate::builtin::Builtin;
 use crate::graph::{Graph, Node, Test, Value};
 use crate::syntax::Operator;
 
-/// A part of the code that runs as a whole, but for the branches in it.
+/// A part of the code that runs as a whole, except for the branches in it.
 pub(crate) type RegionId = u32;
 
 /// The outermost region.
 pub(crate) const OUTERMOST: RegionId = 0;
 
-/// What may be computed in vain, measured in additions.
+/// Maximum cost of a value that may be unused, in additions.
 const CHEAP: u32 = 6;
 
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Region {
     parent: RegionId,
     depth: u32,
-    /// Values that are computed first in the region, so that its branches can use them; operands first.
+    /// Values computed at the start of the region for its branches, operands first.
     pub(crate) hoisted: Vec<Value>,
     /// Values with code of their own that branches of this region call.
     pub(crate) shared: Vec<Value>,
@@ -33,13 +34,13 @@ pub(crate) enum Form {
     /// Into a register, in its region.
     #[default]
     Register,
-    /// Not at all: it is a choice between tests, and code jumps.
+    /// Not at all: it is a choice between tests, which becomes jumps.
     Jump,
     /// Into a register, by code of its own.
     Shared,
 }
 
-/// The plan of a program.
+/// Schedule of a program.
 #[derive(Debug)]
 pub(crate) struct Schedule {
     pub(crate) regions: Vec<Region>,
@@ -48,9 +49,9 @@ pub(crate) struct Schedule {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    /// The innermost region that holds all uses so far.
+    /// Innermost region that contains all uses so far.
     common: RegionId,
-    /// The outermost region of a use so far.
+    /// Outermost region of a use so far.
     outermost: RegionId,
     uses: u32,
     tests: u32,
@@ -60,7 +61,7 @@ struct Place {
 }
 
 impl Schedule {
-    /// Plans the code that computes `roots`.
+    /// Schedules the code that computes `roots`.
     pub(crate) fn new(graph: &Graph, roots: &[Value]) -> Schedule {
         let mut schedule = Schedule { regions: vec![Region::default()], places: vec![Place::default(); graph.len()] };
         for value in 0..graph.len() as Value {
@@ -84,12 +85,12 @@ impl Schedule {
         self.places[value as usize].form
     }
 
-    /// The regions of the two branches of an `if`.
+    /// Regions of the two branches of an `if`.
     pub(crate) fn branches(&self, value: Value) -> [RegionId; 2] {
         self.places[value as usize].branches
     }
 
-    /// The region of a shared value's own code.
+    /// Region of a shared value's code.
     pub(crate) fn own_region(&self, value: Value) -> RegionId {
         self.places[value as usize].common
     }
@@ -120,7 +121,7 @@ impl Schedule {
         self.regions[region as usize].depth
     }
 
-    /// The innermost region that holds both.
+    /// Innermost region that contains both.
     fn common(&self, mut a: RegionId, mut b: RegionId) -> RegionId {
         while a != b {
             if self.depth(a) >= self.depth(b) {
@@ -132,8 +133,8 @@ impl Schedule {
         a
     }
 
-    /// Notes the use of a value as a test, of which only the sign matters: a difference or a change of sign is not computed
-    /// for that, its operands are compared.
+    /// Records the use of a value as a test, of which only the sign matters: instead of a
+    /// difference or negation its operands are compared.
     fn tested(&mut self, graph: &Graph, test: Value, region: RegionId) {
         match graph.test(test) {
             Test::Positive(_) => {
@@ -161,7 +162,7 @@ impl Schedule {
         place.uses += 1;
     }
 
-    /// Decides about a value, all of whose uses are known, and tells its operands.
+    /// Schedules a value, all of whose uses are known, and records the uses of its operands.
     fn place(&mut self, graph: &Graph, value: Value) {
         let place = self.places[value as usize];
         let node = graph.node(value);
@@ -178,7 +179,7 @@ impl Schedule {
             self.places[value as usize].form = Form::Shared;
             self.places[value as usize].common = region;
         } else if place.uses > 1 {
-            // Some use may be in a branch, or in code that a branch calls.
+            // A use may be in a branch, or in code that a branch calls.
             self.regions[region as usize].hoisted.push(value);
         }
         self.use_operands(graph, value, region);
@@ -194,7 +195,7 @@ impl Schedule {
         self.places[value as usize].branches = branches;
         for (branch, inside) in [then, otherwise].into_iter().zip(branches) {
             match self.form(value) {
-                // In a jump, a branch that is the test itself is decided by the test.
+                // In a jump, a branch that equals the test is decided by the test.
                 Form::Jump if branch == test => {}
                 Form::Jump => self.tested(graph, branch, inside),
                 _ => self.used(branch, inside),
@@ -202,7 +203,7 @@ impl Schedule {
         }
     }
 
-    /// Whether nothing is computed in a region but the value of its branch.
+    /// Whether a region computes only the value of its branch.
     pub(crate) fn is_plain(&self, region: RegionId) -> bool {
         let region = &self.regions[region as usize];
         region.hoisted.is_empty() && region.shared.is_empty()

@@ -1,16 +1,17 @@
-//! Tokens to expressions, with the constant folding that Radiance does while it reads.
+//! Parser of expressions, with the constant folding that Radiance does while reading.
 //!
-//! The grammar, lowest first: sums and differences; products and quotients; powers, from the right; one sign; then numbers,
-//! names, calls, channels and parentheses. A sign binds more tightly than a power: `-2^2` is 4.
+//! The grammar, by ascending precedence: sums and differences; products and quotients; powers, from
+//! the right; one sign; then numbers, names, calls, channels and parentheses. A sign binds more
+//! tightly than a power: `-2^2` is 4.
 
 use crate::lexer::{Lexer, SCOPE_MARK, Token};
 use crate::names::SymbolId;
 use radsight_diag::{Diagnostic, SourceId, Span};
 
-/// The deepest nesting of parentheses and calls.
+/// Maximum nesting of parentheses and calls.
 pub(crate) const DEEPEST: usize = 1000;
 
-/// An expression of a [`Body`].
+/// Index of an expression in a [`Body`].
 pub(crate) type Node = u32;
 
 /// An operator between two expressions.
@@ -35,11 +36,11 @@ impl Operator {
         })
     }
 
-    /// The plain value; division by zero and illegal powers are the caller's to find.
+    /// Arithmetic value; the caller handles division by zero and illegal powers.
     #[inline]
     pub(crate) fn apply(self, left: f64, right: f64) -> f64 {
         match self {
-            // Radiance adds to zero, so that no sum is a negative zero.
+            // Radiance adds to zero, so a sum is never a negative zero.
             Operator::Add => 0.0 + left + right,
             Operator::Subtract => left - right,
             Operator::Multiply => left * right,
@@ -49,12 +50,12 @@ impl Operator {
     }
 }
 
-/// What a call calls.
+/// Target of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Callee {
     /// A function by its name.
     Symbol(SymbolId),
-    /// The function that the enclosing function got as its argument, from 0.
+    /// A function passed as argument of the enclosing function, from 0.
     Parameter(u16),
 }
 
@@ -64,7 +65,7 @@ pub(crate) enum Expr {
     Number(f64),
     /// `$n`.
     Channel(u32),
-    /// The argument of the enclosing function, from 0.
+    /// Argument of the enclosing function, from 0.
     Parameter(u16),
     Variable(SymbolId),
     /// The arguments are `count` entries of [`Body::arguments`] from `first`.
@@ -77,7 +78,7 @@ pub(crate) enum Expr {
     Binary(Operator, Node, Node),
 }
 
-/// An expression with all its parts; the parts come before what they are parts of.
+/// An expression with all its subexpressions, which precede it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Body {
     pub(crate) source: Option<SourceId>,
@@ -96,7 +97,7 @@ impl Body {
         &self.arguments[first as usize..first as usize + usize::from(count)]
     }
 
-    /// Where the expression stands, if the text came from a file.
+    /// Position of the expression, if the text came from a file.
     pub(crate) fn span(&self, node: Node) -> Option<Span> {
         let (start, end) = self.ranges[node as usize];
         self.source.map(|source| Span { source, start, end })
@@ -142,9 +143,9 @@ impl Body {
         &self.nodes
     }
 
-    /// Whether both say the same.
+    /// Whether both are the same expression.
     pub(crate) fn same_as(&self, other: &Body) -> bool {
-        // Bodies are written in one order, so equal texts give equal lists.
+        // Bodies are built in a fixed order, so equal texts give equal lists.
         self.nodes == other.nodes && self.arguments == other.arguments && self.root == other.root
     }
 
@@ -155,19 +156,19 @@ impl Body {
     }
 }
 
-/// What the reader asks of the names that it meets.
+/// Resolution of names for the parser.
 pub(crate) trait Names {
-    /// The symbol that a name means here.
+    /// Symbol of a name.
     fn resolve(&mut self, name: &str) -> Result<SymbolId, Diagnostic>;
-    /// The value of a variable or call, if it is a constant.
+    /// Value of a variable or call, if it is constant.
     fn fold(&mut self, body: &Body, node: Node) -> Result<Option<f64>, Diagnostic>;
 }
 
-/// Reads expressions.
+/// A parser of expressions.
 pub(crate) struct Reader<'t, 'n, N> {
     pub(crate) lexer: Lexer<'t>,
     pub(crate) names: &'n mut N,
-    /// The names of the enclosing function's arguments.
+    /// Names of the enclosing function's arguments.
     pub(crate) parameters: Vec<&'t str>,
     body: Body,
     source: Option<SourceId>,
@@ -176,13 +177,13 @@ pub(crate) struct Reader<'t, 'n, N> {
 type Read<T> = Result<T, Diagnostic>;
 
 impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
-    /// Starts on a text whose first byte stands at `base` of `source`.
+    /// Starts on a text whose first byte is at `base` of `source`.
     pub(crate) fn new(text: &'t [u8], source: Option<SourceId>, base: u32, names: &'n mut N) -> Read<Self> {
         let lexer = Lexer::new(text, source, base)?;
         Ok(Reader { lexer, names, parameters: Vec::new(), body: Body::default(), source })
     }
 
-    /// The next expression, up to what cannot belong to it.
+    /// Parses the next expression, up to a token that cannot belong to it.
     pub(crate) fn body(&mut self) -> Read<Body> {
         self.body = Body { source: self.source, ..Body::default() };
         let root = self.expression(1, 0)?;
@@ -252,7 +253,7 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
         }
     }
 
-    /// `$n`; the token ahead is the `$`.
+    /// `$n`; the next token is the `$`.
     pub(crate) fn channel(&mut self) -> Read<u32> {
         let start = self.lexer.token_start();
         self.lexer.advance()?;
@@ -319,7 +320,7 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
                 return Err(self.fault("illegal power of constants", start));
             }
             (_, Some(a), Some(b)) => Some(operator.apply(a, b)),
-            // The zero stays as it is, with its sign.
+            // The zero keeps its sign.
             (Operator::Multiply, _, Some(zero)) if zero == 0.0 => Some(zero),
             (Operator::Multiply | Operator::Divide | Operator::Power, Some(zero), _) if zero == 0.0 => Some(zero),
             (Operator::Power, _, Some(0.0)) | (Operator::Power, Some(1.0), _) => Some(1.0),
@@ -331,7 +332,7 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
         }
         let (operator, right) = match (operator, b) {
             (Operator::Divide, Some(b)) => (Operator::Multiply, self.node(Expr::Number(1.0 / b), start)),
-            // Radiance adds the opposite, which differs from subtracting in the sign of a zero.
+            // Radiance adds the negative, which differs from subtraction in the sign of a zero.
             (Operator::Subtract, Some(b)) => (Operator::Add, self.node(Expr::Number(-b), start)),
             _ => (operator, right),
         };
@@ -356,7 +357,7 @@ impl<'t, 'n, N: Names> Reader<'t, 'n, N> {
     }
 }
 
-/// Whether a name may stand for an argument: it has no scope mark.
+/// Whether a name is valid for an argument: it has no scope mark.
 pub(crate) fn is_parameter_name(name: &str) -> bool {
     !name.as_bytes().contains(&SCOPE_MARK)
 }

@@ -1,4 +1,4 @@
-//! What mistakes look like, whole.
+//! Complete error messages.
 
 use radsight_cal::{Bindings, Definitions, Program, Root, Scope};
 use radsight_diag::{Diagnostic, SourceMap};
@@ -7,7 +7,7 @@ fn rendered(problems: &[Diagnostic], sources: &SourceMap) -> String {
     problems.iter().map(|problem| problem.render(sources)).collect()
 }
 
-/// The mistakes of a function file.
+/// Errors of a function file.
 fn load(text: &str) -> String {
     let mut sources = SourceMap::default();
     let source = sources.add("sky.cal", text.as_bytes(), None);
@@ -18,7 +18,7 @@ fn load(text: &str) -> String {
     }
 }
 
-/// The mistakes of an expression that uses a function file.
+/// Errors of an expression that uses a function file.
 fn compile(text: &str, expression: &str) -> String {
     let mut sources = SourceMap::default();
     let source = sources.add("sky.cal", text.as_bytes(), None);
@@ -71,20 +71,20 @@ fn missing_arguments_are_errors() {
 }
 
 #[test]
-fn what_constants_rule_out_is_no_error() {
+fn branches_that_constants_exclude_are_not_checked() {
     assert_eq!(compile("f = if(arg(0)-1.5, arg(2)+nowhere, 1);", "f"), "");
 }
 
 #[test]
-fn a_circle_is_an_error() {
+fn a_cyclic_definition_is_an_error() {
     assert_eq!(
         compile("a = b+1;\nb = 2*a;", "a"),
-        "sky.cal:2:7: error: variable \"a\" is defined by means of itself\n  2 | b = 2*a;\n    |       ^\n"
+        "sky.cal:2:7: error: variable \"a\" depends on itself\n  2 | b = 2*a;\n    |       ^\n"
     );
 }
 
 #[test]
-fn all_mistakes_of_a_file_are_told() {
+fn all_errors_of_a_file_are_reported() {
     assert_eq!(
         load("a = 1 +;\nb = 2;\n3c = 4;\nd(x,) = 1;\ne = (1;\nf 3;\ng = 1 2;\nh = $;"),
         "sky.cal:1:8: error: expected an expression, found \";\"\n  1 | a = 1 +;\n    |        ^\n\
@@ -114,7 +114,7 @@ fn a_constant_cannot_depend_on_the_ray() {
 }
 
 #[test]
-fn constants_that_cannot_be_are_errors() {
+fn invalid_constants_are_errors() {
     assert_eq!(
         load("a = acos(2);\nb = 1/0;\nc = (-1)^.5;\nd : 2*exp(1000);"),
         "sky.cal:1:5: error: bad constant expression: acos(): domain error\n  1 | a = acos(2);\n    |     ^^^^^^^\n\
@@ -132,7 +132,7 @@ fn constants_that_cannot_be_are_errors() {
 fn a_constant_that_is_defined_again_is_a_warning() {
     assert_eq!(
         load("a : 1; a : 1;\na : 2; b = 1; b = 2;"),
-        "sky.cal:2:1: warning: constant \"a\" is defined again\n  2 | a : 2; b = 1; b = 2;\n    | ^\n"
+        "sky.cal:2:1: warning: constant \"a\" is redefined\n  2 | a : 2; b = 1; b = 2;\n    | ^\n"
     );
 }
 

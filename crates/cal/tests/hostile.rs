@@ -56,7 +56,7 @@ fn spoil(text: &str, changes: &[(u32, u8, u8)]) -> Vec<u8> {
 const PROGRAM: &str = "a = if(Dx, b, v(1)); b : 2*PI; f(x,y) = if(x-y, f(x-.3,y)+1, g(sqrt,x)); g(h,x) = h(x)^2;
     v = select(2, a, b, noise3(Px,Py,1)); v0 = arg(1)+max(1,2,Dz)/3; $1 = a*b; $2 = rand(v0)-$1;";
 
-/// How many texts each test tries; `RADSIGHT_FUZZ_CASES` asks for more.
+/// Number of texts per test; `RADSIGHT_FUZZ_CASES` sets another number.
 fn cases() -> u32 {
     std::env::var("RADSIGHT_FUZZ_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(3000)
 }
@@ -92,7 +92,7 @@ proptest! {
     }
 }
 
-/// The value of `a`, or what is wrong, within a time.
+/// Value of `a`, or the error, within a time limit.
 fn within(limit: Duration, text: &str) -> Result<f64, String> {
     let start = Instant::now();
     let mut sources = SourceMap::default();
@@ -104,7 +104,7 @@ fn within(limit: Duration, text: &str) -> Result<f64, String> {
         let program = Program::compile(&definitions, &Scope::global(), &[root], &Bindings::of_ray()).map_err(first)?;
         program.eval(0, &[], &[0.5, 0.25, 0.125][..], &mut Scratch::new()).map_err(|fault| fault.to_string())
     });
-    // A generous limit: it is there to find what grows without bound, on a busy machine too.
+    // A generous limit, which detects unbounded growth even on a busy machine.
     assert!(start.elapsed() < limit, "took {:?}", start.elapsed());
     result
 }
@@ -160,7 +160,7 @@ fn expressions_that_double_at_each_step_stay_small() {
 }
 
 #[test]
-fn much_that_branches_share_compiles_soon() {
+fn expressions_shared_by_many_branches_compile_quickly() {
     let mut text = "v0 = Dx; v1 = Dy;".to_owned();
     for index in 2..300 {
         let (before, earlier) = (index - 1, index - 2);
@@ -176,7 +176,7 @@ fn much_that_branches_share_compiles_soon() {
 }
 
 #[test]
-fn constants_without_end_end() {
+fn constants_that_do_not_terminate_are_errors() {
     let text = "f(n) : if(n, f(n-1)+f(n-1), 1); a = f(100); b = f(100); c = f(100); d = f(101);";
     assert!(within(SOON, text).unwrap_err().starts_with("bad constant expression"));
 }

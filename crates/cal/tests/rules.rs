@@ -23,7 +23,7 @@ impl World {
         }
     }
 
-    /// A span, where the place does not matter.
+    /// An arbitrary span.
     fn span(&mut self) -> Span {
         let source = self.sources.add("scene.rad", &b""[..], None);
         self.sources.span(source, 0, 0)
@@ -270,13 +270,13 @@ fn a_fault_makes_the_functions_around_it_zero() {
 }
 
 #[test]
-fn faults_of_the_last_evaluation_are_told() {
+fn faults_of_the_last_evaluation_are_reported() {
     let mut world = World::new("");
     let program = world.compile("max(1/Dx, acos(2+Dx))", ".", &Bindings::of_ray()).unwrap();
     let mut scratch = Scratch::new();
     program.eval(0, &[], &NoHost, &mut scratch).unwrap_err();
-    let told: Vec<String> = scratch.warnings().iter().map(ToString::to_string).collect();
-    assert_eq!(told, ["division by zero", "acos(): domain error", "max(): domain error"]);
+    let reported: Vec<String> = scratch.warnings().iter().map(ToString::to_string).collect();
+    assert_eq!(reported, ["division by zero", "acos(): domain error", "max(): domain error"]);
 }
 
 #[test]

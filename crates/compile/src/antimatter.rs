@@ -1,23 +1,25 @@
-//! Antimatter: volumes that are cut out of others.
+//! Antimatter: volumes that are subtracted from others.
 //!
-//! As in Radiance, a ray carries the set of modifiers whose surfaces are not there for it: entering antimatter (through its front) adds
-//! those that it cuts, leaving it takes them out again, and what passes through a surface goes on with the new set, what is reflected
-//! with the old one. If antimatter names a material to shade the cut with, its surface is there, turned inside out, where the
-//! ray is within one of the bodies that it cuts; the ray knows that by counting the fronts less the backs of their surfaces that it passed.
+//! As in Radiance, a ray carries the set of modifiers whose surfaces are subtracted. It adds
+//! modifiers to the set where it enters antimatter through its front, and removes them where it
+//! leaves. Transmitted rays continue with the new set, reflected rays with the old one. If
+//! antimatter names a material that shades the cut, its surface is visible, turned inside out,
+//! while the ray is inside a volume that it cuts. The ray decides this by counting the fronts less
+//! the backs of the cut surfaces that it has crossed.
 
 use radsight_accel::ShaderId;
 
-/// What the `antimatter` material does.
+/// Parameters of `antimatter`.
 #[derive(Clone, Debug)]
 pub struct Antimatter {
-    /// Shaders of the surfaces that it cuts, ascending.
+    /// Shaders of the surfaces that it subtracts from, ascending.
     pub cuts: Vec<ShaderId>,
-    /// Shades the surface of the cut.
+    /// Shader of the cut's surface; none if it is invisible.
     pub shade: Option<ShaderId>,
 }
 
 impl Antimatter {
-    /// What cuts these shaders away, and what shades the cut.
+    /// Antimatter that subtracts from these shaders, and the shader of the cut.
     pub fn new(mut cuts: Vec<ShaderId>, shade: Option<ShaderId>) -> Antimatter {
         cuts.sort_unstable();
         cuts.dedup();

@@ -1,4 +1,4 @@
-//! From chains of modifiers to shaders.
+//! Compiles chains of modifiers to shaders.
 
 use crate::antimatter::Antimatter;
 use crate::compile_scatter::compile_scatterer;
@@ -9,7 +9,7 @@ use crate::native_model::native_or;
 use crate::options::{Skip, Skipping};
 use crate::prism::PrismKind;
 use crate::refraction::DielectricInterface;
-use crate::shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
+use crate::shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
 use crate::specialise::turns_the_normal_to_the_viewer;
 use radsight_accel::{ShaderId, ShaderTable};
 use radsight_bsdf::{Appearances, GlossyKind, MeasuredKind, Scatterer};
@@ -22,10 +22,12 @@ use radsight_texture::{BandLayout, Function, Home, MixedSteps, Step, TextureChai
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// One shader for each modifier that surfaces name, in this scene and in those that it places, and the number of bands to trace.
+/// Compiles one shader for each modifier that surfaces of this scene and of its instances use, and
+/// decides the number of bands.
 ///
-/// `surroundings` are colours that come from elsewhere. Models from elsewhere are first made for three bands. If the whole scene then
-/// proves to be grey, they are made again for one. Spectra take as many places as their layout has, whatever the scene.
+/// `surroundings` are colours from outside the scene. Models of plugins are first made for three
+/// bands; if the scene turns out to be grey, they are made again for one. Spectra take as many
+/// bands as their layout has.
 pub(crate) fn compile_shaders(
     scene: &ValidScene,
     models: &dyn ModelSource,
@@ -35,7 +37,7 @@ pub(crate) fn compile_shaders(
 ) -> Result<(Vec<Shader>, ShaderTable, usize), Vec<Diagnostic>> {
     let (shaders, table) = compile_for(scene, models, 3, layout)?;
     if !layout.sampling().is_rgb() {
-        return Ok((shaders, table, layout.places()));
+        return Ok((shaders, table, layout.elements()));
     }
     let may_be_grey = skipping.allows(Skip::EqualBands) && shaders.iter().all(Shader::is_grey);
     if !may_be_grey || !surroundings.iter().all(|color| color.is_grey()) {
@@ -73,20 +75,20 @@ struct Compiler<'a> {
     shaders: Vec<Shader>,
     errors: Vec<Diagnostic>,
     octrees: HashMap<(*const Scene, Use), Arc<ShaderTable>>,
-    /// In which bands spectra are wanted.
+    /// Spectral bands in which radiance is traced.
     layout: Arc<BandLayout>,
-    /// How many mixtures were compiled, each counted wherever it is used.
+    /// Number of compiled mixtures, each counted wherever it is used.
     mixtures: usize,
 }
 
-/// Whether modifiers of a scene are used, or those of its instances override them all.
+/// Which modifiers of a scene are used: its own, or those of its instances, which override them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Use {
     Shown,
     Overridden,
 }
 
-/// What stands in the table for a modifier that nothing uses.
+/// Entry of a modifier that nothing uses.
 const NO_SHADER: ShaderId = ShaderId(u32::MAX);
 
 impl Compiler<'_> {
@@ -113,7 +115,7 @@ impl Compiler<'_> {
         ShaderTable::new(of_modifier, octrees)
     }
 
-    /// A scene that several others place is compiled once.
+    /// Compiles a scene once, even if several instances place it.
     fn compile_octree(&mut self, scene: &Arc<Scene>, used: Use) -> Arc<ShaderTable> {
         let key = (Arc::as_ptr(scene), used);
         if let Some(known) = self.octrees.get(&key) {
@@ -124,18 +126,18 @@ impl Compiler<'_> {
         table
     }
 
-    /// The shader of a modifier, which is made once.
+    /// Shader of a modifier, compiled once.
     fn compile_chain(&mut self, chains: &mut Chains<'_>, modifier: Option<ModifierHandle>) -> ShaderId {
-        let place = modifier.map_or(0, |handle| handle.index() + 1);
-        if chains.of_modifier[place] != NO_SHADER {
-            return chains.of_modifier[place];
+        let index = modifier.map_or(0, |handle| handle.index() + 1);
+        if chains.of_modifier[index] != NO_SHADER {
+            return chains.of_modifier[index];
         }
         let id = self.compile_after(chains, modifier, &[]);
-        chains.of_modifier[place] = id;
+        chains.of_modifier[index] = id;
         id
     }
 
-    /// The shader of a chain, with the steps that stand before it.
+    /// Shader of a chain that continues the given steps.
     fn compile_after(
         &mut self,
         chains: &mut Chains<'_>,
@@ -148,7 +150,7 @@ impl Compiler<'_> {
             (Vec::new(), Kind::Transparent)
         });
         chains.nesting = nesting;
-        self.shaders.push(recognised(Shader {
+        self.shaders.push(specialised(Shader {
             textures: TextureChain { steps, home: chains.home.clone() },
             kind,
             modifier,
@@ -157,7 +159,7 @@ impl Compiler<'_> {
         ShaderId((self.shaders.len() - 1) as u32)
     }
 
-    /// Modifiers that are cut are defined before, so that there is no circle.
+    /// The modifiers that antimatter cuts are defined before it, so there is no cycle.
     fn antimatter(
         &mut self,
         chains: &mut Chains<'_>,
@@ -173,7 +175,7 @@ impl Compiler<'_> {
         Antimatter::new(cuts.iter().filter_map(compile).collect(), shade)
     }
 
-    /// What stands in for a material when it is seen; `None` for nothing of its own.
+    /// Alternate material of a mirror or illum; `None` if it has its own appearance.
     fn substitute(
         &mut self,
         chains: &mut Chains<'_>,
@@ -185,10 +187,10 @@ impl Compiler<'_> {
             Substitute::Void => return Ok(Some(Substitution::Void)),
             Substitute::Modifier(modifier) => modifier,
         };
-        // A substitute is defined before what it stands in for, so that there is no circle.
+        // An alternate material is defined before its user, so there is no cycle.
         if modifier.index() >= of.index() || chains.nesting >= MAX_NESTING {
             let name = chains.scene.modifier_name(Some(of));
-            let message = format!("the materials that stand in for \"{name}\" are nested too deeply");
+            let message = format!("the alternate materials of \"{name}\" are nested more than {MAX_NESTING} deep");
             return Err(at(chains.scene.modifiers[of].span, message));
         }
         chains.nesting += 1;
@@ -198,15 +200,15 @@ impl Compiler<'_> {
     }
 }
 
-/// The chains of modifiers of one scene.
+/// The modifier chains of one scene.
 struct Chains<'s> {
     scene: &'s Scene,
     home: &'s Home,
-    /// By modifier, `void` first.
+    /// Shader by modifier; `void` is first.
     of_modifier: &'s mut Vec<ShaderId>,
-    /// Which modifiers end in a material, by index; empty without mixtures.
+    /// Whether each modifier ends in a material; empty without mixtures.
     ends_in_material: Vec<bool>,
-    /// How many materials stand in for one another or are mixed at this point.
+    /// Current depth of nested alternate materials and mixtures.
     nesting: u32,
 }
 
@@ -216,17 +218,17 @@ impl Chains<'_> {
     }
 }
 
-/// More materials than this do not stand in for one another, or are mixed with a mixture.
+/// Maximum depth of nested alternate materials and mixtures.
 const MAX_NESTING: u32 = 64;
 
-/// More mixtures than this, each counted wherever it is used, are not compiled.
+/// Maximum number of mixtures, each counted wherever it is used.
 const MAX_MIXTURES: usize = 1 << 17;
 
-/// More mixtures than this are not evaluated at one hit: a ray would take longer than a picture should.
+/// Maximum number of mixtures evaluated at one hit, which bounds the time of a ray.
 const MAX_MIXTURES_OF_A_HIT: usize = 1 << 12;
 
 fn not_yet(what: &str, span: Option<Span>) -> Diagnostic {
-    at(span, format!("{what} is read but not rendered yet"))
+    at(span, format!("{what} cannot be rendered yet"))
 }
 
 fn at(span: Option<Span>, message: String) -> Diagnostic {
@@ -238,7 +240,7 @@ fn at(span: Option<Span>, message: String) -> Diagnostic {
 }
 
 impl Compiler<'_> {
-    /// Steps and material of a chain, after what stands before it.
+    /// Steps and material of a chain that continues the given steps.
     fn compile(
         &mut self,
         chains: &mut Chains<'_>,
@@ -255,7 +257,7 @@ impl Compiler<'_> {
                 ModifierKind::Mixture(mixture) if !chains.is_material(handle) => {
                     steps.push(self.mixed_steps(chains, modifier, mixture)?);
                 }
-                // It stands for any kind of modifier: what was wrong with it is what is wrong here.
+                // An unusable modifier can be of any kind; its reason is reported here.
                 ModifierKind::Material(Material::Unusable { reason }) if found.is_some() => {
                     let name = scene.modifier_name(Some(handle));
                     return Err(at(modifier.span, format!("modifier \"{name}\" cannot be used: {reason}")));
@@ -266,7 +268,7 @@ impl Compiler<'_> {
                 }
                 ModifierKind::Mixture(mixture) => {
                     found = Some(self.mixed_materials(chains, modifier, mixture, &steps)?);
-                    // Its parts have these steps among their own.
+                    // The mixture's parts include these steps.
                     steps.clear();
                 }
                 ModifierKind::Material(material) => {
@@ -293,7 +295,7 @@ impl Compiler<'_> {
         Ok(Step::Mixture(Box::new(MixedSteps { share, foreground, background })))
     }
 
-    /// The steps of a chain without a material.
+    /// Steps of a chain without a material.
     fn steps_alone(&mut self, chains: &mut Chains<'_>, first: Option<ModifierHandle>) -> Result<Vec<Step>, Diagnostic> {
         let scene = chains.scene;
         let mut steps = Vec::new();
@@ -303,7 +305,7 @@ impl Compiler<'_> {
                 ModifierKind::Pattern(pattern) => steps.extend(pattern_step(scene, modifier, pattern, &self.layout)?),
                 ModifierKind::Mixture(mixture) => steps.push(self.mixed_steps(chains, modifier, mixture)?),
                 ModifierKind::Material(_) => {
-                    let message = "a material stands where a pattern or a texture is expected".to_owned();
+                    let message = "expected a pattern or a texture, found a material".to_owned();
                     return Err(at(modifier.span, message));
                 }
             }
@@ -311,7 +313,7 @@ impl Compiler<'_> {
         Ok(steps)
     }
 
-    /// The patterns and textures of a modifier that a material names beside its own.
+    /// Patterns and textures of a modifier that a material names in addition to its own.
     fn compile_appearances(
         &mut self,
         chains: &mut Chains<'_>,
@@ -332,7 +334,12 @@ impl Compiler<'_> {
         if let Some(parent) = modifier.modifier {
             let name = chains.scene.names.get(modifier.name);
             let parent = chains.scene.modifier_name(Some(parent));
-            return Err(at(modifier.span, format!("\"{parent}\" modifies \"{name}\", a mixture of materials")));
+            return Err(at(
+                modifier.span,
+                format!(
+                    "\"{parent}\" modifies \"{name}\", but a mixture of materials cannot be modified by a material"
+                ),
+            ));
         }
         self.enter(chains, modifier)?;
         let share = share(chains.scene, modifier, &mixture.amount)?;
@@ -350,10 +357,10 @@ impl Compiler<'_> {
         Ok(Kind::Mixture(Box::new(MixtureKind { share, arms, lets_light_through, mixtures, depth })))
     }
 
-    /// How many mixtures one hit on a mixture of these arms evaluates, and how deeply they are nested.
+    /// Number of mixtures that one hit on a mixture of these parts evaluates, and their depth.
     ///
-    /// An arm is compiled once, but each ray evaluates it wherever it is used: mixtures of one another double the work
-    /// with each line of the scene.
+    /// A part is compiled once, but each ray evaluates it wherever it is used. If each mixture
+    /// mixes the one before it twice, every line of the scene doubles the work.
     fn size_of_mixture(
         &self,
         chains: &Chains<'_>,
@@ -367,7 +374,7 @@ impl Compiler<'_> {
         let (mixtures, depth) = (1 + foreground.0 + background.0, 1 + foreground.1.max(background.1));
         let name = chains.scene.names.get(modifier.name);
         if depth > MAX_NESTING {
-            return Err(at(modifier.span, format!("mixture \"{name}\" is nested too deeply")));
+            return Err(at(modifier.span, format!("mixture \"{name}\" is nested more than {MAX_NESTING} deep")));
         }
         if mixtures > MAX_MIXTURES_OF_A_HIT {
             let message = format!(
@@ -379,16 +386,22 @@ impl Compiler<'_> {
         Ok((mixtures, depth))
     }
 
-    /// Notes that a mixture is begun: those in mixtures are compiled with each of them.
+    /// Counts a mixture when its compilation begins: the mixtures within it are compiled for each
+    /// of its uses.
     fn enter(&mut self, chains: &mut Chains<'_>, modifier: &Modifier) -> Result<(), Diagnostic> {
         chains.nesting += 1;
         self.mixtures += 1;
         let name = chains.scene.names.get(modifier.name);
         if chains.nesting > MAX_NESTING {
-            return Err(at(modifier.span, format!("mixture \"{name}\" is nested too deeply")));
+            return Err(at(modifier.span, format!("mixture \"{name}\" is nested more than {MAX_NESTING} deep")));
         }
         if self.mixtures > MAX_MIXTURES {
-            return Err(at(modifier.span, format!("mixture \"{name}\" is one too many")));
+            return Err(at(
+                modifier.span,
+                format!(
+                    "mixture \"{name}\" exceeds the limit of {MAX_MIXTURES} mixtures, each counted wherever it is used"
+                ),
+            ));
         }
         Ok(())
     }
@@ -411,7 +424,7 @@ impl Compiler<'_> {
         match material {
             Material::Light { radiance } => Ok(Kind::Emitter(Emitter::light(*radiance))),
             Material::Glow { radiance, max_radius } => {
-                Ok(Kind::Emitter(Emitter { class: EmitterClass::Glow(*max_radius), ..Emitter::light(*radiance) }))
+                Ok(Kind::Emitter(Emitter { class: EmitterType::Glow(*max_radius), ..Emitter::light(*radiance) }))
             }
             Material::Spotlight { radiance, cone_angle, direction, .. } => {
                 let cone = Some(((0.5 * cone_angle).cos(), *direction));
@@ -419,7 +432,7 @@ impl Compiler<'_> {
             }
             Material::Illum { radiance, substitute } => {
                 let substitute = self.substitute(chains, handle, *substitute)?.unwrap_or(Substitution::Void);
-                let emitter = Emitter { class: EmitterClass::Illum, ..Emitter::light(*radiance) };
+                let emitter = Emitter { class: EmitterType::Illum, ..Emitter::light(*radiance) };
                 Ok(Kind::Illum { emitter, substitute })
             }
             Material::Plastic(surface) => Ok(Kind::Glossy(glossy(surface, false))),
@@ -450,8 +463,8 @@ impl Compiler<'_> {
                 Ok(Kind::Scatterer(Box::new(Scatterer::Measured(kind))))
             }
             other => {
-                let look = |modifier| self.compile_appearances(chains, modifier);
-                match compile_scatterer(other, modifier.modifier, look) {
+                let appearances = |modifier| self.compile_appearances(chains, modifier);
+                match compile_scatterer(other, modifier.modifier, appearances) {
                     Some(scatterer) => scatterer.map(|scatterer| Kind::Scatterer(Box::new(scatterer))),
                     None => Err(not_yet("this type of material", modifier.span)),
                 }
@@ -460,8 +473,8 @@ impl Compiler<'_> {
     }
 }
 
-/// The paper's construction becomes its lobe, which is sampled exactly.
-fn recognised(mut shader: Shader) -> Shader {
+/// Replaces the paper's texture construction by its retroreflecting lobe, which is sampled exactly.
+fn specialised(mut shader: Shader) -> Shader {
     let textures = shader.textures.steps.iter().filter(|step| step.is_texture()).count();
     if let Kind::Glossy(glossy) = shader.kind
         && textures == 1

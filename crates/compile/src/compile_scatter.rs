@@ -1,4 +1,4 @@
-//! From the scattering materials of a scene to what renders them.
+//! Compiles the scattering materials of a scene.
 
 use radsight_bsdf::{
     Appearances, AshikhminKind, BrtdKind, Component, Scatterer, ScatteringKind, Sheet, WardFunctionKind,
@@ -7,12 +7,12 @@ use radsight_diag::Diagnostic;
 use radsight_ir::{Anisotropic, FunctionMaterial, Glossy, Material, ModifierHandle, ScatteringFunction, Translucent};
 use radsight_texture::Function;
 
-/// The scattering of a material; none if it scatters in some other way. `look` makes the patterns and textures of a modifier that it
-/// names beside its own, which is `own`.
+/// Compiles a scattering material; none for other materials. `appearances` compiles patterns and
+/// textures of a modifier that the material names in addition to `own`, its own modifier.
 pub(crate) fn compile_scatterer(
     material: &Material,
     own: Option<ModifierHandle>,
-    look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+    appearances: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
 ) -> Option<Result<Scatterer, Diagnostic>> {
     let opaque = |surface: &Anisotropic<Glossy>, metallic| {
         let translucent = Translucent { surface: surface.surface, transmissivity: 0.0, transmitted_specularity: 0.0 };
@@ -31,7 +31,7 @@ pub(crate) fn compile_scatterer(
                 exponents: exponents.map(|exponent| exponent.max(0.0)),
             })));
         }
-        Material::WardFunction(function) => return Some(ward_function(function, own, look)),
+        Material::WardFunction(function) => return Some(ward_function(function, own, appearances)),
         Material::Scattering(function) => return Some(Ok(Scatterer::Function(scattering(function)))),
         Material::BrtdFunction(function) => return Some(Ok(Scatterer::Brtd(brtd(function)))),
         _ => return None,
@@ -51,7 +51,7 @@ fn sheet(surface: Translucent, metallic: bool) -> Sheet {
     }
 }
 
-/// Two roughnesses are never smooth; Radiance refuses them below this.
+/// An anisotropic roughness is never smooth: Radiance rejects smaller values.
 const LEAST_ROUGHNESS: f64 = 1e-6;
 
 fn anisotropic<S>(material: &Anisotropic<S>, surface: Translucent, metallic: bool) -> Sheet {
@@ -80,18 +80,18 @@ fn brtd(material: &FunctionMaterial) -> BrtdKind {
 fn ward_function(
     material: &FunctionMaterial,
     own: Option<ModifierHandle>,
-    mut look: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
+    mut appearances: impl FnMut(ModifierHandle) -> Result<Appearances, Diagnostic>,
 ) -> Result<Scatterer, Diagnostic> {
-    let mut look_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
+    let mut appearances_of = |part: usize| match material.modifiers.get(part).copied().flatten() {
         None => Ok(Appearances::Plain),
         Some(modifier) if Some(modifier) == own => Ok(Appearances::Main),
-        Some(modifier) => look(modifier),
+        Some(modifier) => appearances(modifier),
     };
     Ok(Scatterer::WardFunction(WardFunctionKind {
         function: Function::new(&material.call),
         diffuse: material.diffuse,
-        reflection: Component { first_root: 0, look: look_of(0)? },
-        transmission: Component { first_root: 3, look: look_of(1)? },
-        diffuse_transmission: look_of(2)?,
+        reflection: Component { first_root: 0, appearances: appearances_of(0)? },
+        transmission: Component { first_root: 3, appearances: appearances_of(1)? },
+        diffuse_transmission: appearances_of(2)?,
     }))
 }

@@ -1,4 +1,4 @@
-//! From patterns, textures and mixtures to steps.
+//! Compiles patterns, textures and mixtures to steps.
 
 use crate::shader::Kind;
 use radsight_diag::Diagnostic;
@@ -10,7 +10,7 @@ use radsight_spectrum::Conversion;
 use radsight_texture::{BandLayout, Bands, Function, Lettering, Share, SpectralData, SpectralFunction, Step};
 use std::sync::Arc;
 
-/// The step of a texture; none for one that never turns the normal.
+/// Step of a texture; none if it never perturbs the normal.
 pub(crate) fn texture_step(texture: &Texture) -> Option<Step> {
     match texture {
         Texture::Function(call) => (constants(call) != Some([0.0; 3])).then(|| Step::Texture(Function::new(call))),
@@ -18,10 +18,10 @@ pub(crate) fn texture_step(texture: &Texture) -> Option<Step> {
     }
 }
 
-/// The step of a pattern; none for one that changes nothing.
+/// Step of a pattern; none if it changes nothing.
 ///
 /// # Errors
-/// What is wrong with a text.
+/// The error of a text pattern.
 pub(crate) fn pattern_step(
     scene: &Scene,
     modifier: &Modifier,
@@ -56,10 +56,10 @@ pub(crate) fn pattern_step(
     }))
 }
 
-/// How much of a mixture's foreground there is.
+/// Weight of a mixture's foreground.
 ///
 /// # Errors
-/// What is wrong with a text.
+/// The error of a text pattern.
 pub(crate) fn share(scene: &Scene, modifier: &Modifier, amount: &MixtureAmount) -> Result<Share, Diagnostic> {
     Ok(match amount {
         MixtureAmount::Function(call) => Share::Function(Function::new(call)),
@@ -69,7 +69,7 @@ pub(crate) fn share(scene: &Scene, modifier: &Modifier, amount: &MixtureAmount) 
     })
 }
 
-/// Takes colours that are the same everywhere into a material's own.
+/// Folds constant patterns into the material's own colour.
 pub(crate) fn fold_constants(steps: &mut Vec<Step>, kind: &mut Kind) {
     let own = match kind {
         Kind::Emitter(emitter) => &mut emitter.radiance,
@@ -86,7 +86,7 @@ pub(crate) fn fold_constants(steps: &mut Vec<Step>, kind: &mut Kind) {
     });
 }
 
-/// Which modifiers of a scene end in a material, by index, looking into mixtures too.
+/// Whether each modifier of a scene ends in a material, directly or through mixtures.
 pub(crate) fn ends_in_material(scene: &Scene) -> Vec<bool> {
     let mut ends: Vec<bool> = Vec::with_capacity(scene.modifiers.len());
     for modifier in scene.modifiers.items() {
@@ -102,7 +102,7 @@ pub(crate) fn ends_in_material(scene: &Scene) -> Vec<bool> {
     ends
 }
 
-/// The values of all roots of a call that are the same for every ray.
+/// Values of all roots of a call, if they are the same for every ray.
 fn constants<const ROOTS: usize>(call: &FunctionCall) -> Option<[f64; ROOTS]> {
     let mut values = [0.0; ROOTS];
     for (root, value) in values.iter_mut().enumerate() {
@@ -125,7 +125,8 @@ fn received(spectrum: &Spectrum, layout: &BandLayout) -> Bands {
 fn lettering(scene: &Scene, modifier: &Modifier, text: &TextPattern) -> Result<Lettering, Diagnostic> {
     Lettering::new(text, &scene.fonts[text.font]).ok_or_else(|| {
         let name = scene.names.get(modifier.name);
-        let error = Diagnostic::error(format!("the lines and the letters of \"{name}\" go the same way"));
+        let error =
+            Diagnostic::error(format!("the directions of the lines and of the letters of \"{name}\" are parallel"));
         match modifier.span {
             Some(span) => error.at(span),
             None => error,

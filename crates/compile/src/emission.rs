@@ -1,11 +1,11 @@
-//! What emitters give.
+//! Radiance of emitters.
 
 use crate::shader::{Emitter, Shader};
 use radsight_cal::Scratch;
 use radsight_ir::Scene;
 use radsight_texture::{SurfaceInteraction, bands, luminance, product};
 
-/// Radiance that leaves an emitter against the ray.
+/// Radiance that an emitter sends back along the ray, W/(sr·m²).
 pub fn emission<const BANDS: usize>(
     scene: &Scene,
     shader: &Shader,
@@ -25,8 +25,9 @@ pub fn emission<const BANDS: usize>(
     product(own, shader.appearance::<BANDS>(scene, interaction, scratch).color)
 }
 
-/// What a light gives where it is sampled: nothing where a pattern makes it darker than black, as one may that is read beyond the ends of its
-/// table. It is still seen as that, as in Radiance.
+/// Radiance of a light where light sampling evaluates it: a negative value counts as zero. A
+/// pattern may be negative beyond the ends of its table. View rays still see the negative value, as
+/// in Radiance.
 pub fn given<const BANDS: usize>(emission: [f64; BANDS]) -> [f64; BANDS] {
     if luminance(&emission) > 0.0 { emission } else { [0.0; BANDS] }
 }

@@ -1,35 +1,35 @@
-//! Where rays end, without what they bring.
+//! First hits of rays, without shading.
 
 use glam::DVec3;
 use radsight_accel::{Intersection, PrimitiveId};
 use radsight_ir::{ModifierHandle, ModifierKind, Scene, SurfaceHandle};
 
-/// Where the first ray ended.
+/// The first surface or distant source that a ray hits.
 #[derive(Clone, Copy, Debug)]
 pub struct FirstHit {
-    /// Distance, scene units.
+    /// Distance from the origin, scene units.
     pub distance: f64,
-    /// The point.
+    /// The hit point, scene coordinates.
     pub point: DVec3,
-    /// Unit geometric normal, the way the surface faces, which may be away from the ray.
+    /// Unit geometric normal of the surface's own orientation, which may face away from the ray.
     pub normal: DVec3,
-    /// Unit normal with textures.
+    /// Unit shading normal, textures included.
     pub perturbed_normal: DVec3,
-    /// The surface of the whole scene: a mesh or an instance where the ray ends within one.
+    /// Surface of the top-level scene: the mesh or instance if the hit is within one.
     pub surface: SurfaceHandle,
-    /// The number of the compiled material.
+    /// Index of the compiled material.
     pub material: u32,
     /// Local coordinates on a mesh; zero elsewhere.
     pub local: [f64; 2],
-    /// What was hit; [`PrimitiveId::NONE`] for a distant source.
+    /// The primitive that was hit; [`PrimitiveId::NONE`] for a distant source.
     pub primitive: PrimitiveId,
 }
 
-/// Stands for the material of all distant sources where surfaces are told apart.
+/// Material index of all distant sources.
 pub const DISTANT: u32 = u32::MAX;
 
 impl FirstHit {
-    /// At a surface; `distance` as it is told, which may count pieces before.
+    /// A hit on a surface. `distance` is the reported distance, which may include earlier segments.
     pub fn at(hit: &Intersection, distance: f64) -> FirstHit {
         FirstHit {
             distance,
@@ -43,7 +43,7 @@ impl FirstHit {
         }
     }
 
-    /// At a distant source.
+    /// A hit on a distant source.
     pub fn distant(surface: SurfaceHandle, direction: DVec3) -> FirstHit {
         FirstHit {
             distance: f64::INFINITY,
@@ -58,7 +58,7 @@ impl FirstHit {
     }
 }
 
-/// The name of the first material of a chain of modifiers; `void` for none.
+/// Name of the first material of a modifier chain; `void` for none.
 pub(crate) fn material_name(scene: &Scene, modifier: Option<ModifierHandle>) -> &str {
     let material = scene.chain(modifier).find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(_)));
     scene.original_name(material.map(|(handle, _)| handle))

@@ -1,4 +1,4 @@
-//! What went wrong in the functions of a scene while rays were traced.
+//! Evaluation errors of the scene's functions.
 
 use crate::plan::RenderPlan;
 use radsight_diag::Diagnostic;
@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 impl RenderPlan {
-    /// Whether a function of the scene had a fault in what was traced so far.
+    /// Whether a function of the scene has failed so far.
     #[must_use]
     pub fn has_function_faults(&self) -> bool {
         self.scenes().into_iter().any(|scene| {
@@ -15,17 +15,17 @@ impl RenderPlan {
         })
     }
 
-    /// A warning for each modifier whose functions had faults in what was traced so far: how many, of
-    /// which kind one of the first was, and at which point.
+    /// A warning for each modifier whose functions have failed so far: the number of failures, and
+    /// the kind and the point of one of the first.
     #[must_use]
     pub fn function_faults(&self) -> Vec<Diagnostic> {
-        // Modifiers that were read more than once share a program.
-        let mut told = BTreeSet::new();
+        // Modifiers of the same file share a program.
+        let mut reported = BTreeSet::new();
         let scenes = self.scenes().into_iter();
         let all = scenes.flat_map(|scene| scene.modifiers.iter().map(move |(handle, item)| (scene, handle, item)));
         all.filter_map(|(scene, handle, modifier)| {
             let program = program_of(modifier)?;
-            let faults = program.faults().filter(|_| told.insert(Arc::as_ptr(program)))?;
+            let faults = program.faults().filter(|_| reported.insert(Arc::as_ptr(program)))?;
             let [x, y, z] = faults.point;
             let evaluations =
                 if faults.count == 1 { "1 evaluation".to_owned() } else { format!("{} evaluations", faults.count) };
@@ -39,7 +39,7 @@ impl RenderPlan {
         .collect()
     }
 
-    /// The scene, and those that its instances bring along.
+    /// The scene, and the scenes of its instances.
     fn scenes(&self) -> Vec<&Scene> {
         let mut seen = BTreeSet::new();
         let placed = self.shaders.iter().filter_map(|shader| shader.textures.home.0.as_ref());

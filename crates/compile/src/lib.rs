@@ -1,9 +1,12 @@
-//! Compiles a valid scene for rendering: flat tables with ids, and what work is left out and why.
+//! Compiles a valid scene for rendering: flat tables with ids, and decisions about the work that
+//! can be skipped.
 //!
-//! A [`RenderPlan`] holds all that following rays asks for, and decides once what a scene needs: shaders by id, lights with their virtual
-//! sources, portals, what can stand between a surface and a light, which media there are. It is plain data; whoever follows rays reads it.
+//! A [`RenderPlan`] holds everything that tracing rays needs: shaders by id, lights with their
+//! virtual sources, portals, the blockers between surfaces and lights, and media. It is plain data
+//! that integrators read.
 //!
-//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a plan depends on scene, options and models alone. Knows no integrator.
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a plan depends on scene, options and
+//! models alone. The crate knows no integrator.
 #![forbid(unsafe_code)]
 
 mod antimatter;
@@ -57,7 +60,7 @@ pub use portals::{Portal, Portals, VisiblePortals};
 pub use prism::PrismKind;
 pub use reflectors::Reflector;
 pub use refraction::{DielectricInterface, Refracted};
-pub use shader::{Emitter, EmitterClass, Kind, MixtureKind, Shader, Substitution};
+pub use shader::{Emitter, EmitterType, Kind, MixtureKind, Shader, Substitution};
 pub use smooth_view::SmoothView;
 pub use unbounded::Unbounded;
 pub use visibility_class::{Receiver, Visibility, VisibilityClass};

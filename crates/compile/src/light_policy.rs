@@ -1,35 +1,36 @@
-//! How many lights are sampled at a point.
+//! Number of lights sampled at a point.
 
 use crate::options::{LightDivision, Quantity, RenderOptions, Uncached};
 use radsight_light::Light;
 
-/// Up to so many lights each one is sampled at every point; of more, so many are drawn.
+/// Up to `all` lights every light is sampled; of more, `draws` are selected.
 #[derive(Clone, Copy, Debug)]
 struct LightSelectionPolicy {
     all: usize,
     draws: u32,
 }
 
-/// Where a path is seen from the eye, and where it was scattered before: many such places share a pixel. From 16 to 100,000 lights so many draws gave
-/// about the least error for the time.
+/// Policy at points seen from the eye, and on paths that were scattered before. Many such points
+/// share a pixel. With 16 to 100,000 lights these numbers gave about the least error for the time.
 const SELECTION: [LightSelectionPolicy; 2] =
     [LightSelectionPolicy { all: 24, draws: 8 }, LightSelectionPolicy { all: 12, draws: 4 }];
 
-/// Where a ray that counts by itself meets its first surface: no pixel averages what is drawn
-/// there.
+/// Policy at the first surface of a ray whose value counts by itself: no pixel averages its
+/// selections.
 const SPLIT_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 128, draws: 64 };
 
-/// Where a pixel has few rays.
+/// Policy if pixels have few rays.
 const DIVIDED_SELECTION: LightSelectionPolicy = LightSelectionPolicy { all: 32, draws: 32 };
 
-/// So many images of lights count as one light: from most places most of them are not seen.
+/// Number of virtual images that count as one light: most images are invisible from most points.
 const IMAGES_FOR_ONE: usize = 3;
 
-/// With no more lights than this there is never a choice.
+/// Up to this number of lights, every light is sampled.
 pub(crate) const ALWAYS_ALL: usize = SELECTION[1].all;
 
-/// How many lights are drawn at a point that is seen from the eye, and at one on a path that was scattered before; 0 where each is sampled: where few
-/// are, and where it is asked what each of them gives.
+/// Number of lights selected at a point seen from the eye, and on a path that was scattered before.
+/// Zero means that every light is sampled: if there are few, or if each light's contribution is
+/// reported.
 pub(crate) fn light_draws(lights: &[Light], has_tree: bool, options: &RenderOptions) -> [u32; 2] {
     let real = lights.partition_point(|light| light.virtual_sources.is_empty());
     let like_lights = real + (lights.len() - real) / IMAGES_FOR_ONE;
@@ -43,8 +44,8 @@ pub(crate) fn light_draws(lights: &[Light], has_tree: bool, options: &RenderOpti
         .map(|LightSelectionPolicy { all, draws }| if samples_all || like_lights <= all { 0 } else { draws })
 }
 
-/// Whether no others are drawn in the place of what is drawn where a ray meets its first surface:
-/// at sensors, and where it splits.
+/// Whether the first surface's selections are final, because no other rays average them: at
+/// sensors, and where the ray splits.
 fn splits_first(options: &RenderOptions) -> bool {
     let is_sensor = options.quantity != Quantity::Radiance;
     let splits = options.ambient_bounces > 0 && options.gathering.accuracy == 0.0;

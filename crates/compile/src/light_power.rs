@@ -1,4 +1,5 @@
-//! How bright a light is, about: lights are drawn by that. A pattern, such as a luminaire's measured distribution, is looked at from all around.
+//! Estimates the radiance of lights, for light selection. A pattern, such as a luminaire's measured
+//! distribution, is averaged over all directions.
 
 use crate::emission::emission;
 use crate::plan::RenderPlan;
@@ -12,14 +13,15 @@ use radsight_texture::SurfaceInteraction;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-/// Directions in which the pattern of a light is looked at.
-const LOOKS: u32 = 16;
+/// Number of directions in which a light's pattern is evaluated.
+const DIRECTIONS: u32 = 16;
 
-/// Of no more lights beams are looked for: it takes milliseconds each, and large lights are few.
+/// Maximum number of lights that get an emission profile: each takes milliseconds, and large lights
+/// are few.
 const MOST_PROFILES: usize = 16;
 
 impl RenderPlan {
-    /// The mean over the directions into which a light shines of its strongest band, W/(sr·m²).
+    /// Radiance of the strongest band, averaged over the light's emission directions, W/(sr·m²).
     pub fn typical_radiance(&self, light: &Light) -> f64 {
         let shader = self.shader(light.surface);
         let Some(emitter) = shader.kind.emitter() else { return 0.0 };
@@ -27,18 +29,18 @@ impl RenderPlan {
             let Rgb(radiance) = emitter.radiance;
             return radiance.into_iter().fold(0.0, f64::max);
         }
-        // What a mirror shows shines as it does itself.
+        // A virtual image has the radiance of its light.
         let light = self.lights_of(light.surface).next().map_or(light, |id| &self.lights[id.0 as usize]);
         let mut scratch = Scratch::default();
-        let look = |index: u32| {
+        let radiance_from = |index: u32| {
             let interaction =
-                self.facing(light, [(f64::from(index) + 0.5) / f64::from(LOOKS), f64::from(index) * GOLDEN]);
+                self.facing(light, [(f64::from(index) + 0.5) / f64::from(DIRECTIONS), f64::from(index) * GOLDEN]);
             self.strongest_emission(shader, &interaction, &mut scratch)
         };
-        (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS)
+        (0..DIRECTIONS).map(radiance_from).sum::<f64>() / f64::from(DIRECTIONS)
     }
 
-    /// The strongest band of what an emitter shows; nothing of what is none.
+    /// Radiance of an emitter's strongest band, W/(sr·m²); zero if the shader does not emit.
     pub fn strongest_emission(&self, shader: &Shader, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> f64 {
         match self.bands {
             1 => self.strongest_of::<1>(shader, interaction, scratch),
@@ -60,7 +62,7 @@ impl RenderPlan {
         radiance.into_iter().filter(|band| band.is_finite()).fold(0.0, f64::max)
     }
 
-    /// Finds the beams of lights whose pattern makes them narrow.
+    /// Computes emission profiles of lights with a narrow distribution.
     pub fn find_profiles(&mut self) {
         let profiles: Vec<(usize, EmissionProfile)> = self
             .lights
@@ -84,7 +86,8 @@ impl RenderPlan {
         })
     }
 
-    /// A view of the middle of a light, evenly spread over the directions into which it shines by its height (from 0 to 1) and turn.
+    /// Interaction at the light's centre, for a direction uniform over the light's emission by
+    /// height (0…1) and azimuth.
     fn facing(&self, light: &Light, [height, turn]: [f64; 2]) -> SurfaceInteraction {
         let (axis, widest) = match (&light.form, &light.cone, light.form.plane()) {
             (LightForm::Distant { direction, half_angle_sin_squared_half, .. }, ..) => {
@@ -102,7 +105,8 @@ impl RenderPlan {
         if light.radius.is_infinite() { SurfaceInteraction::distant(out) } else { self.seen_against(light, out) }
     }
 
-    /// A view of the middle of a light that is not distant, against the unit direction `out` of its rays.
+    /// Interaction at the centre of a light at a finite distance, seen against the unit emission
+    /// direction `out`.
     fn seen_against(&self, light: &Light, out: DVec3) -> SurfaceInteraction {
         let normal = light.form.plane().map_or(out, |(normal, _)| normal);
         let distance = self.bounding_sphere().1;
@@ -111,5 +115,5 @@ impl RenderPlan {
     }
 }
 
-/// Turns by this share of a circle never repeat (the golden section).
+/// Fraction of a circle whose multiples never repeat (the golden section).
 const GOLDEN: f64 = 0.618_033_988_749_895;

@@ -1,4 +1,4 @@
-//! Finding the lights of a scene, and their images in plane mirrors and prisms.
+//! Collects the lights of a scene, and their virtual images in plane mirrors and prisms.
 
 use crate::prism::PrismKind;
 use crate::prism_image::PrismInteraction;
@@ -10,7 +10,7 @@ use radsight_ir::{Material, ModifierKind, Ring, Scene, Shape, SurfaceHandle, Val
 use radsight_light::{Light, LightCone, LightForm, Redirection, VirtualSource, virtual_form};
 use radsight_texture::SurfaceInteraction;
 
-/// All lights: real ones first, then their images in one mirror or prism, in two, and so on.
+/// All lights: first the real ones, then their images in one mirror or prism, in two, and so on.
 pub(crate) fn collect_lights<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
@@ -83,19 +83,19 @@ fn real_light(scene: &Scene, handle: SurfaceHandle, primitive: Option<PrimitiveI
     })
 }
 
-/// No more images of lights are made: in a hall of mirrors each further one is weaker.
+/// Maximum number of virtual images: in a hall of mirrors each further one is weaker.
 const MAX_IMAGES: usize = 1 << 13;
 
-/// A flat surface that makes images of lights.
+/// A flat surface that makes virtual images of lights.
 struct VirtualSourceSurface<'a> {
     surface: SurfaceHandle,
     member: MemberId,
     point: DVec3,
     normal: DVec3,
-    /// Points whose convex hull holds it, and their mean.
+    /// Points whose convex hull contains the surface, and their mean.
     corners: Vec<DVec3>,
     middle: DVec3,
-    /// `None` for a mirror.
+    /// The prism; `None` for a mirror.
     prism: Option<&'a PrismKind>,
 }
 
@@ -132,7 +132,8 @@ fn collect_virtual_surfaces<'a>(
 }
 
 impl VirtualSourceSurface<'_> {
-    /// The images of a light in a mirror that it stands in front of, or by way of the faces of a prism.
+    /// Virtual images of a light: in a mirror with the light in front of it, or in each face of a
+    /// prism.
     fn images_of(&self, light: &Light) -> impl Iterator<Item = Light> {
         let is_own = light.virtual_sources.first().is_some_and(|last| last.surface == self.surface);
         let is_dark = is_own || light.surface == self.surface || !self.is_lit_by(light);
@@ -146,7 +147,8 @@ impl VirtualSourceSurface<'_> {
             } else {
                 virtual_source.image_of_point(light.center)
             };
-            // Behind a prism the cone is not sharp at one place: what arrives decides.
+            // Behind a prism the cone has no sharp boundary at one point: the radiance at the prism
+            // decides.
             let cone = light.cone.filter(|_| redirection.is_none());
             let cone = cone.map(|cone| LightCone { axis: virtual_source.image_of_direction(cone.axis), ..cone });
             let radius = if redirection.is_some() { light.radius * (1.0 + shift.length()) } else { light.radius };
@@ -155,12 +157,14 @@ impl VirtualSourceSurface<'_> {
             let form = image.unwrap_or_else(|| virtual_form(&light.form, &virtual_source));
             let mut virtual_sources = vec![virtual_source];
             virtual_sources.extend_from_slice(&light.virtual_sources);
-            // The relays further along are seen in this one: real rays are unfolded one at a time, so they stay as they are.
+            // Earlier mirrors are seen through this one. Rays are unfolded one mirror at a time, so
+            // their planes stay.
             Light { form, center, radius, cone, virtual_sources, ..light.clone() }
         })
     }
 
-    /// Whether any light can come from the light, and from the mirror in which it is seen.
+    /// Whether the surface can receive light from the light and from the mirror of its virtual
+    /// image.
     fn is_lit_by(&self, light: &Light) -> bool {
         let reaches_before =
             |(normal, point): (DVec3, DVec3)| self.corners.iter().any(|corner| normal.dot(*corner - point) > 0.0);
@@ -169,7 +173,7 @@ impl VirtualSourceSurface<'_> {
             && last.is_none_or(|last| reaches_before((last.normal, last.point)))
     }
 
-    /// The shifts that make images of a light.
+    /// Displacements that make virtual images of a light.
     fn ways(&self, light: &Light) -> Vec<(DVec3, Option<Redirection>)> {
         let is_distant = light.radius.is_infinite();
         let Some(prism) = self.prism else {

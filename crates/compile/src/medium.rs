@@ -1,76 +1,79 @@
-//! What fills the space that a ray crosses: absorbing bodies, mist, and the medium around everything.
+//! Participating media: absorbing volumes, mist, and the medium around the scene.
 //!
-//! A ray is dimmed by `exp(−σd)` over the distance d, σ its medium's extinction (Beer and Lambert). Mist scatters the light of the sources
-//! that it names into the ray: at each place `σ·a·p(θ)·L`, with a the albedo, L the source's radiance as it arrives, and Henyey and
-//! Greenstein's phase function `p(θ) = (1 − g²)/(4π(1 + g² − 2g·cos θ)^1.5)` (Astrophysical Journal 93, 1941), θ between the direction
-//! in which the light travels and that towards the viewer. As in Radiance a shadow ray loses only what is absorbed, `exp(−(1 − a)σd)`,
-//! and light that is scattered twice is a constant, the ambient value.
+//! A ray is attenuated by `exp(−σd)` over the distance d, with σ the medium's extinction (Beer and
+//! Lambert). Mist scatters light of the sources that it names into the ray: at each point
+//! `σ·a·p(θ)·L`, with the albedo a, the incident radiance L of the source, and the phase function
+//! of Henyey and Greenstein `p(θ) = (1 − g²)/(4π(1 + g² − 2g·cos θ)^1.5)` (Astrophysical Journal
+//! 93, 1941). θ is the angle between the light's propagation direction and the direction towards
+//! the viewer. As in Radiance, a shadow ray loses only what is absorbed, `exp(−(1 − a)σd)`, and
+//! multiply scattered light is a constant, the ambient value.
 
 use glam::DVec3;
 use radsight_ir::{Mist, Rgb};
 use radsight_texture::bands;
 use std::f64::consts::PI;
 
-/// Extinction where a transmissivity is zero: nothing comes through a hundredth of a scene unit.
+/// Extinction of a transmissivity of zero, 1/scene unit.
 const OPAQUE: f64 = 100.0;
 
 /// Transmissivities below this count as zero.
 const LEAST_TRANSMISSIVITY: f64 = 1e-40;
 
-/// What fills the space along a ray.
+/// The medium along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium<const BANDS: usize> {
-    /// 1/scene unit.
+    /// Extinction coefficient, 1/scene unit.
     pub extinction: [f64; BANDS],
-    /// Share of the extinction that is scattering.
+    /// Scattering albedo: fraction of the extinction that is scattering.
     pub albedo: [f64; BANDS],
-    /// Henyey and Greenstein's g.
+    /// Eccentricity g of Henyey and Greenstein's phase function.
     pub eccentricity: f64,
-    /// Which lights it scatters, as bits of the plan's list.
+    /// Lights that it scatters, as bits of the plan's list.
     pub lights: u64,
 }
 
-/// The `mist` material.
+/// Parameters of `mist`.
 #[derive(Clone, Debug)]
 pub struct MistKind {
     extinction: Rgb,
     albedo: Option<Rgb>,
     eccentricity: Option<f64>,
-    /// The lights that it names.
+    /// Names of the lights that it scatters.
     pub names: Vec<String>,
-    /// The same as bits of the plan's list.
+    /// The same lights, as bits of the plan's list.
     pub lights: u64,
 }
 
 impl<const BANDS: usize> Medium<BANDS> {
-    /// A body that absorbs.
+    /// An absorbing volume.
     pub fn absorbing(transmissivity: Rgb, pattern: [f64; BANDS], lights: u64) -> Self {
         let own: [f64; BANDS] = bands(transmissivity);
         let extinction = std::array::from_fn(|band| extinction(own[band] * pattern[band]));
         Medium { extinction, albedo: [0.0; BANDS], eccentricity: 0.0, lights }
     }
 
-    /// What is left of light over a distance.
+    /// Transmittance over a distance.
     pub fn transmission(&self, distance: f64) -> [f64; BANDS] {
         self.extinction.map(|extinction| passage(extinction, distance))
     }
 
-    /// What is left of light on its way from a source, which Radiance does not dim by what is scattered.
+    /// Transmittance over a distance for a shadow ray, which Radiance does not attenuate by
+    /// scattering.
     pub fn shadow_transmission(&self, distance: f64) -> [f64; BANDS] {
         std::array::from_fn(|band| passage(self.extinction[band] * (1.0 - self.albedo[band]), distance))
     }
 
-    /// Whether light of some source is scattered into a ray.
+    /// Whether it scatters light of any source into a ray.
     pub fn scatters_lights(&self) -> bool {
         self.lights != 0 && self.scatters() && self.eccentricity < 1.0 - 1e-6
     }
 
-    /// Whether it scatters at all.
+    /// Whether it scatters light.
     pub fn scatters(&self) -> bool {
         (0..BANDS).any(|band| self.extinction[band] * self.albedo[band] > 0.0)
     }
 
-    /// The phase function for light that travels along `-to_light` and leaves along `-along_ray`, 1/sr.
+    /// Phase function for light that travels along `-to_light` and leaves along `-along_ray`, 1/sr.
     pub fn phase(&self, along_ray: DVec3, to_light: DVec3) -> f64 {
         let g = self.eccentricity;
         let base = 1.0 + g * g - 2.0 * g * along_ray.dot(to_light);
@@ -79,7 +82,7 @@ impl<const BANDS: usize> Medium<BANDS> {
 }
 
 fn passage(extinction: f64, distance: f64) -> f64 {
-    // Nothing times an infinite distance is nothing.
+    // Zero extinction over an infinite distance attenuates nothing.
     if extinction <= 0.0 { 1.0 } else { (-extinction * distance).exp() }
 }
 
@@ -88,7 +91,7 @@ fn extinction(transmissivity: f64) -> f64 {
 }
 
 impl MistKind {
-    /// The material, without its lights.
+    /// The material; its lights are resolved later.
     pub fn new(mist: &Mist) -> MistKind {
         MistKind {
             extinction: mist.extinction,
@@ -99,17 +102,17 @@ impl MistKind {
         }
     }
 
-    /// Whether every band is the same.
+    /// Whether every band has the same parameters.
     pub fn is_grey(&self) -> bool {
         self.extinction.is_grey() && self.albedo.is_none_or(Rgb::is_grey)
     }
 
-    /// Whether it scatters any light itself.
+    /// Whether it adds scattering to its surroundings.
     pub fn scatters(&self) -> bool {
         self.albedo.is_some_and(|albedo| !albedo.is_black())
     }
 
-    /// The medium behind the surface for a ray that enters: mist adds to what is there.
+    /// Medium behind the surface for a ray that enters: mist adds to the surrounding medium.
     pub fn entered<const BANDS: usize>(&self, outside: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
         let own: [f64; BANDS] = bands(self.extinction);
         Medium {
@@ -120,12 +123,13 @@ impl MistKind {
         }
     }
 
-    /// The medium that a leaving ray has crossed: that in which it started, unless it started inside of the mist without knowing.
+    /// Medium that a leaving ray has crossed: the one where it started, unless it started inside
+    /// the mist unknowingly.
     pub fn crossed<const BANDS: usize>(&self, ray: Medium<BANDS>, pattern: [f64; BANDS]) -> Medium<BANDS> {
         if ray.lights & self.lights == self.lights { ray } else { self.entered(ray, pattern) }
     }
 
-    /// The medium beyond the surface for a ray that leaves.
+    /// Medium beyond the surface for a ray that leaves.
     pub fn left<const BANDS: usize>(
         &self,
         inside: Medium<BANDS>,
@@ -168,14 +172,14 @@ mod tests {
     }
 
     #[test]
-    fn a_positive_eccentricity_sends_light_on_the_way_it_goes() {
+    fn a_positive_eccentricity_scatters_light_forward() {
         let forward = medium(0.7).phase(DVec3::Z, DVec3::Z);
         let backward = medium(0.7).phase(DVec3::Z, -DVec3::Z);
         assert!(forward > 10.0 * backward);
     }
 
     #[test]
-    fn mist_that_is_entered_and_left_leaves_nothing() {
+    fn entering_and_leaving_mist_restores_the_medium() {
         let nothing = Medium { extinction: [0.0], albedo: [0.0], eccentricity: 0.0, lights: 0 };
         let mist = MistKind {
             extinction: Rgb([3.0; 3]),
@@ -187,7 +191,7 @@ mod tests {
         let inside = mist.entered(nothing, [0.5]);
         assert_eq!(inside.extinction, [1.5]);
         assert_eq!(mist.left(inside, [0.5], &nothing), nothing);
-        // A ray that starts inside knows nothing of it until it leaves.
+        // A ray that starts inside mist does not know it until it leaves.
         assert_eq!(mist.crossed(nothing, [0.5]), inside);
     }
 

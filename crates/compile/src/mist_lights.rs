@@ -1,20 +1,20 @@
-//! The lights that mist scatters.
+//! Lights that mist scatters.
 
 use crate::shader::{Kind, Shader};
 use radsight_diag::Diagnostic;
 use radsight_ir::Scene;
 use radsight_light::{Light, LightId};
 
-/// The most lights that all mist of a scene can name.
+/// Maximum number of lights that the mist of a scene can name.
 pub(crate) const MAX_MIST_LIGHTS: usize = 64;
 
-/// The lights that mist names: bit k of a medium's lights is entry k.
+/// Lights named by mist: bit k of a medium's lights is entry k.
 #[derive(Debug, Default)]
 pub struct MistLights(pub Vec<LightId>);
 
 impl MistLights {
-    /// Finds the lights that the mist of a scene names, and sets the bits in its shaders. A name that no light has is passed over, as in
-    /// Radiance.
+    /// Resolves the lights that the scene's mist names, and sets their bits in its shaders. Names
+    /// that match no light are ignored, as in Radiance.
     pub fn new(scene: &Scene, lights: &[Light], shaders: &mut [Shader]) -> Result<MistLights, Diagnostic> {
         let mut found = MistLights::default();
         for shader in shaders {
@@ -37,11 +37,11 @@ impl MistLights {
     }
 }
 
-/// Whether a name is that of a light: `mirror>lamp` is the image of `lamp` in `mirror`.
+/// Whether a name denotes a light: `mirror>lamp` is the image of `lamp` in `mirror`.
 fn is_named(scene: &Scene, light: &Light, name: &str) -> bool {
     let mut words = name.split('>').rev();
     let own = words.next() == Some(scene.surface_name(light.surface));
-    // The mirrors of a light stand in the order in which the receiver sees them.
+    // The list of mirrors begins at the receiver; a name begins at it as well after reversal.
     let mirrors = light.virtual_sources.iter().rev().map(|mirror| scene.surface_name(mirror.surface));
     own && words.eq(mirrors)
 }

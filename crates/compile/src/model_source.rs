@@ -1,47 +1,47 @@
-//! Reflectance models from elsewhere.
+//! Reflectance models of plugins.
 
 use radsight_brdf::Brdf;
 use radsight_diag::{Diagnostic, Span};
 use std::sync::Arc;
 
-/// A reflectance model that a scene asks for.
+/// A request of the scene for a reflectance model.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelRequest<'a> {
     /// Name of the material.
     pub material: &'a str,
-    /// Where the material stands.
+    /// Position of the material in the scene text.
     pub span: Option<Span>,
-    /// File name of the library, without directory and suffix.
+    /// Name of the library file, without directory and suffix.
     pub library: &'a str,
-    /// Model in the library.
+    /// Name of the model in the library.
     pub model: &'a str,
-    /// Further words.
+    /// Remaining string arguments.
     pub words: &'a [String],
-    /// Parameters.
+    /// Real arguments.
     pub numbers: &'a [f64],
-    /// Where library, model, words and numbers stand, one after the other; empty where they stand nowhere.
+    /// Positions of library, model, strings and numbers, in this order; empty if there are none.
     pub tokens: &'a [Span],
-    /// One, or red, green and blue.
+    /// Number of bands: one, or three for red, green and blue.
     pub bands: usize,
 }
 
-/// Where the reflectance models that a scene names come from.
+/// Source of the reflectance models that a scene names.
 pub trait ModelSource {
     /// The model of a `brdfplugin` primitive.
     ///
     /// # Errors
-    /// What is wrong, at its token.
+    /// The error, at the position of its token.
     fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic>;
 }
 
-/// Knows no model.
+/// A source without models.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoModels;
 
 impl ModelSource for NoModels {
     fn model(&self, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
         let ModelRequest { library, model, .. } = request;
-        let error = Diagnostic::error(format!("no plugin \"{library}\" with a model \"{model}\" is at hand"));
+        let error = Diagnostic::error(format!("no plugin \"{library}\" with a model \"{model}\" was found"));
         Err(match request.span {
             Some(span) => error.at(span),
             None => error,

@@ -1,4 +1,4 @@
-//! The program's own retroreflectors, which a scene names as it names those of a plugin.
+//! Built-in retroreflectors, which a scene names like those of a plugin.
 
 use crate::model_source::{ModelRequest, ModelSource};
 use radsight_brdf::Brdf;
@@ -6,7 +6,8 @@ use radsight_diag::{Diagnostic, hint_nearest};
 use radsight_retro::{LIBRARY, MODELS, ModelError};
 use std::sync::Arc;
 
-/// The model of a `brdfplugin` primitive: ours where the library's name is [`LIBRARY`], else one from elsewhere.
+/// The model of a `brdfplugin` primitive: built-in if the library is [`LIBRARY`], otherwise from
+/// `models`.
 pub(crate) fn native_or(models: &dyn ModelSource, request: &ModelRequest<'_>) -> Result<Arc<dyn Brdf>, Diagnostic> {
     if request.library != LIBRARY {
         return models.model(request);
@@ -15,7 +16,7 @@ pub(crate) fn native_or(models: &dyn ModelSource, request: &ModelRequest<'_>) ->
     made.map(|sheet| Arc::new(sheet) as Arc<dyn Brdf>).map_err(|error| at_token(&error, request))
 }
 
-/// The error at the token that is wrong; at the model's name where one is missing.
+/// The error at its token; at the model's name if a token is missing.
 fn at_token(error: &ModelError, request: &ModelRequest<'_>) -> Diagnostic {
     let token = match error {
         ModelError::Word { index, .. } => 2 + index,

@@ -1,4 +1,4 @@
-//! What a scene needs, decided once before the first ray.
+//! The render plan: what a scene needs, decided once before the first ray.
 
 use crate::first_hit::{FirstHit, material_name};
 use crate::hierarchy_choice::HierarchyChoice;
@@ -17,64 +17,68 @@ use radsight_light::{Light, LightId, LightTree};
 use radsight_texture::{BandLayout, bands};
 use std::sync::{Arc, OnceLock};
 
-/// A scene made ready for rays.
+/// A scene compiled for rendering.
 #[derive(Debug)]
 pub struct RenderPlan {
-    /// What is rendered.
+    /// The scene.
     pub scene: ValidScene,
-    /// How.
+    /// Rendering options.
     pub options: RenderOptions,
-    /// Where rays meet its surfaces.
+    /// Acceleration structure of its surfaces.
     pub geometry: Geometry,
-    /// How its hierarchies were built, and for how many rays.
+    /// Builder of the hierarchies, and the number of rays it was chosen for.
     pub(crate) hierarchy: HierarchyChoice,
-    /// By [`ShaderId`].
+    /// Shaders by [`ShaderId`].
     pub shaders: Vec<Shader>,
-    /// Which of them each modifier is.
+    /// Shader of each modifier.
     pub shader_table: ShaderTable,
-    /// Real ones first, then their images in mirrors and prisms.
+    /// Lights: first the real ones, then their images in mirrors and prisms.
     pub lights: Vec<Light>,
-    /// The lights, real and mirrored, of each surface that has any, sorted by surface.
+    /// Lights, real and virtual, of each emitting surface, sorted by surface.
     pub lights_of: Vec<(SurfaceHandle, LightId)>,
-    /// From which some of them are drawn where they are many.
+    /// Light tree for selection, if there are many lights.
     pub light_tree: Option<LightTree>,
-    /// How many: at points that are seen from the eye, and on paths that were scattered before; 0 where each light is sampled.
+    /// Number of lights selected at points seen from the eye, and on paths that were scattered
+    /// before; 0 if every light is sampled.
     pub light_draws: [u32; 2],
-    /// Where light that is no light's comes in; none where no interreflection is followed.
+    /// Portals of indirect light; empty if no interreflection is computed.
     pub portals: Portals,
-    /// Curved mirrors that may show lights.
+    /// Curved mirrors that may reflect lights.
     pub reflectors: Vec<Reflector>,
-    /// Whether irradiance has details as fine as can be seen.
+    /// Whether indirect irradiance has caustics, with details as fine as pixels.
     pub has_caustics: bool,
-    /// Distant sources in the order in which a ray that leaves the scene tries them.
+    /// Distant sources, in the order in which a ray that leaves the scene tests them.
     pub sky: Vec<Sky>,
-    /// Which lights reach which primitive, and what stands between.
-    pub reach: Visibility,
-    /// Whether anything lets light through, or is taken to, so that a shadow ray goes on after a hit.
+    /// Visibility between primitives and lights.
+    pub visibility: Visibility,
+    /// Whether anything transmits light (or must be assumed to), so that a shadow ray continues
+    /// after a hit.
     pub see_through: bool,
-    /// What lets light through in front of what it lies on, though it counts as opaque.
+    /// Transmitting surfaces that count as opaque and lie on other surfaces.
     pub veils: Vec<MemberId>,
-    /// Whether anything bends or dims shadow rays, or stands in for something else, so that they are followed from surface to surface.
-    pub shadows_bend: bool,
-    /// Whether anything fills the space that rays cross.
+    /// Whether anything refracts or attenuates shadow rays, or has an alternate material, so that
+    /// they are traced from surface to surface.
+    pub shadow_rays_interact: bool,
+    /// Whether there are participating media.
     pub has_media: bool,
-    /// Whether light sampling finds all the light of lights, so that drawn rays find none: light comes through mist as it would not to them.
+    /// Whether light sampling accounts for all light of lights, so that BSDF samples ignore it:
+    /// mist attenuates the two differently.
     pub lights_are_covered: bool,
-    /// Whether surfaces can be cut away.
+    /// Whether surfaces can be subtracted by antimatter.
     pub has_antimatter: bool,
-    /// What can be cut away, ascending.
+    /// Shaders that antimatter cuts, ascending.
     pub cut_shaders: Vec<ShaderId>,
-    /// The lights that mist scatters.
+    /// Lights that mist scatters.
     pub mist_lights: MistLights,
-    /// Whether interreflection is left out on the surfaces of a shader; empty for none.
+    /// Whether each shader's surfaces are without interreflection; empty if none are.
     pub excluded: Vec<bool>,
-    /// How many places the tracer has.
+    /// Number of elements of a ray's band array.
     pub bands: usize,
-    /// Where each band stands in the arrays.
+    /// Layout of the bands in that array.
     pub layout: Arc<BandLayout>,
-    /// The first surface with an unusable material that a ray met.
-    pub unusable_met: OnceLock<(SurfaceHandle, ShaderId)>,
-    /// Rays whose radiance no picture can hold.
+    /// The first surface with an unusable material that a ray hit.
+    pub unusable_hit: OnceLock<(SurfaceHandle, ShaderId)>,
+    /// Counter of rays whose radiance exceeds the range of pictures.
     pub unbounded: Unbounded,
     pub(crate) decisions: Vec<PlanDecision>,
 }
@@ -82,37 +86,38 @@ pub struct RenderPlan {
 /// A distant source.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky {
-    /// The surface.
+    /// Its surface.
     pub surface: SurfaceHandle,
-    /// Unit, towards its middle.
+    /// Unit vector towards its centre.
     pub direction: glam::DVec3,
-    /// `sin²` of a quarter of the full angle: half of one minus the cosine of the half angle.
+    /// `sin²` of a quarter of the full angle, that is (1 − cos)/2 of the half angle.
     pub cap: f64,
 }
 
-/// One decision of the plan, for `explain`.
+/// A decision of the plan, for `explain`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanDecision {
-    /// What is done or left out.
+    /// What is done or skipped.
     pub what: String,
     /// Why.
     pub why: String,
-    /// The work that is left out by it, if it leaves any out.
+    /// The work that is skipped, if any.
     pub skip: Option<Skip>,
 }
 
 impl RenderPlan {
-    /// Whether paths by way of specular surfaces to lamps are solved for.
+    /// Whether specular paths to lamps are solved for.
     #[must_use]
     pub fn samples_caustics(&self) -> bool {
         let are_followed = !self.has_antimatter && !self.lights_are_covered;
         self.options.caustics == Caustics::Sampled && are_followed && !self.reflectors.is_empty()
     }
 
-    /// The error of a ray that met a surface whose material cannot be used; what was traced is then worthless.
+    /// Error of a ray that hit a surface whose material cannot be used; the picture is then
+    /// invalid.
     #[must_use]
-    pub fn unusable_met(&self) -> Option<Diagnostic> {
-        let (surface, shader) = *self.unusable_met.get()?;
+    pub fn unusable_hit(&self) -> Option<Diagnostic> {
+        let (surface, shader) = *self.unusable_hit.get()?;
         let name = self.scene.surface_name(surface);
         let shader = &self.shaders[shader.0 as usize];
         let (_, modifier) = shader
@@ -122,32 +127,32 @@ impl RenderPlan {
             .chain(shader.modifier)
             .find(|(_, modifier)| matches!(modifier.kind, ModifierKind::Material(Material::Unusable { .. })))?;
         let ModifierKind::Material(Material::Unusable { reason }) = &modifier.kind else { return None };
-        let error = Diagnostic::error(format!("a ray met \"{name}\", whose material cannot be used: {reason}"));
+        let error = Diagnostic::error(format!("a ray hit \"{name}\", whose material cannot be used: {reason}"));
         Some(match modifier.span {
             Some(span) => error.at(span),
             None => error,
         })
     }
 
-    /// What chooses the sample sequence.
+    /// Seed of the sample sequences.
     #[must_use]
     pub fn seed(&self) -> u64 {
         self.options.seed
     }
 
-    /// How many bands are traced: one for a grey scene, else red, green and blue, or those of a spectrum.
+    /// Number of traced bands: one for a grey scene, three for colour, or those of a spectrum.
     #[must_use]
     pub fn bands(&self) -> usize {
         if self.layout.sampling().is_rgb() { self.bands } else { self.layout.sampling().bands() }
     }
 
-    /// The decisions, in words.
+    /// The plan's decisions, as text.
     #[must_use]
     pub fn decisions(&self) -> &[PlanDecision] {
         &self.decisions
     }
 
-    /// How many surfaces a ray can meet.
+    /// Number of surfaces in the acceleration structure.
     #[must_use]
     pub fn surface_count(&self) -> usize {
         self.geometry.len() + self.sky.len()
@@ -159,13 +164,13 @@ impl RenderPlan {
         self.shaders.iter().any(|shader| matches!(shader.kind, Kind::Emitter(_)))
     }
 
-    /// Centre and radius of a sphere around all surfaces that have a place, scene units.
+    /// Centre and radius of the bounding sphere of all surfaces at a finite distance, scene units.
     #[must_use]
     pub fn bounding_sphere(&self) -> (glam::DVec3, f64) {
         self.geometry.bounding_sphere()
     }
 
-    /// Whether some surface reflects diffusely and could light another one, but no interreflection is followed.
+    /// Whether a surface could light another one diffusely, but interreflection is off.
     #[must_use]
     pub fn leaves_out_interreflection(&self) -> bool {
         self.options.ambient_bounces == 0
@@ -175,12 +180,13 @@ impl RenderPlan {
                     Kind::Scatterer(_) => true,
                     _ => false,
                 };
-                reflects && !self.reach.receiver(member.primitive()).is_some_and(|receiver| receiver.sees_only_lights)
+                reflects
+                    && !self.visibility.receiver(member.primitive()).is_some_and(|receiver| receiver.sees_only_lights)
             })
     }
 
-    /// The names of the surface at which a ray ended, of its modifier and of its material, as Radiance tells them: those within an
-    /// instance or a mesh, unless a modifier of their own overrides what is within.
+    /// Names of a hit's surface, modifier and material, as Radiance reports them: those within an
+    /// instance or mesh, unless the instance's own modifier overrides them.
     #[must_use]
     pub fn names_at(&self, hit: &FirstHit) -> [&str; 3] {
         if hit.primitive == PrimitiveId::NONE {
@@ -192,7 +198,8 @@ impl RenderPlan {
         [name, scene.modifier_name(modifier), material_name(scene, modifier)]
     }
 
-    /// Where a ray ends: at the first surface, or at a distant source. Nothing is shaded, so the perturbed normal is the geometric one.
+    /// First hit of a ray: a surface or a distant source. Nothing is shaded, so the perturbed
+    /// normal is the geometric one.
     #[must_use]
     pub fn cast(&self, ray: &Ray) -> Option<FirstHit> {
         match self.first_hit(ray, None) {
@@ -213,70 +220,74 @@ impl RenderPlan {
         self.shader_at(self.shader_table.of(self.scene.surfaces[surface].modifier))
     }
 
-    /// The first surface along a ray, `from` excluded where it is flat.
+    /// First surface along a ray; `from` is excluded if it is flat.
     #[inline]
     pub fn first_hit(&self, ray: &Ray, from: Option<PrimitiveId>) -> Option<Intersection> {
         self.geometry.first_hit(&self.scene, &self.shader_table, ray, from)
     }
 
-    /// How far away the first surface along a ray is, scene units; `None` where there is none with a place.
+    /// Distance to the first surface along a ray, scene units; `None` if there is none at a finite
+    /// distance.
     #[must_use]
     pub fn distance(&self, ray: &Ray) -> Option<f64> {
         self.geometry.distance(&self.scene, ray)
     }
 
-    /// Memory of all hierarchies of boxes, with what the rays look up beside them, bytes.
+    /// Memory of the acceleration structures, with the primitive tables, bytes.
     #[must_use]
     pub fn hierarchy_bytes(&self) -> usize {
         self.geometry.hierarchy_bytes()
     }
 
-    /// Whether any surface that has a place crosses a ray before a distance in scene units, whatever it lets through.
+    /// Whether any surface crosses a ray before a distance in scene units, whatever it transmits.
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, distance: f64) -> bool {
         self.geometry.any_between(&self.scene, ray, None, distance, |_| true)
     }
 
-    /// The shader of this number.
+    /// Shader by id.
     #[inline]
     pub fn shader_at(&self, id: ShaderId) -> &Shader {
         &self.shaders[id.0 as usize]
     }
 
-    /// The shader by which a surface relays lights: an illum's is that of its stand-in.
+    /// Shader by which a surface makes virtual sources: for an illum that of its alternate
+    /// material.
     #[inline]
     pub fn virtual_source_shader(&self, surface: SurfaceHandle) -> &Shader {
         virtual_source_shader(&self.shaders, self.shader(surface))
     }
 
-    /// What fills the scene outside of all bodies.
+    /// Medium around the scene.
     pub fn global_medium<const BANDS: usize>(&self) -> Medium<BANDS> {
         let GlobalMedium { extinction, albedo, eccentricity } = self.options.medium;
         Medium { extinction: bands(extinction), albedo: bands(albedo), eccentricity, lights: 0 }
     }
 
-    /// Whether rays that meet a surface from behind pass it as if it were not there.
+    /// Whether rays pass through a surface's back face.
     #[inline]
     pub fn hides_its_back(&self, shader: &Shader) -> bool {
         self.options.back_faces == BackFaces::Invisible && shader.can_hide_its_back()
     }
 
-    /// Whether diffuse interreflection is left out on the surfaces of a shader.
+    /// Whether a shader's surfaces are without diffuse interreflection.
     #[inline]
     pub fn excludes_indirect(&self, shader: ShaderId) -> bool {
         self.excluded.get(shader.0 as usize).copied().unwrap_or(false)
     }
 
-    /// The distant source that a ray along `direction` falls into, and what it shows; `drawn` rays see the light of an illum.
-    pub fn sky_at(&self, direction: glam::DVec3, drawn: bool) -> Option<(SurfaceHandle, &Shader)> {
-        // 1 − cos between the directions, from the chord: exact for the sun's quarter degree. The horizon belongs to the sky.
+    /// Distant source that contains the direction, and its shader. Only `sampled` rays see the
+    /// light of an illum.
+    pub fn sky_at(&self, direction: glam::DVec3, sampled: bool) -> Option<(SurfaceHandle, &Shader)> {
+        // (1 − cos)/2 of the angle between the directions, from the chord: exact even for the sun's
+        // quarter degree. The horizon belongs to the sky.
         let half_versed = |sky: &Sky| 0.25 * sky.direction.distance_squared(direction);
         let inside = self.sky.iter().filter(|sky| half_versed(sky) <= sky.cap * (1.0 + 1e-12));
         for sky in inside {
             let shader = self.shader(sky.surface);
             match &shader.kind {
-                Kind::Illum { substitute: Substitution::Void, .. } if !drawn => {}
-                Kind::Illum { .. } if !drawn => {
+                Kind::Illum { substitute: Substitution::Void, .. } if !sampled => {}
+                Kind::Illum { .. } if !sampled => {
                     return Some((sky.surface, virtual_source_shader(&self.shaders, shader)));
                 }
                 _ => return Some((sky.surface, shader)),
@@ -285,20 +296,20 @@ impl RenderPlan {
         None
     }
 
-    /// The lights, real and mirrored, of a surface.
+    /// Lights, real and virtual, of a surface.
     pub fn lights_of(&self, surface: SurfaceHandle) -> impl Iterator<Item = LightId> {
         let first = self.lights_of.partition_point(|(handle, _)| *handle < surface);
         self.lights_of[first..].iter().take_while(move |(handle, _)| *handle == surface).map(|(_, id)| *id)
     }
 
-    /// What is known of the light at a primitive; `None` where it was not looked for.
+    /// Visibility of lights at a primitive; `None` if it was not computed.
     #[inline]
     pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
-        self.reach.receiver(primitive)
+        self.visibility.receiver(primitive)
     }
 }
 
-/// An illum's stand-in, or else the shader itself.
+/// The alternate material of an illum, otherwise the shader itself.
 pub(crate) fn virtual_source_shader<'a>(shaders: &'a [Shader], shader: &'a Shader) -> &'a Shader {
     match shader.kind {
         Kind::Illum { substitute: Substitution::Shader(id), .. } => &shaders[id.0 as usize],

@@ -1,4 +1,4 @@
-//! Deciding what a scene needs, once before the first ray.
+//! Builds the render plan of a scene.
 
 use crate::compile::compile_shaders;
 use crate::hierarchy_choice::HierarchyChoice;
@@ -11,7 +11,7 @@ use crate::plan::{RenderPlan, Sky, virtual_source_shader};
 use crate::portal_search::makes_caustics;
 use crate::portals::Portals;
 use crate::reflectors::find_reflectors;
-use crate::shader::{Emitter, EmitterClass, Kind, Shader, Substitution};
+use crate::shader::{Emitter, EmitterType, Kind, Shader, Substitution};
 use crate::shader_sets::{all_cut, excluded, mark_tracked};
 use crate::substance::substance;
 use crate::unbounded::Unbounded;
@@ -28,7 +28,7 @@ impl RenderPlan {
     /// Plans the rendering of a scene.
     ///
     /// # Errors
-    /// What the scene uses and this renderer cannot do yet, each with its place in the scene text.
+    /// What the scene uses and this renderer does not support, with its position in the scene text.
     pub fn new(
         scene: ValidScene,
         options: RenderOptions,
@@ -40,7 +40,7 @@ impl RenderPlan {
         mark_tracked(&mut shaders, &scene, &options.tracked_modifiers);
         let shader = |handle: SurfaceHandle| &shaders[shader_table.of(scene.surfaces[handle].modifier).0 as usize];
         let is_bare = |shader: &Shader| matches!(shader.kind, Kind::Transparent);
-        let meets_bare = options.bare_surfaces == BareSurfaces::Met;
+        let meets_bare = options.bare_surfaces == BareSurfaces::Reported;
         let hierarchy = HierarchyChoice::new(&scene, &options);
         let wanted = |handle| meets_bare || !is_bare(shader(handle));
         let geometry = Geometry::build(&scene, substance, wanted, hierarchy.builder).map_err(|error| vec![error])?;
@@ -61,11 +61,11 @@ impl RenderPlan {
         let stands_in = any(|kind| matches!(kind, Kind::Illum { .. } | Kind::Mirror { substitute: Some(_), .. }));
         let cut_shaders = all_cut(&shaders);
         let has_antimatter = any(|kind| matches!(kind, Kind::Antimatter(_)));
-        let shadows_bend = has_media || stands_in || has_antimatter;
+        let shadow_rays_interact = has_media || stands_in || has_antimatter;
         let lights_are_covered = has_media
             && (!options.medium.albedo.is_black() || any(|kind| matches!(kind, Kind::Mist(mist) if mist.scatters())));
         let unsampled_sky = sky.iter().any(|sky| !lights.iter().any(|light| light.surface == sky.surface));
-        let reach = if may_skip(Skip::Unreached) && !has_antimatter {
+        let visibility = if may_skip(Skip::Unreached) && !has_antimatter {
             Visibility::new(&scene, &geometry, shader, &lights, unsampled_sky || lights_are_covered)
         } else {
             Visibility::everything()
@@ -88,10 +88,10 @@ impl RenderPlan {
             reflectors,
             has_caustics: false,
             sky,
-            reach,
+            visibility,
             veils,
             see_through: see_through || !may_skip(Skip::BehindShadows),
-            shadows_bend: shadows_bend || !may_skip(Skip::BentShadows),
+            shadow_rays_interact: shadow_rays_interact || !may_skip(Skip::RefractedShadows),
             has_media: has_media || !may_skip(Skip::Media),
             has_antimatter: has_antimatter || !may_skip(Skip::Antimatter),
             cut_shaders,
@@ -100,7 +100,7 @@ impl RenderPlan {
             excluded,
             bands,
             layout,
-            unusable_met: OnceLock::new(),
+            unusable_hit: OnceLock::new(),
             unbounded: Unbounded::default(),
             decisions: Vec::new(),
         };
@@ -118,11 +118,12 @@ impl RenderPlan {
     }
 }
 
-/// A ray takes the first light that it falls into, else the first illum that looks like nothing, else the first glow.
+/// Sorts the distant sources. A ray sees the first light that contains its direction, otherwise the
+/// first illum whose alternate material is void, otherwise the first glow.
 fn collect_sky<'a>(scene: &ValidScene, shader: impl Fn(SurfaceHandle) -> &'a Shader) -> Vec<Sky> {
     let rank = |kind: &Kind| match kind {
         Kind::Illum { substitute: Substitution::Void, .. } => 1,
-        Kind::Emitter(Emitter { class: EmitterClass::Glow(_), .. }) => 2,
+        Kind::Emitter(Emitter { class: EmitterType::Glow(_), .. }) => 2,
         _ => 0,
     };
     let mut sky: Vec<Sky> = scene

@@ -1,97 +1,113 @@
-//! The decisions of a plan, in words.
+//! The plan's decisions, as text.
 
 use crate::options::{Caustics, Skip};
 use crate::plan::{PlanDecision, RenderPlan};
 use crate::shader::Kind;
 
 impl RenderPlan {
-    /// What is done and left out, and why.
+    /// Lists what is done and skipped, and why.
     pub fn decide(&self) -> Vec<PlanDecision> {
         let mut decisions = Decisions::default();
         if !self.layout.sampling().is_rgb() {
-            decisions.say(format!("{} bands are traced", self.bands()), "-cs");
+            decisions.add(format!("{} bands are traced", self.bands()), "-cs");
         } else if self.bands == 1 {
             decisions.skip(Skip::EqualBands, "one band is traced".into(), "every colour that a surface uses is grey");
         } else {
-            decisions.say("three bands are traced".into(), "some surface uses a colour or a colour pattern");
+            decisions.add("three bands are traced".into(), "some surface uses a colour or a colour pattern");
         }
         let primitives = self.geometry.len();
         let unseen = self.scene.surfaces.len() - primitives - self.scene.sources.len().min(self.scene.surfaces.len());
-        decisions.say(format!("{primitives} surfaces are in the hierarchy"), "they have a place and a material");
+        decisions.add(
+            format!("{primitives} surfaces are in the acceleration structure"),
+            "they have a material and a finite distance",
+        );
         let (what, why) = self.hierarchy.words();
-        decisions.say(what, &why);
+        decisions.add(what, &why);
         if unseen > 0 {
-            decisions.say(format!("{unseen} surfaces are left out"), "rays pass through what has no material");
+            decisions.add(format!("{unseen} surfaces are left out"), "rays pass through surfaces without a material");
         }
         let images = self.lights.iter().filter(|light| !light.virtual_sources.is_empty()).count();
-        decisions.say(
+        decisions.add(
             format!("{} lights are sampled", self.lights.len() - images),
             "they are lights, spotlights or near glows",
         );
         if images > 0 {
-            decisions.say(
-                format!("{images} images of lights in plane mirrors are sampled"),
-                "mirrors make virtual sources of lights (-dr)",
+            decisions.add(
+                format!("{images} virtual images of lights are sampled"),
+                "plane mirrors and prisms make virtual sources (-dr)",
             );
         }
-        let [drawn, again] = self.light_draws;
-        if drawn > 0 {
-            let what = format!("{drawn} of the lights are drawn at a point, {again} where light was scattered before");
-            decisions.say(what, "they are many; a hierarchy of lights tells how important each is");
+        let [first, scattered] = self.light_draws;
+        if first > 0 {
+            let what = format!("{first} lights are selected at a visible point, {scattered} on a scattered path");
+            decisions.add(what, "they are many; a light tree estimates the importance of each");
         }
-        for (count, what, why) in self.reach.summary() {
+        for (count, what, why) in self.visibility.summary() {
             if count > 0 {
                 decisions.skip(Skip::Unreached, format!("{count} {what}"), why);
             }
         }
         if self.options.ambient_bounces == 0 {
-            decisions.say("diffuse interreflection is not followed".into(), "-ab 0");
+            decisions.add("diffuse interreflection is not computed".into(), "-ab 0");
         }
         if !self.portals.is_empty() {
             let what = format!("rays are sent towards {} portals", self.portals.len());
-            decisions.say(what, "light of glows or of the sky comes in there");
+            decisions.add(what, "light of glows or of the sky enters there");
         }
         if self.options.caustics == Caustics::Sampled {
             if self.samples_caustics() {
-                decisions.say(
-                    format!("paths to lamps are solved for by way of {} specular surfaces", self.reflectors.len()),
-                    "caustics are asked for",
+                decisions.add(
+                    format!("caustic paths through {} specular surfaces are sampled", self.reflectors.len()),
+                    "caustics are requested",
                 );
             } else {
-                decisions.say("caustics are not sampled".into(), "no curved mirror and no body, or mist or antimatter");
+                decisions.add(
+                    "caustics are not sampled".into(),
+                    "there is no curved mirror or refracting object, or there is mist or antimatter",
+                );
             }
         }
         if self.has_caustics {
-            decisions
-                .say("irradiance is looked for at every pixel where it bends".into(), "bodies of glass make caustics");
+            decisions.add(
+                "indirect irradiance is sampled at every pixel where cached values disagree".into(),
+                "refracting objects make caustics",
+            );
         }
         if !self.see_through {
             decisions.skip(
                 Skip::BehindShadows,
                 "a shadow ray ends at its first hit".into(),
-                "nothing lets light through",
+                "no surface transmits light",
             );
         }
-        if !self.shadows_bend {
-            decisions.skip(Skip::BentShadows, "shadow rays are straight".into(), "nothing bends or dims them");
+        if !self.shadow_rays_interact {
+            decisions.skip(
+                Skip::RefractedShadows,
+                "shadow rays are straight".into(),
+                "nothing refracts or attenuates them",
+            );
         }
         if !self.has_media {
-            decisions.skip(Skip::Media, "rays cross empty space".into(), "no body and no mist fills it");
+            decisions.skip(Skip::Media, "rays cross empty space".into(), "there are no absorbing objects and no mist");
         }
         if !self.has_antimatter {
-            decisions.skip(Skip::Antimatter, "no surface is cut away".into(), "there is no antimatter");
+            decisions.skip(
+                Skip::Antimatter,
+                "surfaces are not tested for subtraction".into(),
+                "there is no antimatter",
+            );
         }
         let functions = self.shaders.iter().flat_map(|shader| &shader.textures.steps).count();
         let textures = self.shaders.iter().flat_map(|s| &s.textures.steps).filter(|step| step.is_texture()).count();
         decisions
-            .say(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
+            .add(format!("{functions} patterns and textures are evaluated ({textures} textures)"), "surfaces use them");
         let mixtures = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Mixture(_))).count();
         if mixtures > 0 {
-            decisions.say(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
+            decisions.add(format!("{mixtures} mixtures of materials are evaluated"), "surfaces use them");
         }
         let retro = self.shaders.iter().filter(|shader| matches!(shader.kind, Kind::Retro(_))).count();
         if retro > 0 {
-            decisions.say(
+            decisions.add(
                 format!("{retro} materials are sampled as a retroreflecting lobe"),
                 "their texture turns the normal to the viewer under a rough highlight",
             );
@@ -100,16 +116,16 @@ impl RenderPlan {
     }
 }
 
-/// Decisions as they are made.
+/// Decisions in the order of the report.
 #[derive(Default)]
 struct Decisions(Vec<PlanDecision>);
 
 impl Decisions {
-    fn say(&mut self, what: String, why: &str) {
+    fn add(&mut self, what: String, why: &str) {
         self.0.push(PlanDecision { what, why: why.to_owned(), skip: None });
     }
 
-    /// One that leaves work out.
+    /// A decision that skips work.
     fn skip(&mut self, skip: Skip, what: String, why: &str) {
         self.0.push(PlanDecision { what, why: why.to_owned(), skip: Some(skip) });
     }

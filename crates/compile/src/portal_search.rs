@@ -1,8 +1,8 @@
-//! Looking for the portals of a scene.
+//! Search for the portals of a scene.
 
 use crate::plan::RenderPlan;
-use crate::portals::{MOST_OPENINGS, Portal, Portals, turned};
-use crate::shader::{EmitterClass, Kind, Shader};
+use crate::portals::{MOST_PORTALS, Portal, Portals, turned};
+use crate::shader::{EmitterType, Kind, Shader};
 use glam::DVec3;
 use radsight_accel::{MemberId, PrimitiveId, Ray, is_flat};
 use radsight_cal::Scratch;
@@ -11,26 +11,26 @@ use radsight_light::LightForm;
 use radsight_sampling::{DimensionSet, RaySampler, cosine_hemisphere};
 use radsight_texture::SurfaceInteraction;
 
-/// Surfaces that are looked through to see whether they are openings: the largest ones.
+/// Maximum number of surfaces that are tested as portals: the largest ones.
 const MOST_CANDIDATES: usize = 128;
 
-/// Rays that look through each side of a surface.
-const LOOKS: u32 = 16;
+/// Number of test rays through each side of a surface.
+const TEST_RAYS: u32 = 16;
 
-/// Openings that bring less than this share of what the brightest one does for its area are left out.
-const LEAST_SHARE: f64 = 0.05;
+/// Portals with less than this fraction of the brightest one's radiance are left out.
+const LEAST_RADIANCE: f64 = 0.05;
 
-/// Panes behind each other that a look goes through.
+/// Maximum number of panes that a test ray passes.
 const MOST_PANES: u32 = 8;
 
 impl Portals {
-    /// Looks for the openings of a scene.
+    /// Finds the portals of a scene.
     pub fn new(plan: &RenderPlan) -> Portals {
         let has_sky = plan.sky.iter().any(|sky| !is_sampled(plan, sky.surface));
         let mut candidates: Vec<(MemberId, SurfaceHandle, LightForm)> = plan
             .geometry
             .members()
-            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_let_in(plan, *handle, has_sky))
+            .filter(|(member, handle)| plan.geometry.is_plain(*member) && can_admit_light(plan, *handle, has_sky))
             .filter_map(|(member, handle)| {
                 let form = LightForm::new(&plan.scene, plan.scene.surfaces[handle].shape)?;
                 form.plane().is_some().then_some((member, handle, form))
@@ -45,36 +45,36 @@ impl Portals {
                 let turned = turned(&form);
                 [form, turned].into_iter().filter_map(Portal::new).map(move |side| (member, handle, side))
             })
-            .map(|(member, handle, side)| side.looked_through(plan, (member, handle), &mut scratch))
+            .map(|(member, handle, side)| side.with_radiance(plan, (member, handle), &mut scratch))
             .filter(|portal| portal.radiance > 0.0)
             .collect();
         let brightest = portals.iter().map(|portal| portal.radiance).fold(0.0, f64::max);
-        portals.retain(|portal| portal.radiance >= LEAST_SHARE * brightest);
+        portals.retain(|portal| portal.radiance >= LEAST_RADIANCE * brightest);
         portals.sort_by(|one, two| two.power().total_cmp(&one.power()));
-        portals.truncate(MOST_OPENINGS);
+        portals.truncate(MOST_PORTALS);
         Portals(portals)
     }
 }
 
 impl Portal {
-    /// With the radiance that comes through a surface.
-    fn looked_through(
+    /// The portal with its mean incident radiance.
+    fn with_radiance(
         self,
         plan: &RenderPlan,
         (member, handle): (MemberId, SurfaceHandle),
         scratch: &mut Scratch,
     ) -> Portal {
         let shader = plan.shader(handle);
-        let look = |index: u32| {
+        let radiance_along = |index: u32| {
             let u = RaySampler::new(plan.options.seed, u64::from(index)).take(DimensionSet::CAMERA);
-            self.look(plan, (shader, member.primitive()), u, scratch)
+            self.radiance_along(plan, (shader, member.primitive()), u, scratch)
         };
-        let radiance = (0..LOOKS).map(look).sum::<f64>() / f64::from(LOOKS);
+        let radiance = (0..TEST_RAYS).map(radiance_along).sum::<f64>() / f64::from(TEST_RAYS);
         Portal { radiance, ..self }
     }
 
-    /// The radiance that comes along one way, its strongest band.
-    fn look(
+    /// Radiance of the strongest band along one test ray, W/(sr·m²).
+    fn radiance_along(
         &self,
         plan: &RenderPlan,
         (shader, own): (&Shader, PrimitiveId),
@@ -100,26 +100,28 @@ fn is_sampled(plan: &RenderPlan, surface: SurfaceHandle) -> bool {
     plan.lights_of(surface).next().is_some()
 }
 
-/// Whether something bends light that comes in through openings: then irradiance has details as fine as can be seen.
+/// Whether curved refracting objects can focus light from portals: irradiance then has details as
+/// fine as pixels.
 pub(crate) fn makes_caustics(plan: &RenderPlan) -> bool {
-    let bends = |(handle, surface): (SurfaceHandle, &Surface)| {
+    let focuses = |(handle, surface): (SurfaceHandle, &Surface)| {
         !is_flat(surface.shape) && matches!(plan.shader(handle).kind, Kind::Dielectric(_))
     };
-    !plan.portals.is_empty() && plan.scene.surfaces.iter().any(bends)
+    !plan.portals.is_empty() && plan.scene.surfaces.iter().any(focuses)
 }
 
-/// Whether light that is no light's may come through a surface or from it.
-fn can_let_in(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
+/// Whether indirect light from outside may pass through a surface or leave it.
+fn can_admit_light(plan: &RenderPlan, handle: SurfaceHandle, has_sky: bool) -> bool {
     let shader = plan.shader(handle);
     is_flat(plan.scene.surfaces[handle].shape)
         && match &shader.kind {
-            Kind::Emitter(emitter) => matches!(emitter.class, EmitterClass::Glow(radius) if radius == 0.0),
+            Kind::Emitter(emitter) => matches!(emitter.class, EmitterType::Glow(radius) if radius == 0.0),
             Kind::Dielectric(_) => has_sky,
             _ => has_sky && shader.lets_light_through(),
         }
 }
 
-/// The radiance of the sky along a ray, where nothing but panes is in the way; zero elsewhere, and where the sky is a sampled light.
+/// Radiance of the sky along a ray, if nothing but panes blocks it; zero otherwise, and where the
+/// sky is a sampled light.
 fn sky_along(plan: &RenderPlan, mut ray: Ray, own: PrimitiveId, scratch: &mut Scratch) -> f64 {
     let mut from = Some(own);
     for _ in 0..MOST_PANES {

@@ -1,79 +1,81 @@
-//! Where light from outside comes in: panes with sky behind them, and glows that are not sampled as lights.
+//! Portals: panes with sky behind them, and glows that are not sampled as lights.
 //!
-//! Hemisphere samples of a point in a room find its windows by chance only. Half of those that are drawn one by one, and some more of those
-//! that are taken together, are sent towards portals instead; all are weighted with the balance heuristic (Veach and Guibas, SIGGRAPH
-//! 1995), so that nothing is counted twice and an opening that turns out to be dark costs little.
+//! Hemisphere samples at a point in a room find its windows by chance only. Half of the rays that
+//! are traced one by one, and some of those of a final gather, are sent towards portals instead.
+//! All are weighted with the balance heuristic (Veach and Guibas, SIGGRAPH 1995), so that nothing
+//! counts twice and a portal that turns out to be dark costs little.
 //!
-//! What an opening promises is looked up before the first ray. Guarantees: densities are those of the draws, with regard to openings
-//! that are seen behind each other.
+//! Each portal's radiance is estimated before the first ray. Guarantees: `pdf` is the density of
+//! `sample`, even where portals overlap as seen from a point.
 
 use glam::DVec3;
 use radsight_light::LightForm;
 
-/// The openings of a scene.
+/// The portals of a scene.
 #[derive(Debug, Default)]
 pub struct Portals(pub Vec<Portal>);
 
-/// One side of a flat surface through which light comes.
+/// One side of a flat surface through which light enters.
 #[derive(Clone, Debug)]
 pub struct Portal {
-    /// Turned to where the light goes.
+    /// Its shape, oriented to where the light goes.
     pub form: LightForm,
-    /// Unit normal on that side, and a point of the plane.
+    /// Unit normal on that side.
     pub normal: DVec3,
     /// A point of its plane, scene units.
-    pub place: DVec3,
-    /// Square scene units.
+    pub point: DVec3,
+    /// Area, square scene units.
     pub area: f64,
-    /// Sphere around it.
+    /// Centre of its bounding sphere.
     pub center: DVec3,
-    /// Of that sphere.
+    /// Radius of the bounding sphere, scene units.
     pub radius: f64,
-    /// Radiance that comes through, about.
+    /// Estimated radiance that enters, W/(sr·m²).
     pub radiance: f64,
 }
 
-/// The openings as they are seen from a point.
+/// The portals visible from a point.
 #[derive(Debug)]
 pub struct VisiblePortals<'p> {
     portals: &'p [Portal],
     point: DVec3,
-    /// Those that promise something, and what.
-    importances: [(u32, f64); MOST_OPENINGS],
+    /// Index and importance of each.
+    importances: [(u32, f64); MOST_PORTALS],
     len: usize,
     total: f64,
-    /// The share of rays that are sent towards openings.
+    /// Fraction of the rays that are sent towards portals.
     pub chance: f64,
 }
 
-/// No more openings are known: the brightest ones.
-pub(crate) const MOST_OPENINGS: usize = 48;
+/// Maximum number of portals: the brightest ones.
+pub(crate) const MOST_PORTALS: usize = 48;
 
 impl Portals {
-    /// How many there are.
+    /// Number of portals.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no portals.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What a point of a surface sees of them on the side of its unit normal; `None` where it is nothing.
+    /// Portals on the side of a point's unit normal, with their importance; `None` if there are
+    /// none.
     pub fn seen_from(&self, point: DVec3, normal: DVec3) -> Option<VisiblePortals<'_>> {
         if self.0.is_empty() {
             return None;
         }
-        let importances = [(0, 0.0); MOST_OPENINGS];
+        let importances = [(0, 0.0); MOST_PORTALS];
         let mut visible_portals = VisiblePortals {
             portals: &self.0,
             point,
             importances,
             len: 0,
             total: 0.0,
-            chance: VisiblePortals::OF_SINGLE_RAYS,
+            chance: VisiblePortals::SINGLE_RAY_FRACTION,
         };
         for (index, portal) in self.0.iter().enumerate() {
             let importance = portal.importance(point, normal);
@@ -88,11 +90,11 @@ impl Portals {
 }
 
 impl Portal {
-    /// One side of a flat form, of which nothing is known yet.
+    /// One side of a flat shape, with unknown radiance.
     pub fn new(form: LightForm) -> Option<Portal> {
-        let (normal, place) = form.plane()?;
+        let (normal, point) = form.plane()?;
         let (center, radius) = form.bounding_sphere();
-        Some(Portal { area: form.area(), form, normal, place, center, radius, radiance: 0.0 })
+        Some(Portal { area: form.area(), form, normal, point, center, radius, radiance: 0.0 })
     }
 
     /// Radiance times area.
@@ -100,9 +102,9 @@ impl Portal {
         self.radiance * self.area
     }
 
-    /// About what it gives to a point with this unit normal.
+    /// Estimated irradiance at a point with this unit normal.
     fn importance(&self, point: DVec3, normal: DVec3) -> f64 {
-        let height = self.normal.dot(point - self.place);
+        let height = self.normal.dot(point - self.point);
         let offset = self.center - point;
         let squared = offset.length_squared().max(self.radius * self.radius);
         let above = normal.dot(offset) + self.radius;
@@ -117,16 +119,17 @@ impl Portal {
 }
 
 impl VisiblePortals<'_> {
-    /// The share of rays that are drawn one by one.
-    const OF_SINGLE_RAYS: f64 = 0.5;
+    /// Fraction of single rays that are sent towards portals.
+    const SINGLE_RAY_FRACTION: f64 = 0.5;
 
-    /// The density of a single ray that is drawn by the cosine, with `diffuse_pdf`, or towards an opening, 1/sr.
+    /// Density of a single ray that is sampled by the cosine, with `diffuse_pdf`, or towards a
+    /// portal, 1/sr.
     pub fn mixed_pdf(&self, direction: DVec3, diffuse_pdf: f64) -> f64 {
         self.chance * self.pdf(direction) + (1.0 - self.chance) * diffuse_pdf
     }
 
-    /// Draws a unit direction towards an opening.
-    pub fn draw(&self, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
+    /// Samples a unit direction towards a portal.
+    pub fn sample(&self, [choice, u, v]: [f64; 3]) -> Option<DVec3> {
         let mut left = choice * self.total;
         let mut chosen = None;
         for (index, importance) in &self.importances[..self.len] {
@@ -140,28 +143,29 @@ impl VisiblePortals<'_> {
         (place - self.point).try_normalize()
     }
 
-    /// The nearest opening in a unit direction: how far away it is, and its unit normal on the side of the point.
+    /// Nearest portal along a unit direction: its distance, and its unit normal on the side of the
+    /// point.
     pub fn crossed(&self, direction: DVec3) -> Option<(f64, DVec3)> {
-        let met = |(index, _): &(u32, f64)| {
+        let hit = |(index, _): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
-            portal.form.met(self.point, direction).map(|(distance, _)| (distance, portal.normal))
+            portal.form.intersect(self.point, direction).map(|(distance, _)| (distance, portal.normal))
         };
         let nearer = |one: &(f64, DVec3), two: &(f64, DVec3)| one.0.total_cmp(&two.0);
-        self.importances[..self.len].iter().filter_map(met).min_by(nearer)
+        self.importances[..self.len].iter().filter_map(hit).min_by(nearer)
     }
 
-    /// The density with which [`VisiblePortals::draw`] finds a unit direction, 1/sr.
+    /// Density of [`VisiblePortals::sample`], 1/sr.
     pub fn pdf(&self, direction: DVec3) -> f64 {
         let of_one = |(index, importance): &(u32, f64)| {
             let portal = &self.portals[*index as usize];
-            let met = portal.form.met(self.point, direction);
-            met.map_or(0.0, |(distance, cosine)| importance * distance * distance / (portal.area * cosine))
+            let hit = portal.form.intersect(self.point, direction);
+            hit.map_or(0.0, |(distance, cosine)| importance * distance * distance / (portal.area * cosine))
         };
         self.importances[..self.len].iter().map(of_one).sum::<f64>() / self.total
     }
 }
 
-/// The other side of a flat form.
+/// The opposite side of a flat shape.
 pub(crate) fn turned(form: &LightForm) -> LightForm {
     let mut form = form.clone();
     match &mut form {
@@ -213,10 +217,10 @@ mod tests {
     }
 
     #[test]
-    fn openings_are_drawn_with_the_density_that_they_claim() {
+    fn portal_samples_have_the_density_of_pdf() {
         let portals = portals();
         for (point, normal) in [(DVec3::ZERO, DVec3::Z), (DVec3::new(0.2, -0.4, 0.1), DVec3::new(0.6, 0.0, 0.8))] {
-            let visible_portals = portals.seen_from(point, normal).expect("something is seen");
+            let visible_portals = portals.seen_from(point, normal).expect("some portal is visible");
             let mut sums = [0.0; 3];
             let (heights, turns) = (800, 1600);
             for cell in 0..heights * turns {
@@ -233,7 +237,7 @@ mod tests {
             let mut means = [0.0; 3];
             for draw in 0..draws {
                 let [choice, u, v, _] = RaySampler::new(1, draw).take(DimensionSet::CAMERA);
-                let direction = visible_portals.draw([choice, u, v]).expect("every draw finds a place");
+                let direction = visible_portals.sample([choice, u, v]).expect("every sample hits a portal");
                 assert!(visible_portals.pdf(direction) > 0.0);
                 for (mean, moment) in means.iter_mut().zip([1.0, direction.x, direction.z * direction.y]) {
                     *mean += moment / draws as f64;

@@ -1,8 +1,10 @@
-//! `prism1` and `prism2`: surfaces that send rays on in directions that functions give.
+//! `prism1` and `prism2`: light-redirecting surfaces, with directions given by functions.
 //!
-//! Each of up to two faces has a coefficient and a direction. A ray that looks for a light by way of a prism tells the functions where the
-//! light is, as `DxA`, `DyA`, `DzA`; for others these are zero. The light appears where a shear parallel to the prism's plane moves it
-//! that makes the middle of the prism send it right: the virtual source of Radiance. From there the way to a near light is looked for (`prism_path`).
+//! Each of up to two faces has a coefficient and a direction. A shadow ray passes the light's
+//! direction to the functions as `DxA`, `DyA`, `DzA`; for other rays these are zero. The virtual
+//! source is the light displaced by the shear, parallel to the prism's plane, for which the centre
+//! of the prism redirects light correctly (Radiance's `virtuals.c`). For a near light, manifold
+//! next-event estimation starts from there (`prism_path`).
 
 use glam::DVec3;
 use radsight_cal::{Host, Scratch, channel};
@@ -19,14 +21,14 @@ const TINY: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct PrismKind {
     function: Function,
-    /// How many of its faces send light on.
+    /// Number of faces that redirect light.
     pub faces: u32,
 }
 
-/// A ray at a prism, and where its light is.
+/// A ray at a prism, with the direction of its light.
 struct PrismView<'a> {
     view: FunctionView<'a>,
-    /// Unit, in the function's frame; zero for a ray that looks for no light.
+    /// Unit direction to the light, in the function's frame; zero for other rays.
     aim: DVec3,
 }
 
@@ -41,12 +43,13 @@ impl Host for PrismView<'_> {
 }
 
 impl PrismKind {
-    /// The material, compiled.
+    /// Compiles the material.
     pub fn new(prism: &Prism) -> PrismKind {
         PrismKind { function: Function::new(&prism.call), faces: if prism.faces == PrismFace::One { 1 } else { 2 } }
     }
 
-    /// Coefficient and unit direction in which a face sends a ray on; `aim` is the unit direction to the light that it looks for, or zero.
+    /// Coefficient and unit direction of a ray redirected by a face; `aim` is the unit direction to
+    /// the light, or zero.
     pub fn redirect(
         &self,
         face: u32,
@@ -66,8 +69,8 @@ impl PrismKind {
         (coefficient > 0.0).then_some((coefficient, direction))
     }
 
-    /// How far a point appears beside its place, for each unit of its height above the prism's plane, when light along `arriving` that meets
-    /// the middle of the prism leaves it as this face says.
+    /// Displacement of a point's image, per unit of its height above the prism's plane, if the face
+    /// redirects light along `arriving` at the centre of the prism.
     pub fn shift(
         &self,
         face: u32,

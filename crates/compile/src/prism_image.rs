@@ -1,8 +1,9 @@
-//! The image of a distant source in a prism: an ellipse of directions.
+//! Image of a distant source in a prism: an ellipse of directions.
 //!
-//! A prism keeps radiance, up to its coefficient, and not solid angle: the sun may look larger or smaller through it, and squeezed. Light of the whole
-//! source arrives from all directions that the prism sends into the source's cone. They are found from the other end: rays from the source's rim
-//! are sent back through the prism.
+//! A prism preserves radiance, up to its coefficient, but not solid angle: through it the sun may
+//! appear larger, smaller or distorted. The image consists of all directions that the prism
+//! redirects into the source's cone. It is found in reverse: directions on the source's rim are
+//! redirected backwards through the prism.
 
 use crate::prism::PrismKind;
 use glam::DVec3;
@@ -12,21 +13,21 @@ use radsight_light::{LightForm, Redirection, coordinates};
 use radsight_texture::SurfaceInteraction;
 use std::f64::consts::TAU;
 
-/// Places on the rim that are sent back.
+/// Number of points on the rim.
 const RIM: u32 = 8;
 
-/// By how much the ellipse is larger than the largest radius of the rim, beside as much as this is off an ellipse: what is drawn beside the image is
-/// noise.
+/// Margin of the ellipse beyond the farthest rim point; the deviation of the rim from an ellipse is
+/// added. Samples beside the image are noise.
 const MARGIN: f64 = 0.002;
 
-/// An ellipse is not larger than this many times what the rim's mean asks for.
+/// Largest ratio of the ellipse to the mean of the rim.
 const LARGEST: f64 = 4.0;
 
-/// A prism whose way back does not lead to where the light came from, up to this share of the source's radius, has no such image: it may
-/// aim at the light from wherever it is met.
+/// Largest error of the reverse redirection, relative to the source's radius. A prism of larger
+/// error has no such image: it may aim at the light from any point.
 const ASTRAY: f64 = 0.25;
 
-/// A prism as it is met in its middle.
+/// A ray at the centre of a prism.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PrismInteraction<'a> {
     pub prism: &'a PrismKind,
@@ -41,7 +42,7 @@ impl PrismInteraction<'_> {
         self.prism.redirect(face, &interaction, aim, scratch).map(|(_, direction)| direction)
     }
 
-    /// The image of a distant source; `None` where the prism makes no ellipse of it.
+    /// Image of a distant source; `None` if it is no ellipse.
     pub(crate) fn image(&self, form: &LightForm, redirection: &Redirection) -> Option<LightForm> {
         let (source, x, y) = tangents(form)?;
         let mut scratch = Scratch::default();
@@ -54,23 +55,23 @@ impl PrismInteraction<'_> {
         let direction = seen_towards(source)?;
         let mut rim = [DVec3::ZERO; RIM as usize];
         let (mut image_x, mut image_y) = (DVec3::ZERO, DVec3::ZERO);
-        for (index, place) in rim.iter_mut().enumerate() {
+        for (index, offset) in rim.iter_mut().enumerate() {
             let (sin, cos) = (TAU * index as f64 / f64::from(RIM)).sin_cos();
             let seen = seen_towards((source + x * cos + y * sin).normalize())?;
             let along = seen.dot(direction);
             if along <= 0.0 {
                 return None;
             }
-            // On the plane that touches the sphere of directions in the image's middle.
-            *place = seen / along - direction;
-            image_x += *place * (2.0 * cos / f64::from(RIM));
-            image_y += *place * (2.0 * sin / f64::from(RIM));
+            // Projection onto the tangent plane of the sphere of directions at the image's centre.
+            *offset = seen / along - direction;
+            image_x += *offset * (2.0 * cos / f64::from(RIM));
+            image_y += *offset * (2.0 * sin / f64::from(RIM));
         }
         if image_x.cross(image_y).length_squared() <= 0.0 {
             return None;
         }
-        let radius = |place: &DVec3| {
-            let [a, b] = coordinates(image_x, image_y, *place);
+        let radius = |offset: &DVec3| {
+            let [a, b] = coordinates(image_x, image_y, *offset);
             a.hypot(b)
         };
         let largest = rim.iter().map(radius).fold(1.0, f64::max);
@@ -79,7 +80,7 @@ impl PrismInteraction<'_> {
     }
 }
 
-/// The middle of a distant source, and from there to its rim on the plane that touches the sphere of directions.
+/// Centre of a distant source, and its half axes in the tangent plane of the sphere of directions.
 fn tangents(form: &LightForm) -> Option<(DVec3, DVec3, DVec3)> {
     match form {
         LightForm::Distant { direction, x, y, half_angle_sin_squared_half } => {
@@ -92,5 +93,5 @@ fn tangents(form: &LightForm) -> Option<(DVec3, DVec3, DVec3)> {
     }
 }
 
-/// A source within a cone of a smaller cosine is no spot in the sky.
+/// Smallest cosine of a source's half angle for which the tangent plane is a good approximation.
 const WIDEST_COSINE: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Curved mirrors, by way of which lights are seen, and light retroreflectors, without any light sampling finding them.
+//! Curved mirrors, whose reflections of lights and of retroreflected light no light sampling finds.
 
 use crate::shader::{Kind, Shader};
 use glam::DVec3;
@@ -6,13 +6,14 @@ use radsight_accel::{Bounds, Geometry, is_flat};
 use radsight_bsdf::Scatterer;
 use radsight_ir::{Shape, SurfaceHandle, ValidScene};
 
-/// Tangent of the angle from the way back within which mirrors are looked for: lamps at four times a camera's distance from its ring.
+/// Tangent of the angle from the retroreflection direction within which mirrors are searched. It
+/// covers lamps at four times a camera's distance from its light ring.
 const REACH: f64 = 0.1;
 
-/// More mirrors than this are one group.
+/// Maximum number of mirrors; more become one group.
 const MOST: usize = 64;
 
-/// A sphere around a mirror.
+/// Bounding sphere of a mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflector {
     center: DVec3,
@@ -24,7 +25,7 @@ impl Reflector {
         Reflector { center: 0.5 * (bounds.min + bounds.max), radius: 0.5 * bounds.min.distance(bounds.max) }
     }
 
-    /// Unit direction towards it from a point outside, and the tangent of the angle under which its radius is seen.
+    /// Unit direction towards it from a point outside, and the tangent of its half angle.
     #[must_use]
     pub fn cone(&self, from: DVec3) -> Option<(DVec3, f64)> {
         let offset = self.center - from;
@@ -33,7 +34,7 @@ impl Reflector {
             .then(|| (offset / distance, self.radius / (distance * distance - self.radius * self.radius).sqrt()))
     }
 
-    /// Whether some of it may be within reach of the unit direction from a point.
+    /// Whether part of it may be within [`REACH`] of the unit direction from a point.
     #[inline]
     #[must_use]
     pub fn is_near(&self, from: DVec3, direction: DVec3) -> bool {
@@ -48,7 +49,7 @@ impl Reflector {
     }
 }
 
-/// The mirrors of a scene that relay no lights.
+/// Mirrors of a scene that make no virtual sources.
 pub(crate) fn find_reflectors<'a>(
     scene: &ValidScene,
     geometry: &Geometry,
@@ -59,7 +60,7 @@ pub(crate) fn find_reflectors<'a>(
         return Vec::new();
     }
     let is_mirror = |handle: SurfaceHandle| match scene.surfaces[handle].shape {
-        // What they are made of is not looked into.
+        // Their contents are not examined.
         Shape::Mesh(_) | Shape::Instance(_) => true,
         shape => mirrors(&shader(handle).kind, is_flat(shape)),
     };
@@ -80,13 +81,13 @@ pub(crate) fn find_reflectors<'a>(
     mirrors.iter().filter_map(reflector).collect()
 }
 
-/// Whether a surface may reflect perfectly in a way that light sampling does not follow.
+/// Whether a surface may reflect specularly in a way that light sampling does not cover.
 fn mirrors(kind: &Kind, is_flat: bool) -> bool {
     match kind {
         Kind::Mirror { substitute, .. } => substitute.is_none() && !is_flat,
         Kind::Glossy(glossy) => glossy.is_smooth() && glossy.specularity > 0.0,
         Kind::Scatterer(scatterer) => !matches!(**scatterer, Scatterer::Measured(_)),
-        // A few hundredths of a lamp are still the brightest that a camera sees.
+        // Even a few per cent of a lamp are the brightest that a camera sees.
         Kind::Dielectric(_) => true,
         _ => false,
     }

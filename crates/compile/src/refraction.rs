@@ -1,50 +1,52 @@
-//! The boundary of a solid body that refracts: `dielectric` and `interface`.
+//! Dielectric interfaces: `dielectric` and `interface`.
 //!
-//! A ray splits into a reflected and a refracted one by Fresnel's equations for unpolarised light. Radiance scales the refracted part by
-//! the square of the ratio of the indices, because radiance is light per solid angle, and a refraction changes the solid angle. Dispersion
-//! is known by the index at 500 nm, Hartmann's equation with λ₀ = 0: `n = n₀ + h/λ`.
+//! A ray splits into a reflected and a refracted ray by Fresnel's equations for unpolarised light.
+//! Radiance scales the refracted ray by the squared ratio of the indices, because refraction
+//! changes the solid angle. Dispersion uses the index at 500 nm, by Hartmann's equation with λ₀ =
+//! 0: `n = n₀ + h/λ`.
 
 use glam::DVec3;
 use radsight_ir::{Dielectric, Interface, Rgb};
 
-/// The wavelength in nm at which an index of refraction is taken.
+/// Wavelength at which the index of refraction is evaluated, nm.
 const MEAN_WAVELENGTH: f64 = 500.0;
 
-/// Squared cosines below this are total reflection.
+/// Total reflection below this squared cosine.
 const GRAZING: f64 = 1e-6;
 
-/// A surface between two media.
+/// An interface between two media.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricInterface {
-    /// Transmissivity of a scene unit on the back of the surface.
+    /// Transmissivity per scene unit on the back of the surface.
     pub inside: Rgb,
-    /// The same on its front; `None` is what fills the scene.
+    /// Transmissivity per scene unit on its front; `None` is the surrounding medium.
     pub outside: Option<Rgb>,
-    /// Index inside over index outside.
+    /// Index on the back over index on the front.
     ratio: f64,
 }
 
-/// A ray that met a boundary.
+/// Reflection and refraction of a ray at an interface.
 #[derive(Clone, Copy, Debug)]
 pub struct Refracted {
-    /// Share of the radiance that is reflected.
+    /// Reflectance, 0…1.
     pub reflectance: f64,
-    /// Unit direction of the refracted ray, and the factor of its radiance; none where all is reflected.
+    /// Unit direction of the refracted ray, and the factor of its radiance; none for total
+    /// reflection.
     pub transmitted: Option<(DVec3, f64)>,
-    /// Unit, on the side from which the ray comes.
+    /// Unit shading normal on the side from which the ray comes.
     pub normal: DVec3,
-    /// Cosine between that normal and the way back.
+    /// Cosine between that normal and the reversed ray.
     pub cosine: f64,
 }
 
 impl DielectricInterface {
-    /// The surface of a body.
+    /// Interface of a `dielectric`, with the surrounding medium outside.
     pub fn of_body(body: &Dielectric) -> DielectricInterface {
         let ratio = body.refractive_index + body.hartmann / MEAN_WAVELENGTH;
         DielectricInterface { inside: body.transmissivity, outside: None, ratio }
     }
 
-    /// The surface between two bodies.
+    /// Interface between two media.
     pub fn between(interface: &Interface) -> DielectricInterface {
         let Interface { inside, outside } = interface;
         DielectricInterface {
@@ -54,24 +56,26 @@ impl DielectricInterface {
         }
     }
 
-    /// Whether every band is the same.
+    /// Whether every band has the same parameters.
     pub fn is_grey(&self) -> bool {
         self.inside.is_grey() && self.outside.is_none_or(Rgb::is_grey)
     }
 
-    /// Transmissivity of the side from which a ray comes, `None` for what fills the scene, and of the other side.
+    /// Transmissivity on the side from which a ray comes (`None` is the surrounding medium), and on
+    /// the other side.
     pub fn sides(&self, behind: bool) -> [Option<Rgb>; 2] {
         if behind { [Some(self.inside), self.outside] } else { [self.outside, Some(self.inside)] }
     }
 
-    /// What becomes of a ray along `direction`; `front` is the unit geometric normal, `perturbation` what textures add to it.
+    /// Reflects and refracts a ray along `direction`; `front` is the unit geometric normal,
+    /// `perturbation` that of the textures.
     pub fn refract(&self, direction: DVec3, front: DVec3, perturbation: DVec3) -> Refracted {
         let behind = direction.dot(front) > 0.0;
         let side = if behind { -front } else { front };
         let normal = perturbed(direction, front, perturbation, behind);
         let normal = if behind { -normal } else { normal };
         let cosine = -direction.dot(normal);
-        // The indices of the side of the ray over that of the other side.
+        // Index on the ray's side over index on the other side.
         let ratio = self.index_ratio(behind);
         let squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
         if squared < GRAZING {
@@ -81,23 +85,24 @@ impl DielectricInterface {
         let perpendicular = ((cosine - ratio * inner) / (cosine + ratio * inner)).powi(2);
         let parallel = ((1.0 / cosine - ratio / inner) / (1.0 / cosine + ratio / inner)).powi(2);
         let reflectance = 0.5 * (perpendicular + parallel);
-        let bend = ratio * cosine - inner;
-        let mut transmitted = direction * ratio + normal * bend;
+        let along_normal = ratio * cosine - inner;
+        let mut transmitted = direction * ratio + normal * along_normal;
         if perturbation != DVec3::ZERO && transmitted.dot(side) >= -GRAZING {
-            transmitted = direction * ratio + side * bend;
+            transmitted = direction * ratio + side * along_normal;
         }
         let transmitted = transmitted.normalize_or(direction);
         Refracted { reflectance, transmitted: Some((transmitted, (1.0 - reflectance) * ratio * ratio)), normal, cosine }
     }
 
-    /// Index on the side of a ray over that on the other side.
+    /// Index on a ray's side over index on the other side.
     pub fn index_ratio(&self, behind: bool) -> f64 {
         if behind { self.ratio } else { self.ratio.recip() }
     }
 }
 
 impl Refracted {
-    /// The reflected direction; one that a texture would send through the surface takes the geometric normal.
+    /// Reflected direction. A perturbed normal that would turn it through the surface is replaced
+    /// by the geometric one.
     pub fn reflected(&self, direction: DVec3, front: DVec3) -> DVec3 {
         let reflected = direction + self.normal * (2.0 * self.cosine);
         let side = if direction.dot(front) > 0.0 { -front } else { front };
@@ -105,8 +110,8 @@ impl Refracted {
     }
 }
 
-/// The normal with its texture on the front side; one that would turn to the other side of the ray is reflected back (Radiance's
-/// `raynormal`).
+/// Perturbed normal on the front side. One that would face the other side of the ray is reflected
+/// back (Radiance's `raynormal`).
 fn perturbed(direction: DVec3, front: DVec3, perturbation: DVec3, behind: bool) -> DVec3 {
     if perturbation == DVec3::ZERO {
         return front;
@@ -126,10 +131,10 @@ mod tests {
     }
 
     #[test]
-    fn normal_incidence_reflects_by_the_indices_alone() {
-        let met = water().refract(-DVec3::Z, DVec3::Z, DVec3::ZERO);
-        assert!((met.reflectance - 0.04).abs() < 1e-12);
-        let (direction, factor) = met.transmitted.expect("it is refracted");
+    fn reflectance_at_normal_incidence_depends_on_the_indices_alone() {
+        let refracted = water().refract(-DVec3::Z, DVec3::Z, DVec3::ZERO);
+        assert!((refracted.reflectance - 0.04).abs() < 1e-12);
+        let (direction, factor) = refracted.transmitted.expect("the ray is refracted");
         assert!(direction.distance(-DVec3::Z) < 1e-12);
         assert!((factor - 0.96 / 2.25).abs() < 1e-12);
     }
@@ -138,19 +143,19 @@ mod tests {
     fn the_refracted_ray_obeys_snell_from_both_sides() {
         for (direction, ratio) in [(DVec3::new(0.6, 0.0, -0.8), 1.5), (DVec3::new(0.4, 0.0, 0.84f64.sqrt()), 1.0 / 1.5)]
         {
-            let met = water().refract(direction, DVec3::Z, DVec3::ZERO);
-            let (transmitted, _) = met.transmitted.expect("it is refracted");
+            let refracted = water().refract(direction, DVec3::Z, DVec3::ZERO);
+            let (transmitted, _) = refracted.transmitted.expect("the ray is refracted");
             assert!((transmitted.x * ratio - direction.x).abs() < 1e-12);
             assert_eq!(transmitted.z > 0.0, direction.z > 0.0);
         }
     }
 
     #[test]
-    fn beyond_the_critical_angle_all_is_reflected() {
-        let met = water().refract(DVec3::new(0.8, 0.0, 0.6), DVec3::Z, DVec3::ZERO);
-        assert!(met.transmitted.is_none());
-        assert_eq!(met.reflectance, 1.0);
-        let reflected = met.reflected(DVec3::new(0.8, 0.0, 0.6), DVec3::Z);
+    fn above_the_critical_angle_reflection_is_total() {
+        let refracted = water().refract(DVec3::new(0.8, 0.0, 0.6), DVec3::Z, DVec3::ZERO);
+        assert!(refracted.transmitted.is_none());
+        assert_eq!(refracted.reflectance, 1.0);
+        let reflected = refracted.reflected(DVec3::new(0.8, 0.0, 0.6), DVec3::Z);
         assert!(reflected.distance(DVec3::new(0.8, 0.0, -0.6)) < 1e-12);
     }
 }

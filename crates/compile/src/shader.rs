@@ -1,4 +1,5 @@
-//! What a surface does to light, compiled from its chain of modifiers once a scene.
+//! Shaders: the appearance and the material of a surface, compiled from its modifier chain once per
+//! scene.
 
 use crate::antimatter::Antimatter;
 use crate::medium::MistKind;
@@ -20,35 +21,35 @@ pub struct Shader {
     pub textures: TextureChain,
     /// The material.
     pub kind: Kind,
-    /// The first modifier of its chain; `None` for `void`.
+    /// First modifier of the chain; `None` for `void`.
     pub modifier: Option<ModifierHandle>,
-    /// Which of the modifiers it is whose contributions are wanted.
+    /// Index of its tracked modifier, if its contributions are reported.
     pub tracked: Option<u32>,
 }
 
-/// The material.
+/// Kind of material.
 #[derive(Clone, Debug)]
 pub enum Kind {
-    /// No material: rays go on.
+    /// No material: rays pass through.
     Transparent,
-    /// Emits and does not reflect.
+    /// Emits, but does not reflect.
     Emitter(Emitter),
     /// `plastic` and `metal`.
     Glossy(GlossyKind),
-    /// A rough highlight whose texture turns the normal to the viewer: the retroreflector of the paper.
+    /// A rough highlight whose texture turns the normal to the viewer: the paper's retroreflector.
     Retro(GlossyKind),
-    /// A plane mirror that relays lights.
+    /// A plane mirror that makes virtual sources.
     Mirror {
         /// Reflectance.
         reflectance: Rgb,
-        /// What it is to all rays but those that look for a light by way of it.
+        /// Alternate material for all rays but those to its virtual sources.
         substitute: Option<Substitution>,
     },
-    /// A light that looks like something else.
+    /// `illum`: a light with another appearance.
     Illum {
-        /// What it is to rays that look for light.
+        /// Emission, for light sampling.
         emitter: Emitter,
-        /// What it is to others.
+        /// Alternate material, for other rays.
         substitute: Substitution,
     },
     /// `dielectric` and `interface`.
@@ -57,85 +58,87 @@ pub enum Kind {
     Mist(MistKind),
     /// `prism1` and `prism2`.
     Prism(PrismKind),
-    /// Cuts other surfaces away.
+    /// `antimatter`: subtracts from other surfaces.
     Antimatter(Antimatter),
-    /// A thin pane.
+    /// `glass`: a thin pane.
     Glass {
-        /// For one passage at normal incidence.
+        /// Transmissivity for one passage at normal incidence.
         transmissivity: Rgb,
         /// Index of refraction.
         refractive_index: f64,
     },
-    /// A material that scatters in some other way.
+    /// Another scattering material.
     Scatterer(Box<Scatterer>),
-    /// A reflectance model from elsewhere.
+    /// A reflectance model of a plugin.
     Plugin(Arc<dyn Brdf>),
-    /// Part of one shader, and the rest of another.
+    /// A mixture of two shaders.
     Mixture(Box<MixtureKind>),
-    /// Something is wrong with it: the picture is worthless once a ray meets it.
+    /// A material with an error: the picture is invalid if a ray hits it.
     Unusable,
 }
 
 /// A mixture of materials.
 #[derive(Clone, Debug)]
 pub struct MixtureKind {
-    /// How much of the first.
+    /// Weight of the foreground.
     pub share: Share,
-    /// Foreground and background; each has the steps that stand before the mixture.
+    /// Foreground and background; each includes the steps before the mixture.
     pub arms: [ShaderId; 2],
-    /// Whether one of them does.
+    /// Whether either of them transmits light.
     pub lets_light_through: bool,
-    /// Mixtures that one hit evaluates: this one and those of its arms, each counted wherever it is used.
+    /// Number of mixtures that one hit evaluates: this one and those of its parts, each counted
+    /// wherever it is used.
     pub mixtures: usize,
-    /// Mixtures on the longest way from this one to a material, this one included.
+    /// Depth of nested mixtures, this one included.
     pub depth: u32,
 }
 
-/// The material that is seen in place of another.
+/// Alternate material of a mirror or illum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Substitution {
-    /// Rays go on.
+    /// `void`: rays pass through.
     Void,
-    /// A shader.
+    /// Another shader.
     Shader(ShaderId),
 }
 
-/// Which rays find an emitter.
+/// Type of an emitter, which decides the rays that see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EmitterClass {
+pub enum EmitterType {
     /// `light` and `spotlight`.
     Light,
-    /// `glow`, with its radius in scene units: a sampled light up to there; below zero not even found by interreflection.
+    /// `glow`, with its radius of influence in scene units: a sampled light up to that distance. If
+    /// it is negative, not even interreflection finds the glow.
     Glow(f64),
     /// `illum`.
     Illum,
 }
 
-/// A light, glow, spotlight or illum.
+/// Parameters of a light, glow, spotlight or illum.
 #[derive(Clone, Copy, Debug)]
 pub struct Emitter {
-    /// Which rays find it.
-    pub class: EmitterClass,
-    /// W/(sr·m²), before patterns.
+    /// Type of the emitter.
+    pub class: EmitterType,
+    /// Radiance before patterns, W/(sr·m²).
     pub radiance: Rgb,
     /// Cosine of the half angle of a spotlight's cone, and its unit axis.
     pub cone: Option<(f64, DVec3)>,
 }
 
 impl Emitter {
-    /// A `light`.
+    /// Emitter of a `light`.
     pub fn light(radiance: Rgb) -> Emitter {
-        Emitter { class: EmitterClass::Light, radiance, cone: None }
+        Emitter { class: EmitterType::Light, radiance, cone: None }
     }
 
     /// Whether a shadow ray to it ends at an illum: both may stand for the same light.
     pub fn is_weak(&self) -> bool {
-        self.class != EmitterClass::Light
+        self.class != EmitterType::Light
     }
 }
 
 impl Kind {
-    /// What it emits.
+    /// Emission of the material, if it emits.
     #[inline]
     pub fn emitter(&self) -> Option<&Emitter> {
         match self {
@@ -144,14 +147,15 @@ impl Kind {
         }
     }
 
-    /// Whether Radiance calls it transparent: a measurement of irradiance (`-i`) looks through it.
+    /// Whether Radiance counts the material as transparent: an irradiance measurement (`-i`) passes
+    /// through it.
     pub fn is_transparent(&self) -> bool {
         matches!(self, Kind::Transparent | Kind::Glass { .. } | Kind::Dielectric(_) | Kind::Mist(_))
     }
 }
 
 impl Shader {
-    /// Runs all patterns and textures.
+    /// Evaluates all patterns and textures.
     #[inline]
     pub fn appearance<const BANDS: usize>(
         &self,
@@ -162,7 +166,7 @@ impl Shader {
         self.textures.appearance(scene, interaction, scratch)
     }
 
-    /// The same at the surface of a body: the colour, and what is added to the front normal.
+    /// The same at an interface: the colour, and the perturbation of the front normal.
     pub fn body_appearance<const BANDS: usize>(
         &self,
         scene: &Scene,
@@ -173,10 +177,10 @@ impl Shader {
         (color, if interaction.behind { -perturbation } else { perturbation })
     }
 
-    /// Whether every band is the same, whatever the interaction.
+    /// Whether every band is the same at every intersection.
     pub fn is_grey(&self) -> bool {
         let color = match &self.kind {
-            // The parts of a mixture are shaders of their own.
+            // The parts of a mixture are shaders with a test of their own.
             Kind::Transparent | Kind::Mixture(_) | Kind::Prism(_) | Kind::Antimatter(_) | Kind::Unusable => Rgb::WHITE,
             Kind::Plugin(model) => return !self.has_color_steps() && is_grey_model(model.as_ref()),
             Kind::Scatterer(scatterer) => return !self.has_color_steps() && scatterer.is_grey(),
@@ -190,7 +194,7 @@ impl Shader {
         color.is_grey() && !self.has_color_steps()
     }
 
-    /// Whether rays from behind pass where back faces are invisible.
+    /// Whether rays pass through its back if back faces are invisible.
     pub fn can_hide_its_back(&self) -> bool {
         match &self.kind {
             Kind::Scatterer(scatterer) => !scatterer.has_a_back(),
@@ -202,7 +206,7 @@ impl Shader {
         }
     }
 
-    /// Whether shadow rays can go on through it.
+    /// Whether shadow rays can pass through.
     pub fn lets_light_through(&self) -> bool {
         match &self.kind {
             Kind::Glass { .. } => true,
@@ -212,7 +216,7 @@ impl Shader {
         }
     }
 
-    /// Whether a shadow ray may end there or go on.
+    /// Whether a shadow ray may end there or continue differently.
     pub fn matters_to_shadow_rays(&self) -> bool {
         let kind = &self.kind;
         self.lets_light_through()
@@ -225,7 +229,8 @@ impl Shader {
     }
 }
 
-/// Whether a model gives three equal bands for pairs of directions all over; one that was made for one band does.
+/// Whether a model gives three equal bands for pairs of directions over both hemispheres. A model
+/// made for one band does.
 fn is_grey_model(model: &dyn Brdf) -> bool {
     const TRIALS: u32 = 64;
     let unit = |index: u32, trial: u32| {
@@ -241,8 +246,8 @@ fn is_grey_model(model: &dyn Brdf) -> bool {
         let mut pdfs = [0.0; 4];
         model.eval_pdf(outgoing, &incident, &mut values, &mut pdfs);
         let mut weights = [0.0; 3];
-        let drawn = model.sample(outgoing, [0.3, 0.6, f64::from(trial) / f64::from(TRIALS)], &mut weights);
+        let sample = model.sample(outgoing, [0.3, 0.6, f64::from(trial) / f64::from(TRIALS)], &mut weights);
         let equal = |bands: &[f64]| bands[0] == bands[1] && bands[1] == bands[2];
-        values.chunks(3).all(equal) && (drawn.is_none() || equal(&weights))
+        values.chunks(3).all(equal) && (sample.is_none() || equal(&weights))
     })
 }

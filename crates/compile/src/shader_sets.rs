@@ -1,4 +1,4 @@
-//! Shaders that options and materials choose among all.
+//! Sets of shaders, selected by options and materials.
 
 use crate::options::AmbientSurfaces;
 use crate::shader::{Kind, Shader};
@@ -6,7 +6,7 @@ use radsight_accel::ShaderId;
 use radsight_ir::Scene;
 use std::collections::HashMap;
 
-/// The shaders that any antimatter cuts, ascending.
+/// Shaders that any antimatter cuts, ascending.
 pub(crate) fn all_cut(shaders: &[Shader]) -> Vec<ShaderId> {
     let of_shader = |shader: &Shader| match &shader.kind {
         Kind::Antimatter(antimatter) => antimatter.cuts.clone(),
@@ -30,7 +30,7 @@ pub(crate) fn mark_tracked(shaders: &mut [Shader], scene: &Scene, names: &[Strin
     }
 }
 
-/// Whether interreflection is left out, by shader; empty where it is left out nowhere.
+/// Whether each shader's surfaces are without interreflection; empty if none are.
 pub(crate) fn excluded(scene: &Scene, shaders: &[Shader], surfaces: &AmbientSurfaces) -> Vec<bool> {
     let named = |names: &[String], shader: &Shader| {
         let modifier = shader.textures.home.scene(scene).modifier_name(shader.modifier);

@@ -1,8 +1,9 @@
-//! Recognising a construction by what it does, not by how it is written.
+//! Specialises a texture construction by its effect, not by its text.
 //!
-//! Radiance has no retroreflector. The paper makes one from a `texfunc` that turns the normal to the viewer under a rough
-//! highlight: "in effect, the mirror direction is always back in the direction of the viewer" (section 3.2). Whatever the
-//! expressions are, they do this if, for every ray, the perturbed normal is the direction back along the ray.
+//! Radiance has no retroreflector. The paper makes one from a `texfunc` that turns the normal to
+//! the viewer under a rough highlight: "in effect, the mirror direction is always back in the
+//! direction of the viewer" (section 3.2). Whatever the expressions are, they have this effect if
+//! the perturbed normal is the reversed ray direction for every ray.
 
 use glam::DVec3;
 use radsight_cal::Scratch;
@@ -10,13 +11,13 @@ use radsight_ir::Scene;
 use radsight_texture::{Appearance, Step, SurfaceInteraction, TextureChain};
 use std::f64::consts::TAU;
 
-/// Rays that are tried; a texture that differs anywhere on a set of measurable size is found out.
+/// Number of test rays. A texture that differs on a set of positive measure is found almost surely.
 const TRIALS: u32 = 64;
 
-/// How far the turned normal may be from the viewer's direction.
+/// Largest distance of the perturbed normal from the viewer's direction.
 const TOLERANCE: f64 = 1e-9;
 
-/// Whether textures turn the normal to the viewer, for every ray.
+/// Whether textures turn the normal to the viewer for every ray.
 pub(crate) fn turns_the_normal_to_the_viewer(chain: &TextureChain) -> bool {
     let steps = chain.steps.iter().filter(|step| matches!(step, Step::Texture(_))).cloned().collect();
     let textures = TextureChain { steps, home: chain.home.clone() };
@@ -30,7 +31,8 @@ pub(crate) fn turns_the_normal_to_the_viewer(chain: &TextureChain) -> bool {
     })
 }
 
-/// Interactions with directions, normals and places all over (an additive recurrence, so without repeats).
+/// An interaction with direction, normal and point from a low-discrepancy sequence (an additive
+/// recurrence, which never repeats).
 fn trial_interaction(trial: u32) -> SurfaceInteraction {
     let coordinate = |index: u32| {
         let alpha = [0.754_877_666, 0.569_840_291, 0.430_159_709, 0.819_172_513, 0.671_043_607, 0.549_700_478];

@@ -1,9 +1,10 @@
-//! What materials are to the rule by which one of surfaces that lie on each other is met (`rayreject` in `rt/raytrace.c`).
+//! Class of a material for Radiance's rule about coincident surfaces (`rayreject` in
+//! `rt/raytrace.c`).
 
 use radsight_accel::Substance;
 use radsight_ir::{BsdfForm, Material, ModifierHandle, ModifierKind, Scene};
 
-/// What the material at the end of a chain of modifiers is to the rule.
+/// Class of the material at the end of a modifier chain.
 pub(crate) fn substance(scene: &Scene, first: Option<ModifierHandle>) -> Substance {
     let mut last = None;
     for (_, modifier) in scene.chain(first) {
@@ -12,11 +13,11 @@ pub(crate) fn substance(scene: &Scene, first: Option<ModifierHandle>) -> Substan
         }
         last = Some(&modifier.kind);
     }
-    // A mixture counts for a material, whatever it mixes.
+    // A mixture counts as a material, whatever it mixes.
     if matches!(last, Some(ModifierKind::Mixture(_))) { Substance::Opaque } else { Substance::Nothing }
 }
 
-/// What Radiance calls transparent (`istransp` in `rt/otspecial.h`).
+/// Whether Radiance counts it as transparent (`istransp` in `rt/otspecial.h`).
 fn is_transparent(material: &Material) -> bool {
     match material {
         Material::Trans(_)
@@ -26,7 +27,7 @@ fn is_transparent(material: &Material) -> bool {
         | Material::Mist(_)
         | Material::Glass { .. }
         | Material::Bsdf { form: BsdfForm::Aperture, .. } => true,
-        // By the words alone: the colours that these let straight through.
+        // Decided by the string arguments alone: the functions of straight-through transmission.
         Material::BrtdFunction(function) => function.call.words.iter().skip(3).take(3).any(|word| word != "0"),
         Material::WardFunction(function) => function.call.words.get(5).is_some_and(|word| word != "0"),
         _ => false,

@@ -1,4 +1,4 @@
-//! What the plan tells of rays whose radiance no picture can hold.
+//! Warning about rays whose radiance exceeds the range of pictures.
 
 use crate::first_hit::{DISTANT, FirstHit, material_name};
 use crate::plan::RenderPlan;
@@ -6,20 +6,20 @@ use crate::unbounded::MOST;
 use radsight_diag::Diagnostic;
 
 impl RenderPlan {
-    /// Whether rays brought radiance that no picture can hold.
+    /// Whether any ray's radiance exceeded the range of pictures.
     #[must_use]
     pub fn has_unbounded_radiance(&self) -> bool {
-        self.unbounded.met().is_some()
+        self.unbounded.found().is_some()
     }
 
-    /// A warning of rays that brought radiance that no picture can hold: how many, and where one of
-    /// the first met what.
+    /// A warning about such rays: their number, and the first hit of one of the first.
     #[must_use]
     pub fn unbounded_radiance(&self) -> Option<Diagnostic> {
-        let (count, first) = self.unbounded.met()?;
+        let (count, first) = self.unbounded.found()?;
         let place = first.as_ref().map_or(String::new(), |hit| self.described(hit));
         let rays = if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") };
-        let warning = Diagnostic::warning(format!("the radiance of {rays} is beyond {MOST:.1e} or no number{place}"));
+        let warning =
+            Diagnostic::warning(format!("the radiance of {rays} exceeds {MOST:.1e} or is not a number{place}"));
         let span = first.as_ref().and_then(|hit| self.scene.surfaces[hit.surface].span);
         Some(span.into_iter().fold(warning, Diagnostic::at))
     }

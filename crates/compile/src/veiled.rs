@@ -1,13 +1,13 @@
-//! Rays at surfaces on which others lie that let light through.
+//! Tests whether a veil replaces the surface that a ray crosses.
 
 use crate::plan::RenderPlan;
 use radsight_accel::{Crossing, MemberId, PrimitiveId, Ray, RayFrame};
 
-/// With more veils than this a search for what is near is quicker than each of them.
+/// With more veils than this, a search near the crossing is faster than testing each of them.
 const MANY: usize = 32;
 
 impl RenderPlan {
-    /// Whether a veil that lies on what a ray crosses is there for it instead.
+    /// Whether a ray hits a veil on the crossed surface instead of that surface.
     #[inline]
     pub fn is_veiled(&self, ray: &Ray, from: Option<PrimitiveId>, crossing: &Crossing) -> bool {
         !self.veils.is_empty() && self.is_under_veil(ray, from, crossing)
@@ -18,8 +18,8 @@ impl RenderPlan {
         let (geometry, scene, frame) = (&self.geometry, &self.scene, RayFrame::new(ray));
         let (distance, tolerance) = (crossing.distance, geometry.tolerance());
         let is_there = |veil: &MemberId| {
-            let met = geometry.intersect(scene, *veil, ray, &frame, from, distance + tolerance);
-            met.is_some_and(|met| met.distance >= distance - tolerance)
+            let hit = geometry.intersect(scene, *veil, ray, &frame, from, distance + tolerance);
+            hit.is_some_and(|hit| hit.distance >= distance - tolerance)
         };
         (self.veils.len() > MANY || self.veils.iter().any(is_there))
             && geometry.chosen_near(scene, ray, from, distance) != Some(crossing.primitive)

@@ -1,17 +1,19 @@
-//! Surfaces that let light through though Radiance counts them as opaque, and that lie on others: a mixture with holes on a wall.
+//! Veils: surfaces that transmit light, count as opaque in Radiance, and lie on other surfaces; for
+//! example a mixture with holes on a wall.
 //!
-//! Where the rule prefers such a veil, what it lies on is not there for a ray, not even for a shadow ray. A search for anything in the
-//! way has to ask only in scenes that have veils; they are found once, before the first ray.
+//! Where Radiance's rule prefers the veil, rays do not hit the surface below it, not even shadow
+//! rays. The test is needed only in scenes with veils, which are collected once before the first
+//! ray.
 
 use crate::shader::Shader;
 use glam::DVec3;
 use radsight_accel::{Geometry, MemberId, flat_normal};
 use radsight_ir::{Scene, SurfaceHandle};
 
-/// More pairs of surfaces than this are not looked at.
+/// Maximum number of tested pairs of surfaces.
 const MAX_TESTS: usize = 4_000_000;
 
-/// Unit normals with a cosine above this are those of parallel surfaces.
+/// Normals whose cosine exceeds this are parallel.
 const PARALLEL: f64 = 1.0 - 1e-6;
 
 /// A flat member of the scene.
@@ -22,7 +24,7 @@ struct Flat {
     high: DVec3,
 }
 
-/// The flat surfaces that let light through, count as opaque, and may lie on another flat one.
+/// Flat surfaces that transmit light, count as opaque, and may lie on another flat surface.
 pub(crate) fn find_veils<'a>(
     scene: &Scene,
     geometry: &Geometry,

@@ -1,8 +1,10 @@
-//! What can stand between a light and a surface, and what a surface can see at all.
+//! Visibility classes: possible blockers between a light and a surface, by shaft culling (Haines
+//! and Wallace 1991).
 //!
-//! Before the first ray every pair of a surface and a light is looked at: if no other surface reaches into the convex hull of the two,
-//! no shadow ray is needed; if few do, only those are tested. A flat surface that has nothing but lights in front of it needs no ray to
-//! find light by way of other surfaces. All tests are conservative: what is left out cannot change the picture.
+//! Every pair of a surface and a light is classified before the first ray. If no other surface
+//! reaches into their convex hull, no shadow ray is needed; if few do, only those are tested. A
+//! flat surface with nothing but lights in front of it needs no rays for indirect light. All tests
+//! are conservative: they cannot change the picture.
 
 use crate::shader::{Kind, Shader, Substitution};
 use glam::DVec3;
@@ -11,52 +13,54 @@ use radsight_ir::{Scene, Shape, SurfaceHandle, ValidScene};
 use radsight_light::{Light, LightForm};
 use std::f64::consts::PI;
 
-/// More pairs times surfaces than this are not looked at.
+/// Maximum number of tests (pairs times surfaces).
 const MAX_TESTS: usize = 4_000_000;
 
-/// More possible blockers than this are left to the hierarchy.
+/// Maximum number of blockers in a list; with more the acceleration structure is used.
 const MAX_BLOCKERS: usize = 4;
 
-/// Surfaces within this share of the scene's size of a plane count as lying in it.
+/// Surfaces within this distance of a plane lie in it, relative to the scene's size.
 const IN_PLANE: f64 = 1e-9;
 
-/// What stands between a surface and a light.
+/// Visibility between a surface and a light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum VisibilityClass {
-    /// The light shows the surface its back, or is too far: it gives nothing.
+    /// The light faces away or is too far: it contributes nothing.
     Dark,
-    /// Nothing.
+    /// Nothing blocks the light.
     Nothing,
-    /// At most these.
+    /// At most these members block the light.
     Few(Vec<MemberId>),
-    /// Anything.
+    /// Any surface may block the light.
     Anything,
 }
 
-/// What is known of one primitive.
+/// Visibility of the lights at one primitive.
 #[derive(Clone, Debug)]
 pub struct Receiver {
-    /// By light.
+    /// Class of each light.
     pub between: Vec<VisibilityClass>,
-    /// Everything in front of it is a sampled light.
+    /// Whether everything in front of it is a sampled light.
     pub sees_only_lights: bool,
-    /// And every light is smaller than its highlight, so that sampling the lights alone is best.
+    /// Whether every light is also smaller than its highlight, so that light sampling alone is
+    /// best.
     pub lights_suffice: bool,
 }
 
-/// What is known of all primitives; empty where the scene is too large to look at every pair.
+/// Visibility at all primitives; empty if the scene is too large for all pairs.
 #[derive(Debug, Default)]
 pub struct Visibility {
     receivers: Vec<Receiver>,
 }
 
 impl Visibility {
-    /// Knows nothing, so that everything is computed.
+    /// Without information: everything is computed.
     pub fn everything() -> Visibility {
         Visibility::default()
     }
 
-    /// Finds out what stands between the surfaces and lights of a scene; `unsampled_light` says whether light comes from elsewhere too.
+    /// Classifies all pairs of surfaces and lights; `unsampled_light` says whether there is light
+    /// that light sampling does not cover.
     pub fn new<'a>(
         scene: &ValidScene,
         geometry: &Geometry,
@@ -68,33 +72,33 @@ impl Visibility {
         if count.saturating_mul(count).saturating_mul(lights.len().max(1)) > MAX_TESTS {
             return Visibility::everything();
         }
-        let bodies: Vec<Body> = geometry
+        let occluders: Vec<Occluder> = geometry
             .members()
-            .map(|(member, handle)| Body::new(scene, geometry, member, &shader(handle).kind, lights))
+            .map(|(member, handle)| Occluder::new(scene, geometry, member, &shader(handle).kind, lights))
             .collect();
         let (_, radius) = geometry.bounding_sphere();
         let tolerance = IN_PLANE * radius;
-        let receivers = bodies
+        let receivers = occluders
             .iter()
-            .map(|body| Receiver {
+            .map(|occluder| Receiver {
                 between: lights
                     .iter()
-                    .map(|light| between(body, light, &bodies, [tolerance, geometry.tolerance()]))
+                    .map(|light| between(occluder, light, &occluders, [tolerance, geometry.tolerance()]))
                     .collect(),
-                sees_only_lights: !unsampled_light && sees_only_lights(body, &bodies, lights, tolerance),
-                lights_suffice: lights_are_small(body, lights),
+                sees_only_lights: !unsampled_light && sees_only_lights(occluder, &occluders, lights, tolerance),
+                lights_suffice: lights_are_small(occluder, lights),
             })
             .collect();
         Visibility { receivers }
     }
 
-    /// What is known of a primitive.
+    /// Visibility of the lights at a primitive.
     #[inline]
     pub fn receiver(&self, primitive: PrimitiveId) -> Option<&Receiver> {
         self.receivers.get(primitive.0 as usize)
     }
 
-    /// Counts of what is saved, in words.
+    /// Counts of the savings, as text.
     pub fn summary(&self) -> [(usize, &'static str, &'static str); 4] {
         let pairs = |kind: fn(&VisibilityClass) -> bool| {
             self.receivers.iter().map(|receiver| receiver.between.iter().filter(|b| kind(b)).count()).sum()
@@ -102,11 +106,7 @@ impl Visibility {
         let direct_only =
             self.receivers.iter().filter(|receiver| receiver.sees_only_lights && receiver.lights_suffice).count();
         [
-            (
-                pairs(|b| *b == VisibilityClass::Dark),
-                "pairs of surface and light are skipped",
-                "the light turns its back",
-            ),
+            (pairs(|b| *b == VisibilityClass::Dark), "pairs of surface and light are skipped", "the light faces away"),
             (
                 pairs(|b| *b == VisibilityClass::Nothing),
                 "pairs of surface and light need no shadow ray",
@@ -126,26 +126,26 @@ impl Visibility {
     }
 }
 
-/// A surface as the tests see it.
-struct Body {
+/// Bounds of a surface for these tests.
+struct Occluder {
     member: MemberId,
     surface: SurfaceHandle,
-    /// Points whose convex hull holds the surface.
+    /// Points whose convex hull contains the surface.
     hull: Vec<DVec3>,
-    /// Front normal and a point, if it is flat.
+    /// Front normal and a point of the plane, if it is flat.
     plane: Option<(DVec3, DVec3)>,
     is_light: bool,
     /// Solid angle of the narrowest highlight, sr.
     highlight: f64,
 }
 
-impl Body {
-    fn new(scene: &Scene, geometry: &Geometry, member: MemberId, kind: &Kind, lights: &[Light]) -> Body {
+impl Occluder {
+    fn new(scene: &Scene, geometry: &Geometry, member: MemberId, kind: &Kind, lights: &[Light]) -> Occluder {
         let surface = geometry.surface_of(member);
         let shape = scene.surfaces[surface].shape;
         let hull = hull(scene, geometry, shape);
         let plane = flat_normal(scene, shape).map(|normal| (normal, hull[0]));
-        // What stands in for an illum is seen from behind.
+        // The alternate material of an illum is seen from behind.
         let is_seen = matches!(kind, Kind::Illum { substitute: Substitution::Shader(_), .. });
         let samples = |light: &Light| light.surface == surface && light.max_distance.is_infinite();
         let is_light = !is_seen && lights.iter().any(samples);
@@ -153,10 +153,10 @@ impl Body {
             Kind::Glossy(glossy) | Kind::Retro(glossy) => 4.0 * PI * glossy.roughness * glossy.roughness,
             _ => 0.0,
         };
-        Body { member, surface, hull, plane, is_light, highlight }
+        Occluder { member, surface, hull, plane, is_light, highlight }
     }
 
-    /// Lowest and highest value of a linear function over the surface.
+    /// Minimum and maximum of a linear function over the surface.
     fn range(&self, axis: DVec3) -> (f64, f64) {
         range(&self.hull, axis)
     }
@@ -169,7 +169,7 @@ fn range(points: &[DVec3], axis: DVec3) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// Points whose convex hull holds a surface.
+/// Points whose convex hull contains the surface.
 fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     match shape {
         Shape::Polygon { start, count } => scene.vertices[start as usize..][..count as usize].to_vec(),
@@ -183,32 +183,38 @@ fn hull(scene: &Scene, geometry: &Geometry, shape: Shape) -> Vec<DVec3> {
     }
 }
 
-/// What can stand between a body and a light. What is no farther from the light than `touch` may hide it, wherever it lies.
-fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64; 2]) -> VisibilityClass {
+/// Possible blockers between a receiver and a light. A surface no farther from the light than
+/// `touch` may block it, wherever it lies.
+fn between(
+    occluder: &Occluder,
+    light: &Light,
+    occluders: &[Occluder],
+    [tolerance, touch]: [f64; 2],
+) -> VisibilityClass {
     if !light.virtual_sources.is_empty() || light.radius.is_infinite() {
         return VisibilityClass::Anything;
     }
-    let Some(source) = bodies.iter().find(|other| other.surface == light.surface) else {
+    let Some(source) = occluders.iter().find(|other| other.surface == light.surface) else {
         return VisibilityClass::Anything;
     };
-    if body.surface == light.surface {
+    if occluder.surface == light.surface {
         return VisibilityClass::Anything;
     }
     if let Some((normal, point)) = light.form.plane()
-        && body.range(normal).1 <= normal.dot(point) + tolerance
+        && occluder.range(normal).1 <= normal.dot(point) + tolerance
     {
         return VisibilityClass::Dark;
     }
     let mut axes = vec![DVec3::X, DVec3::Y, DVec3::Z];
-    axes.extend(body.plane.map(|(normal, _)| normal));
+    axes.extend(occluder.plane.map(|(normal, _)| normal));
     axes.extend(source.plane.map(|(normal, _)| normal));
-    let stands_between = |other: &&Body| {
-        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, body, source, other, tolerance))
+    let stands_between = |other: &&Occluder| {
+        lies_on(source, other, touch) || !axes.iter().any(|axis| separated(*axis, occluder, source, other, tolerance))
     };
-    let blockers: Vec<MemberId> = bodies
+    let blockers: Vec<MemberId> = occluders
         .iter()
         .filter(|other| other.surface != light.surface)
-        .filter(|other| other.member != body.member || body.plane.is_none())
+        .filter(|other| other.member != occluder.member || occluder.plane.is_none())
         .filter(stands_between)
         .map(|other| other.member)
         .collect();
@@ -219,18 +225,19 @@ fn between(body: &Body, light: &Light, bodies: &[Body], [tolerance, touch]: [f64
     }
 }
 
-/// Whether a plane perpendicular to `axis` has the body and the light on one side and the other body on the other, or in it.
-fn separated(axis: DVec3, body: &Body, source: &Body, other: &Body, tolerance: f64) -> bool {
-    let (a, b) = (body.range(axis), source.range(axis));
+/// Whether a plane perpendicular to `axis` separates the receiver and the light from the other
+/// surface, or contains that surface.
+fn separated(axis: DVec3, occluder: &Occluder, source: &Occluder, other: &Occluder, tolerance: f64) -> bool {
+    let (a, b) = (occluder.range(axis), source.range(axis));
     let (low, high) = (a.0.min(b.0), a.1.max(b.1));
     let (other_low, other_high) = other.range(axis);
-    // What only touches the hull where the hull itself is flat stands beside the segments, not between their ends; a hull
-    // without extent along the axis has no inside to reach into.
+    // A surface that only touches a flat face of the hull is beside the segments, not between their
+    // ends. A hull without extent along the axis has no inside.
     high - low > 4.0 * tolerance && (other_high <= low + tolerance || other_low >= high - tolerance)
 }
 
-/// Whether a body touches a flat light in more than an edge, as far as the boxes around them tell.
-fn lies_on(source: &Body, other: &Body, touch: f64) -> bool {
+/// Whether a surface touches a flat light in more than an edge, judged by bounding boxes.
+fn lies_on(source: &Occluder, other: &Occluder, touch: f64) -> bool {
     let overlap = |axis: DVec3| {
         let (a, b) = (source.range(axis), other.range(axis));
         a.1.min(b.1) - a.0.max(b.0)
@@ -242,12 +249,12 @@ fn lies_on(source: &Body, other: &Body, touch: f64) -> bool {
         && overlaps.iter().filter(|overlap| **overlap > touch).count() > 1
 }
 
-/// Whether all that lies in front of a flat body is lights.
-fn sees_only_lights(body: &Body, bodies: &[Body], lights: &[Light], tolerance: f64) -> bool {
-    let Some((normal, point)) = body.plane else { return false };
+/// Whether everything in front of a flat surface is a light.
+fn sees_only_lights(occluder: &Occluder, occluders: &[Occluder], lights: &[Light], tolerance: f64) -> bool {
+    let Some((normal, point)) = occluder.plane else { return false };
     let height = normal.dot(point);
     lights.iter().all(|light| light.virtual_sources.is_empty() && light.max_distance.is_infinite())
-        && bodies.iter().all(|other| {
+        && occluders.iter().all(|other| {
             let (low, high) = other.range(normal);
             let in_plane = low >= height - tolerance && high <= height + tolerance;
             // Both sides count: a ray can come from behind too.
@@ -255,18 +262,18 @@ fn sees_only_lights(body: &Body, bodies: &[Body], lights: &[Light], tolerance: f
         })
 }
 
-/// Whether every light covers less solid angle than the highlight, from wherever on the body it is seen.
-fn lights_are_small(body: &Body, lights: &[Light]) -> bool {
+/// Whether every light has less solid angle than the highlight, from any point of the surface.
+fn lights_are_small(occluder: &Occluder, lights: &[Light]) -> bool {
     lights.iter().all(|light| match light.form {
         LightForm::Distant { half_angle_sin_squared_half, .. } => {
-            4.0 * PI * half_angle_sin_squared_half <= body.highlight
+            4.0 * PI * half_angle_sin_squared_half <= occluder.highlight
         }
         _ => {
-            let nearest = match body.plane {
+            let nearest = match occluder.plane {
                 Some((normal, point)) => normal.dot(light.center - point).abs() - light.radius,
                 None => 0.0,
             };
-            nearest > 0.0 && light.form.area() <= body.highlight * nearest * nearest
+            nearest > 0.0 && light.form.area() <= occluder.highlight * nearest * nearest
         }
     })
 }

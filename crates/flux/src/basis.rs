@@ -1,4 +1,4 @@
-//! How a hemisphere of directions is divided.
+//! Bases: divisions of a hemisphere of directions.
 
 use crate::FluxError;
 use radsight_measured::AngleBasis;
@@ -9,15 +9,16 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// A division of the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
-    /// Not divided.
+    /// No division.
     Uniform,
-    /// Shirley and Chiu's squares, so many along each side.
+    /// Shirley and Chiu's squares, with this many along each side.
     ShirleyChiu(u32),
-    /// Reinhart's refinement of Tregenza's sky: each patch divided so often along each side.
+    /// Reinhart's subdivision of Tregenza's sky: each patch divided this many times along each
+    /// side.
     Reinhart(u32),
     /// One of Klems' bases.
     Klems(Klems),
-    /// The CIE's sky scan, for receivers.
+    /// The CIE's sky scan, for receivers only.
     Cie,
 }
 
@@ -32,11 +33,11 @@ pub enum Klems {
     Quarter,
 }
 
-/// No basis is divided more finely along a side: 150 million patches.
+/// Finest division along a side: 150 million patches.
 const FINEST: u32 = 1 << 10;
 
 impl Basis {
-    /// What stands after `h=`, without its sign.
+    /// Parses the value of `h=`, without its sign.
     pub(crate) fn from_word(word: &str) -> Result<Basis, FluxError> {
         let wrong = || FluxError::Basis { word: word.to_owned() };
         let digits: String = word.chars().filter(char::is_ascii_digit).collect();
@@ -58,7 +59,7 @@ impl Basis {
     }
 }
 
-/// Draws directions of a basis.
+/// Samples directions of a basis.
 #[derive(Clone, Debug)]
 pub(crate) enum Directions {
     Uniform,
@@ -79,7 +80,7 @@ impl Directions {
         }
     }
 
-    /// How many patches there are.
+    /// Number of patches.
     pub(crate) fn len(&self) -> u64 {
         match self {
             Directions::Uniform => 1,
@@ -89,9 +90,10 @@ impl Directions {
         }
     }
 
-    /// A direction of a patch from a point of the unit square: its coordinates along u, v and the normal, in front. As in Radiance even
-    /// in projected solid angle, but in altitude for [`Basis::Reinhart`].
-    pub(crate) fn draw(&self, patch: u64, [a, b]: [f64; 2]) -> [f64; 3] {
+    /// Maps a point of the unit square to a direction in front, within a patch: its coordinates
+    /// along u, v and the normal. As in Radiance it is uniform in projected solid angle, and for
+    /// [`Basis::Reinhart`] in altitude.
+    pub(crate) fn sample(&self, patch: u64, [a, b]: [f64; 2]) -> [f64; 3] {
         let (x, y) = match self {
             Directions::Uniform => unit_disk(a, b),
             Directions::ShirleyChiu(size) => {
@@ -108,7 +110,7 @@ impl Directions {
     }
 }
 
-/// The first patch of a row is centred on the way down (−v).
+/// The first patch of a row is centred on the downward direction (−v).
 fn reinhart(sky: SkyDivision, patch: u64, [a, b]: [f64; 2]) -> [f64; 3] {
     let (row, column) = sky.row_and_column(patch);
     let up = if row < sky.rows() { a } else { a * a };
@@ -149,7 +151,7 @@ mod tests {
             let directions = Directions::new(Basis::from_word(basis).unwrap()).unwrap();
             for patch in 0..directions.len() {
                 for point in [[0.0, 0.0], [0.5, 0.5], [0.999, 0.001], [0.001, 0.999]] {
-                    let [x, y, z] = directions.draw(patch, point);
+                    let [x, y, z] = directions.sample(patch, point);
                     assert!(z >= 0.0 && (x * x + y * y + z * z - 1.0).abs() < 1e-12, "{basis} {patch}");
                 }
             }

@@ -1,4 +1,5 @@
-//! A surface as a light of its own: rays over all directions in which it shines, and how what they bring is spread over those.
+//! Surfaces that become light sources (`mkillum`): rays over all their emission directions, and the
+//! distribution of the radiance found.
 
 use crate::surface::{FluxSurface, Shape};
 use crate::{FluxError, Toward};
@@ -6,10 +7,11 @@ use glam::DVec3;
 use radsight_sampling::{DimensionSet, RaySampler};
 use std::f64::consts::{PI, TAU};
 
-/// A surface that becomes a light, with its directions and the rays for each.
+/// A surface that becomes a light source, with its emission directions and the rays for each.
 ///
-/// Directions are cells of two angles. Those of a flat surface have the same projected solid angle: rows are even in the square of the sine of the
-/// angle to the normal, columns in the angle around it. Those of a ball have the same solid angle, around the scene's z axis.
+/// Directions are cells of two angles. For a flat surface the cells have equal projected solid
+/// angle: rows are uniform in the squared sine of the angle to the normal, columns in the azimuth
+/// about it. For a sphere the cells have equal solid angle, about the scene's z axis.
 #[derive(Clone, Debug)]
 pub struct IllumSurface {
     outline: Outline,
@@ -21,9 +23,9 @@ pub struct IllumSurface {
 enum Outline {
     Flat {
         surface: FluxSurface,
-        /// Unit: u, v and the normal.
+        /// Unit vectors u, v and the normal.
         axes: [DVec3; 3],
-        /// How far before the surface rays start, so that they pass it.
+        /// Distance of the ray origins in front of the surface, so that rays cross it.
         lift: f64,
     },
     Ball {
@@ -32,29 +34,30 @@ enum Outline {
     },
 }
 
-/// How finely a light is looked at.
+/// Resolution of the distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IllumDetail {
-    /// Directions for each steradian, projected if the surface is flat; 0 for one that shines evenly.
+    /// Number of directions per steradian (projected, for a flat surface); 0 for a constant
+    /// distribution.
     pub density: u32,
-    /// Rays for each direction.
+    /// Number of rays per direction.
     pub samples: u32,
 }
 
-/// More directions than any light needs: rays for all of them are in memory at once.
+/// Maximum number of rays, which are all in memory at once; more than any light needs.
 const MOST_RAYS: u64 = 1 << 25;
 
-/// How far before the surface rays start, as a share of its size.
+/// Distance of the ray origins in front of the surface, relative to its size.
 const LIFT: f64 = 0.005;
 
-/// Tells the points of these surfaces from those of other rays.
+/// Distinguishes the samples of these surfaces from those of other rays.
 const SEED: u64 = 0x696c_6c75;
 
 impl IllumSurface {
-    /// A polygon or ring with its real arguments.
+    /// A polygon or ring, from its real arguments.
     ///
     /// # Errors
-    /// When their number is wrong, they make no surface, or there are too many rays.
+    /// If their number is wrong, they do not form a surface, or there are too many rays.
     pub fn flat(name: &str, shape: Shape, numbers: &[f64], detail: IllumDetail) -> Result<IllumSurface, FluxError> {
         let surface = FluxSurface::new(name, shape, numbers)?;
         if surface.is_distant() {
@@ -72,13 +75,13 @@ impl IllumSurface {
         IllumSurface::new(name, Outline::Flat { surface, axes, lift: LIFT * size }, [rows, PI], detail)
     }
 
-    /// A sphere with its real arguments.
+    /// A sphere, from its real arguments.
     ///
     /// # Errors
-    /// When their number is wrong, they make no surface, or there are too many rays.
+    /// If their number is wrong, they do not form a surface, or there are too many rays.
     pub fn ball(name: &str, numbers: &[f64], detail: IllumDetail) -> Result<IllumSurface, FluxError> {
         let wrong = |what| FluxError::Surface { surface: name.to_owned(), what };
-        let [x, y, z, radius] = *numbers else { return Err(wrong("has not as many numbers as its type")) };
+        let [x, y, z, radius] = *numbers else { return Err(wrong("has a wrong number of arguments for its type")) };
         if radius.is_nan() || radius <= 0.0 {
             return Err(wrong("has no area"));
         }
@@ -102,30 +105,30 @@ impl IllumSurface {
         };
         let samples = f64::from(detail.samples.max(1));
         if cells[0] * cells[1] * samples > MOST_RAYS as f64 {
-            return Err(FluxError::Surface { surface: name.to_owned(), what: "is asked for too many rays" });
+            return Err(FluxError::Surface { surface: name.to_owned(), what: "needs too many rays" });
         }
         Ok(IllumSurface { outline, cells: cells.map(|count| count as usize), samples: samples as usize })
     }
 
-    /// Rows and columns of directions.
+    /// Number of rows and columns of directions.
     #[must_use]
     pub fn cells(&self) -> [usize; 2] {
         self.cells
     }
 
-    /// Rays for each direction.
+    /// Number of rays per direction.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// How many rays there are: those of a direction together, rows after each other.
+    /// Number of rays: those of a direction are consecutive, rows follow each other.
     #[must_use]
     pub fn rays(&self) -> usize {
         self.cells[0] * self.cells[1] * self.samples
     }
 
-    /// Unit vectors u, v and the normal, around which directions of a flat surface are counted.
+    /// Unit vectors u, v and the normal, to which the directions of a flat surface refer.
     #[must_use]
     pub fn axes(&self) -> Option<[DVec3; 3]> {
         match &self.outline {
@@ -134,8 +137,8 @@ impl IllumSurface {
         }
     }
 
-    /// Origin and unit direction of ray number `number`: it starts just before the surface and goes through it, against the way in which the light
-    /// will shine.
+    /// Origin and unit direction of ray number `number`. It starts just in front of the surface and
+    /// crosses it, against the future light.
     #[must_use]
     pub fn ray(&self, number: usize) -> [DVec3; 2] {
         let [a, b, c, d] = RaySampler::new(SEED, number as u64).take(DimensionSet::CAMERA);
@@ -146,14 +149,14 @@ impl IllumSurface {
             Outline::Flat { surface, axes: [u, v, normal], lift } => {
                 let (sin, cos) = (row.sqrt(), (1.0 - row).max(0.0).sqrt());
                 let shining = *u * (sin * around.cos()) + *v * (sin * around.sin()) + *normal * cos;
-                [surface.place([c, d]) + shining * *lift, -shining]
+                [surface.point([c, d]) + shining * *lift, -shining]
             }
             Outline::Ball { middle, radius } => {
                 let height = 1.0 - 2.0 * row;
                 let sin = (1.0 - height * height).max(0.0).sqrt();
                 let shining = DVec3::new(sin * around.cos(), sin * around.sin(), height);
                 let (u, v) = shining.any_orthonormal_pair();
-                // Even over the disk that is seen from there; a little outside of the ball.
+                // Uniform over the disk visible from there, slightly outside the sphere.
                 let (side, out) = (c.sqrt() * *radius, *radius * (1.01 - c).sqrt());
                 let (up, across) = (TAU * d).sin_cos();
                 [*middle + u * (side * across) + v * (side * up) + shining * out, -shining]
@@ -161,13 +164,14 @@ impl IllumSurface {
         }
     }
 
-    /// A ray from place number `number` of a flat surface to a light that is behind it; `None` where it is not.
+    /// A ray from point number `number` of a flat surface to a light behind it; `None` if the light
+    /// is not behind it.
     #[must_use]
     pub fn ray_to_light(&self, light: &Toward, number: usize) -> Option<LightRay> {
         let Outline::Flat { surface, axes: [u, v, normal], lift } = &self.outline else { return None };
         let [a, b, c, d] = RaySampler::new(!SEED, number as u64).take(DimensionSet::CAMERA);
-        let place = surface.place([a, b]);
-        let (direction, solid_angle) = light.draw(place, [c, d])?;
+        let place = surface.point([a, b]);
+        let (direction, solid_angle) = light.sample(place, [c, d])?;
         let cosine = -normal.dot(direction);
         if cosine <= 1e-6 {
             return None;
@@ -184,8 +188,9 @@ impl IllumSurface {
         })
     }
 
-    /// The means of all directions as a table whose rows and columns overlap with their neighbours, as data files have them: columns close
-    /// around with the first once more, and rows go on beyond the pole so that the mean of the first stands at it.
+    /// Table of the mean radiance by direction, extended for interpolation as in data files: the
+    /// first column is repeated at the end, and rows extend beyond the pole so that the mean of the
+    /// first row is at the pole.
     #[must_use]
     pub fn table(&self, means: &[f64]) -> Vec<Vec<f64>> {
         let closed = |row: &[f64]| row.iter().chain(row.first()).copied().collect::<Vec<f64>>();
@@ -194,13 +199,13 @@ impl IllumSurface {
             closed(&row.iter().map(|value| twice - value).collect::<Vec<f64>>())
         };
         let rows: Vec<&[f64]> = means.chunks_exact(self.cells[1]).collect();
-        let beyond = |row: Option<&&[f64]>| row.map(|row| mirrored(row));
-        let last = if self.axes().is_none() { beyond(rows.last()) } else { None };
-        beyond(rows.first()).into_iter().chain(rows.iter().map(|row| closed(row))).chain(last).collect()
+        let past_pole = |row: Option<&&[f64]>| row.map(|row| mirrored(row));
+        let last = if self.axes().is_none() { past_pole(rows.last()) } else { None };
+        past_pole(rows.first()).into_iter().chain(rows.iter().map(|row| closed(row))).chain(last).collect()
     }
 
-    /// Where the first and the last row of [`IllumSurface::table`] stand: at the square of the cosine of the angle to the normal, or for a ball at the
-    /// cosine of the angle to the z axis.
+    /// Coordinates of the first and the last row of [`IllumSurface::table`]: squared cosine of the
+    /// angle to the normal; for a sphere cosine of the angle to the z axis.
     #[must_use]
     pub fn row_ends(&self) -> [f64; 2] {
         let rows = self.cells[0] as f64;
@@ -214,17 +219,18 @@ impl IllumSurface {
 /// A ray towards a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightRay {
-    /// Where it starts.
+    /// Origin, scene coordinates.
     pub origin: DVec3,
-    /// Unit.
+    /// Unit direction.
     pub direction: DVec3,
-    /// Number of the direction in which the light counts.
+    /// Index of the direction's cell.
     pub cell: usize,
-    /// What the light's radiance is multiplied by; the mean over all places adds to that of the direction.
+    /// Weight of the light's radiance; the mean over all points is added to that of the cell.
     pub weight: f64,
 }
 
-/// The direction of the first edge that is as long as the side of a square of the same area: rows of windows stand along it.
+/// Direction of the first edge at least as long as the side of a square of the same area: rows of
+/// windows lie along it.
 fn long_edge(shape: Shape, numbers: &[f64], area: f64) -> Option<DVec3> {
     if shape != Shape::Polygon {
         return None;
@@ -271,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_of_a_ball_come_from_all_around() {
+    fn rays_of_a_sphere_come_from_all_directions() {
         let detail = IllumDetail { density: 10, samples: 8 };
         let surface = IllumSurface::ball("b", &[1., 2., 3., 0.5], detail).unwrap();
         let middle = DVec3::new(1.0, 2.0, 3.0);
@@ -299,13 +305,13 @@ mod tests {
         let expected = cells * cosine * 5f64.to_radians().sin().powi(2);
         assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
         assert!(rays.iter().all(|ray| ray.cell < cells as usize));
-        // Its own rays in that direction agree about the cell.
+        // Its own rays in that direction are in the same cell.
         let [origin, direction] = surface.ray(rays[0].cell);
         assert!(direction.dot(rays[0].direction) > 0.9 && origin.is_finite());
     }
 
     #[test]
-    fn tables_close_around_and_go_on_beyond_the_pole() {
+    fn tables_are_periodic_and_extend_beyond_the_pole() {
         let surface = window(1, 1);
         assert_eq!(surface.cells(), [1, 3]);
         assert_eq!(surface.table(&[1.0, 2.0, 6.0]), [vec![5.0, 4.0, 0.0, 5.0], vec![1.0, 2.0, 6.0, 1.0]]);
@@ -315,10 +321,10 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_light_is_told() {
+    fn surfaces_that_make_no_light_are_rejected() {
         let detail = IllumDetail { density: 1 << 30, samples: 1 << 20 };
         let error = IllumSurface::flat("w", Shape::Polygon, &WINDOW, detail).unwrap_err();
-        assert_eq!(error.to_string(), "surface \"w\" is asked for too many rays");
+        assert_eq!(error.to_string(), "surface \"w\" needs too many rays");
         let detail = IllumDetail { density: 1, samples: 1 };
         for numbers in [&[0., 0., 0., 0.][..], &[0., 0., 0., f64::NAN], &[1.0]] {
             assert!(IllumSurface::ball("b", numbers, detail).is_err());

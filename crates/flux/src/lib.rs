@@ -1,11 +1,14 @@
-//! Senders and receivers of flux: the surfaces between which `rfluxmtx` finds a matrix of coefficients, and the directions by which each divides it.
+//! Senders and receivers of flux: the surfaces between which `rfluxmtx` computes a matrix of
+//! coefficients, and the bases that divide their directions.
 //!
-//! Surfaces that follow a comment `#@rfluxmtx h=BASIS u=UP o=FILE` form a [`Group`]. Of a receiver, [`ReceiverWords`] makes the options with which
-//! `rcontrib` sorts what arrives; a [`Sender`] makes the rays that leave, so many for each of its directions. An [`IllumSurface`] makes rays that look
-//! through a window, and puts what they find in the order of the data files with which `mkillum` makes the window a light.
+//! Surfaces after a comment `#@rfluxmtx h=BASIS u=UP o=FILE` form a [`Group`]. [`ReceiverWords`]
+//! makes the options with which `rcontrib` sorts the rays of a receiver by direction. A [`Sender`]
+//! makes the rays that leave a surface, with a number for each of its directions. An
+//! [`IllumSurface`] makes rays through a window, and arranges the radiance that they find for the
+//! data files with which `mkillum` turns the window into a light source.
 //!
-//! Guarantees: directions are numbered as Radiance's function files number them; a ray is a function of its number alone; no input makes anything
-//! panic. Knows neither scene text nor files.
+//! Guarantees: directions are numbered as in Radiance's function files; a ray is a function of its
+//! number alone; no input makes a function panic. The crate knows neither scene text nor files.
 //!
 //! ```
 //! use radsight_flux::{FluxSurface, Group, ReceiverWords, Sender, Shape};
@@ -41,29 +44,29 @@ pub use toward::Toward;
 
 use glam::DVec3;
 
-/// Surfaces of one modifier, and how they divide the directions.
+/// Surfaces of one modifier, and the basis of their directions.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// The modifier's name.
     pub modifier: String,
-    /// What is said of them.
+    /// Parameters of the surfaces' comment.
     pub parameters: Parameters,
     /// The surfaces.
     pub surfaces: Vec<FluxSurface>,
 }
 
 impl Group {
-    /// One of a modifier, with nothing in it.
+    /// An empty group of a modifier.
     #[must_use]
     pub fn new(modifier: &str) -> Group {
         Group { modifier: modifier.to_owned(), parameters: Parameters::default(), surfaces: Vec::new() }
     }
 
-    /// The mean of the surfaces' normals by area, and the up direction; both unit.
+    /// Mean normal of the surfaces by area, and the up direction; both unit vectors.
     fn frame(&self) -> Result<[DVec3; 2], FluxError> {
         let sum: DVec3 = self.surfaces.iter().map(|surface| surface.normal * surface.area).sum();
         let normal = sum.try_normalize().ok_or_else(|| FluxError::NoNormal { modifier: self.modifier.clone() })?;
-        // As in Radiance, where nothing is said.
+        // Radiance's default.
         let usual = if normal.z.abs() < 0.7 { DVec3::Z } else { DVec3::Y };
         Ok([normal, self.parameters.up.unwrap_or(usual)])
     }

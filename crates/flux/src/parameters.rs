@@ -1,36 +1,36 @@
-//! What a comment `#@rfluxmtx` says.
+//! Parameters in a comment `#@rfluxmtx`.
 
 use crate::{Basis, FluxError};
 use glam::DVec3;
 
-/// Which way azimuths of a basis are counted.
+/// Orientation of a basis' azimuths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hand {
-    /// In right-handed coordinates (`h=+…`).
+    /// Right-handed coordinates (`h=+…`).
     #[default]
     Right,
-    /// In left-handed ones (`h=-…`).
+    /// Left-handed coordinates (`h=-…`).
     Left,
 }
 
-/// What is said of a group of surfaces.
+/// Parameters of a group of surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parameters {
-    /// How directions are divided (`h=`).
+    /// Basis (`h=`).
     pub basis: Option<Basis>,
-    /// Which way they are counted.
+    /// Orientation of the basis' azimuths.
     pub hand: Hand,
-    /// What is up (`u=`), unit.
+    /// Up direction (`u=`), unit.
     pub up: Option<DVec3>,
-    /// The file of a receiver's matrix (`o=`), or a command after `!`.
+    /// File of a receiver's matrix (`o=`), or a command after `!`.
     pub output: Option<String>,
 }
 
 impl Parameters {
-    /// Reads what stands after `#@rfluxmtx`; what is said again is meant as said last.
+    /// Parses the text after `#@rfluxmtx`; a repeated parameter replaces the earlier one.
     ///
     /// # Errors
-    /// When a word is none of those.
+    /// If a word is not a parameter.
     pub fn read(&mut self, text: &str) -> Result<(), FluxError> {
         let mut rest = text.trim_start();
         while !rest.is_empty() {
@@ -43,9 +43,9 @@ impl Parameters {
             } else if let Some(direction) = word.strip_prefix("u=") {
                 self.up = Some(unit_direction(direction)?);
             } else if let Some(name) = rest.strip_prefix("o=") {
-                let (output, beyond) = output(name)?;
+                let (output, rest) = output(name)?;
                 self.output = Some(output.to_owned());
-                after = beyond;
+                after = rest;
             } else {
                 return Err(FluxError::Parameter { word: word.to_owned() });
             }
@@ -54,14 +54,14 @@ impl Parameters {
         Ok(())
     }
 
-    /// Those of the next receiver where nothing else is said: its basis is that of the one before.
+    /// Default parameters of the next receiver: its basis is that of this one.
     #[must_use]
     pub fn next(&self) -> Parameters {
         Parameters { up: None, output: None, ..self.clone() }
     }
 }
 
-/// A file's name, which may stand in quotation marks, and what follows.
+/// Splits off a file name, which may be in quotation marks.
 fn output(text: &str) -> Result<(&str, &str), FluxError> {
     let (name, after) = match text.chars().next() {
         Some(mark @ ('"' | '\'')) => text[1..].split_once(mark).ok_or(FluxError::Output)?,
@@ -70,7 +70,7 @@ fn output(text: &str) -> Result<(&str, &str), FluxError> {
     if name.is_empty() { Err(FluxError::Output) } else { Ok((name, after)) }
 }
 
-/// An axis with signs before it, or three numbers.
+/// Parses an axis with a sign, or three numbers.
 fn unit_direction(word: &str) -> Result<DVec3, FluxError> {
     let wrong = || FluxError::Direction { word: word.to_owned() };
     let name = word.trim_start_matches(['+', '-']);
@@ -106,14 +106,14 @@ mod tests {
     }
 
     #[test]
-    fn wrong_parameters_are_told() {
+    fn wrong_parameters_are_reported() {
         for (text, message) in [
-            ("h=q", "\"q\" is no basis, expected u, kf, kh, kq, r and a number, sc and a number, or cie"),
-            ("u=W", "\"W\" is no direction, expected X, Y or Z with a sign, or three numbers with commas"),
-            ("u=1,2", "\"1,2\" is no direction, expected X, Y or Z with a sign, or three numbers with commas"),
+            ("h=q", "\"q\" is not a basis, expected u, kf, kh, kq, r and a number, sc and a number, or cie"),
+            ("u=W", "\"W\" is not a direction, expected X, Y or Z with a sign, or three numbers with commas"),
+            ("u=1,2", "\"1,2\" is not a direction, expected X, Y or Z with a sign, or three numbers with commas"),
             ("o=", "\"o=\" names no file"),
             ("o='a", "\"o=\" names no file"),
-            ("h=kf z=1", "\"z=1\" is no parameter, expected h=, u= or o="),
+            ("h=kf z=1", "\"z=1\" is not a parameter, expected h=, u= or o="),
         ] {
             assert_eq!(Parameters::default().read(text).unwrap_err().to_string(), message);
         }

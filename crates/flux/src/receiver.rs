@@ -1,30 +1,30 @@
-//! The options with which `rcontrib` sorts what a receiver gets.
+//! The options with which `rcontrib` sorts the rays of a receiver by direction.
 
 use crate::{Basis, FluxError, Group, Hand, Klems};
 use std::f64::consts::PI;
 
-/// Makes the options of one receiver after another.
+/// Makes the options of the receivers, one after the other.
 #[derive(Clone, Debug, Default)]
 pub struct ReceiverWords {
-    /// Function files that were named already.
+    /// Function files that are already loaded.
     loaded: Vec<&'static str>,
-    /// Where in its patch a direction counts (`-bj`).
+    /// Jitter of a direction within its patch (`-bj`).
     jitter: Option<String>,
 }
 
-/// What a basis asks for.
+/// Binning of a basis.
 struct Bins {
     file: &'static str,
-    /// The number of bins.
+    /// Number of bins.
     count: &'static str,
-    /// The variable, or function of the normal and the up direction, that gives a ray's bin.
+    /// Variable, or function of the normal and the up direction, that gives a ray's bin.
     bin: &'static str,
     is_function: bool,
-    /// The definitions before the frame's.
+    /// Definitions that precede those of the frame.
     size: String,
 }
 
-/// How far the projected solid angle of a hemisphere may be off.
+/// Tolerance of a hemisphere's projected solid angle.
 const HEMISPHERE_TOLERANCE: f64 = 1e-3;
 
 impl ReceiverWords {
@@ -34,10 +34,10 @@ impl ReceiverWords {
         ReceiverWords { jitter, ..ReceiverWords::default() }
     }
 
-    /// The options of a receiver, its modifier's last.
+    /// Options of a receiver; its modifier is the last.
     ///
     /// # Errors
-    /// When the receiver has no basis, no surface or no normal, or a source that is no hemisphere.
+    /// If the receiver has no basis, no surface or no normal, or a source that is not a hemisphere.
     pub fn of(&mut self, group: &Group) -> Result<Vec<String>, FluxError> {
         let first = group.surfaces.first().ok_or(FluxError::Nothing)?;
         let missing = || FluxError::NoBasis { modifier: group.modifier.clone() };
@@ -87,7 +87,7 @@ impl ReceiverWords {
 }
 
 impl Basis {
-    /// `None` where there is one bin.
+    /// Binning of a basis; `None` if there is one bin.
     fn bins(self) -> Option<Bins> {
         let klems = |file, count, bin| Bins { file, count, bin, is_function: true, size: String::new() };
         let variable = |file, count, bin, size| Bins { file, count, bin, is_function: false, size };

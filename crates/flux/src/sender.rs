@@ -1,25 +1,26 @@
-//! The rays that a sender sends.
+//! Rays of a sender.
 
 use crate::basis::Directions;
 use crate::{FluxError, Group, Hand};
 use glam::DVec3;
 use radsight_sampling::{DimensionSet, RaySampler};
 
-/// Surfaces from which rays start, so many for each patch of a basis: against the mean normal, as what leaves for a receiver comes in here.
+/// Surfaces that emit a number of rays for each patch of a basis. Rays leave against the mean
+/// normal, since light for a receiver enters there.
 #[derive(Clone, Debug)]
 pub struct Sender {
     group: Group,
     directions: Directions,
-    /// Unit: u, v and the mean normal.
+    /// Unit vectors u, v and the mean normal.
     axes: [DVec3; 3],
     samples: u64,
 }
 
 impl Sender {
-    /// With so many rays for each patch, one at least.
+    /// A sender with `samples` rays per patch, at least one.
     ///
     /// # Errors
-    /// When the group has no surface, basis or frame, or cannot send by it.
+    /// If the group has no surface, basis or frame, or cannot send with its basis.
     pub fn new(group: &Group, samples: u64) -> Result<Sender, FluxError> {
         if group.surfaces.is_empty() {
             return Err(FluxError::Nothing);
@@ -37,13 +38,13 @@ impl Sender {
         Ok(Sender { group: group.clone(), directions, axes: [u, v, normal], samples: samples.max(1) })
     }
 
-    /// How many patches the basis has.
+    /// Number of patches of the basis.
     #[must_use]
     pub fn bins(&self) -> u64 {
         self.directions.len()
     }
 
-    /// How many rays there are: those of a patch together, in the order of the patches.
+    /// Number of rays: those of a patch are consecutive, in the order of the patches.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.bins().saturating_mul(self.samples)
@@ -52,10 +53,10 @@ impl Sender {
     /// Origin and unit direction of ray number `number`.
     ///
     /// # Errors
-    /// When no surface faces that way.
+    /// If no surface faces that direction.
     pub fn ray(&self, number: u64) -> Result<([f64; 3], [f64; 3]), FluxError> {
         let [a, b, c, d] = RaySampler::new(SEED, number).take(DimensionSet::CAMERA);
-        let [along_u, along_v, along_normal] = self.directions.draw(number / self.samples, [a, b]);
+        let [along_u, along_v, along_normal] = self.directions.sample(number / self.samples, [a, b]);
         let [u, v, normal] = self.axes;
         let direction = -(u * along_u + v * along_v + normal * along_normal);
         let seen = |surface: &crate::FluxSurface| (-surface.normal.dot(direction)).max(0.0) * surface.area;
@@ -72,15 +73,15 @@ impl Sender {
             chosen = Some(next);
         }
         if let Some((surface, area)) = chosen {
-            return Ok((surface.place([(left / area).min(1.0), d]).to_array(), direction.to_array()));
+            return Ok((surface.point([(left / area).min(1.0), d]).to_array(), direction.to_array()));
         }
-        // Along the horizon of the only surface all of it is as good.
+        // For a direction along the horizon of a single surface any point is as good.
         if let [surface] = &self.group.surfaces[..] {
-            return Ok((surface.place([c, d]).to_array(), direction.to_array()));
+            return Ok((surface.point([c, d]).to_array(), direction.to_array()));
         }
         Err(FluxError::Behind { modifier: self.group.modifier.clone() })
     }
 }
 
-/// Tells the points of senders from those of other rays.
+/// Distinguishes the samples of senders from those of other rays.
 const SEED: u64 = 0x666c_7578;

@@ -1,11 +1,11 @@
-//! A surface that sends or receives, and places on it.
+//! Surfaces that send or receive, and points on them.
 
 use crate::FluxError;
 use earcut::Earcut;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// What kind of surface it is.
+/// Type of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// `polygon`.
@@ -16,22 +16,22 @@ pub enum Shape {
     Source,
 }
 
-/// A surface.
+/// A sending or receiving surface.
 #[derive(Clone, Debug)]
 pub struct FluxSurface {
-    /// Its name.
+    /// Name of the surface.
     pub name: String,
-    /// Unit; of a source against the direction to it.
+    /// Unit normal; for a source against the direction to it.
     pub normal: DVec3,
-    /// Area, or of a source its projected solid angle.
+    /// Area in square scene units; for a source its projected solid angle in sr.
     pub area: f64,
-    places: Places,
+    points: PointMap,
 }
 
-/// How a place on it is found.
+/// Parametrisation of a surface's points.
 #[derive(Clone, Debug)]
-enum Places {
-    /// With the share of the area up to the end of each.
+enum PointMap {
+    /// Triangles, each with the fraction of the area up to its end.
     Triangles(Vec<(f64, [DVec3; 3])>),
     Ring {
         middle: DVec3,
@@ -39,15 +39,15 @@ enum Places {
         /// Squares of the radii.
         squared: [f64; 2],
     },
-    /// Far away.
-    Nowhere,
+    /// A distant source.
+    Distant,
 }
 
 impl FluxSurface {
-    /// One with the real arguments of its type.
+    /// A surface, from the real arguments of its type.
     ///
     /// # Errors
-    /// When their number is wrong, or they make no surface.
+    /// If their number is wrong, or they do not form a surface.
     pub fn new(name: &str, shape: Shape, numbers: &[f64]) -> Result<FluxSurface, FluxError> {
         let wrong = |what| FluxError::Surface { surface: name.to_owned(), what };
         let found = match (shape, numbers) {
@@ -56,55 +56,55 @@ impl FluxSurface {
             (Shape::Polygon, numbers) if numbers.len() >= 9 && numbers.len() % 3 == 0 => {
                 polygon(&numbers.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>())
             }
-            _ => return Err(wrong("has not as many numbers as its type")),
+            _ => return Err(wrong("has a wrong number of arguments for its type")),
         };
-        let (normal, area, places) = found.ok_or_else(|| wrong("has no area"))?;
+        let (normal, area, points) = found.ok_or_else(|| wrong("has no area"))?;
         if !(area.is_finite() && area > 0.0) {
             return Err(wrong("has no area"));
         }
-        Ok(FluxSurface { name: name.to_owned(), normal, area, places })
+        Ok(FluxSurface { name: name.to_owned(), normal, area, points })
     }
 
-    /// Whether it is far away.
+    /// Whether it is a distant source.
     #[must_use]
     pub fn is_distant(&self) -> bool {
-        matches!(self.places, Places::Nowhere)
+        matches!(self.points, PointMap::Distant)
     }
 
-    /// A place on it, even by area, from a point of the unit square.
-    pub(crate) fn place(&self, [a, b]: [f64; 2]) -> DVec3 {
-        match &self.places {
-            Places::Triangles(triangles) => {
+    /// Maps a point of the unit square to a point of the surface, uniform by area.
+    pub(crate) fn point(&self, [a, b]: [f64; 2]) -> DVec3 {
+        match &self.points {
+            PointMap::Triangles(triangles) => {
                 let at = triangles.partition_point(|(end, _)| *end <= a).min(triangles.len() - 1);
                 let start = if at == 0 { 0.0 } else { triangles[at - 1].0 };
                 let (end, [p, q, r]) = triangles[at];
                 let within = ((a - start) / (end - start)).clamp(0.0, 1.0).sqrt();
                 p + (q - p) * (within * (1.0 - b)) + (r - p) * (within * b)
             }
-            Places::Ring { middle, axes: [u, v], squared: [inner, outer] } => {
+            PointMap::Ring { middle, axes: [u, v], squared: [inner, outer] } => {
                 let radius = (inner + a * (outer - inner)).sqrt();
                 let (sin, cos) = (TAU * b).sin_cos();
                 middle + u * (radius * cos) + v * (radius * sin)
             }
-            Places::Nowhere => DVec3::ZERO,
+            PointMap::Distant => DVec3::ZERO,
         }
     }
 }
 
-/// Normal, area and places.
-type Found = Option<(DVec3, f64, Places)>;
+/// Normal, area and parametrisation.
+type Found = Option<(DVec3, f64, PointMap)>;
 
 fn ring(middle: DVec3, normal: DVec3, radii: [f64; 2]) -> Found {
     let normal = normal.try_normalize()?;
     let (u, v) = normal.any_orthonormal_pair();
     let mut squared = radii.map(|radius| radius * radius);
     squared.sort_by(f64::total_cmp);
-    Some((normal, PI * (squared[1] - squared[0]), Places::Ring { middle, axes: [u, v], squared }))
+    Some((normal, PI * (squared[1] - squared[0]), PointMap::Ring { middle, axes: [u, v], squared }))
 }
 
 fn source(direction: DVec3, degrees: f64) -> Found {
     let sin = (0.5 * degrees).to_radians().sin();
-    Some((-direction.try_normalize()?, PI * sin * sin, Places::Nowhere))
+    Some((-direction.try_normalize()?, PI * sin * sin, PointMap::Distant))
 }
 
 fn polygon(vertices: &[DVec3]) -> Found {
@@ -126,7 +126,7 @@ fn polygon(vertices: &[DVec3]) -> Found {
         return None;
     }
     triangles.iter_mut().for_each(|(end, _)| *end /= total);
-    Some((normal, 0.5 * doubled.length(), Places::Triangles(triangles)))
+    Some((normal, 0.5 * doubled.length(), PointMap::Triangles(triangles)))
 }
 
 #[cfg(test)]
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_spread_by_area() {
+    fn points_are_uniform_by_area() {
         // An L of three unit squares.
         let corners = [[0., 0.], [2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]];
         let numbers: Vec<f64> = corners.iter().flat_map(|[x, y]| [*x, *y, 3.0]).collect();
@@ -144,9 +144,9 @@ mod tests {
         let mut within = 0;
         for i in 0..side * side {
             let at = |k: i32| (f64::from(k) + 0.5) / f64::from(side);
-            let place = surface.place([at(i % side), at(i / side)]);
-            assert!(place.z == 3.0 && (place.x <= 1.0 + 1e-9 || place.y <= 1.0 + 1e-9), "{place}");
-            within += i32::from(place.x > 1.0);
+            let point = surface.point([at(i % side), at(i / side)]);
+            assert!(point.z == 3.0 && (point.x <= 1.0 + 1e-9 || point.y <= 1.0 + 1e-9), "{point}");
+            within += i32::from(point.x > 1.0);
         }
         assert!((f64::from(within) / f64::from(side * side) - 1.0 / 3.0).abs() < 0.02);
     }
@@ -156,16 +156,16 @@ mod tests {
         let surface = FluxSurface::new("r", Shape::Ring, &[0., 0., 1., 0., 0., -2., 3., 1.]).unwrap();
         assert!((surface.area - 8.0 * PI).abs() < 1e-12);
         for point in [[0.0, 0.3], [0.5, 0.9], [0.999, 0.1]] {
-            let place = surface.place(point);
-            assert!((1.0..=3.0).contains(&place.truncate().length()) && (place.z - 1.0).abs() < 1e-12);
+            let point = surface.point(point);
+            assert!((1.0..=3.0).contains(&point.truncate().length()) && (point.z - 1.0).abs() < 1e-12);
         }
     }
 
     #[test]
-    fn numbers_that_make_no_surface_are_told() {
+    fn numbers_that_form_no_surface_are_rejected() {
         for (shape, numbers, message) in [
             (Shape::Polygon, &[0.0; 9][..], "surface \"s\" has no area"),
-            (Shape::Polygon, &[0.0; 8], "surface \"s\" has not as many numbers as its type"),
+            (Shape::Polygon, &[0.0; 8], "surface \"s\" has a wrong number of arguments for its type"),
             (Shape::Ring, &[0., 0., 0., 0., 0., 0., 0., 1.], "surface \"s\" has no area"),
             (Shape::Source, &[0., 0., 1., 0.], "surface \"s\" has no area"),
         ] {

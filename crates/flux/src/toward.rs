@@ -4,35 +4,35 @@ use crate::surface::FluxSurface;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A light, of which places are drawn as they are seen from others.
+/// A light whose points are sampled as seen from other points.
 #[derive(Clone, Debug)]
 pub enum Toward {
-    /// One that shines from its front, not far away.
+    /// A flat light at a finite distance, which emits from its front.
     Surface(FluxSurface),
-    /// One all around.
+    /// A sphere.
     Ball {
-        /// Its middle.
+        /// Centre, scene coordinates.
         middle: DVec3,
-        /// Scene units.
+        /// Radius, scene units.
         radius: f64,
     },
     /// A distant disk of directions.
     Distant {
-        /// Unit, towards its middle.
+        /// Unit vector towards its centre.
         direction: DVec3,
-        /// Of the angle from there to its edge.
+        /// Cosine of its half angle.
         cosine: f64,
     },
 }
 
 impl Toward {
-    /// A unit direction from a place to the light, by a point of the unit square, and one over the density of such directions, in sr.
-    /// `None` where the light is not seen.
+    /// Maps a point of the unit square to a unit direction from a point to the light; returns it
+    /// with the reciprocal of its density, in sr. `None` if the light is not visible.
     #[must_use]
-    pub fn draw(&self, from: DVec3, point: [f64; 2]) -> Option<(DVec3, f64)> {
+    pub fn sample(&self, from: DVec3, point: [f64; 2]) -> Option<(DVec3, f64)> {
         match self {
             Toward::Surface(surface) => {
-                let way = surface.place(point) - from;
+                let way = surface.point(point) - from;
                 let direction = way.try_normalize()?;
                 let cosine = -surface.normal.dot(direction);
                 let solid_angle = surface.area * cosine / way.length_squared();
@@ -51,7 +51,7 @@ impl Toward {
     }
 }
 
-/// A direction, even in a cone around another one, and the cone's solid angle.
+/// Uniform direction in a cone about an axis, and the cone's solid angle.
 fn in_cone(axis: DVec3, cosine: f64, [a, b]: [f64; 2]) -> (DVec3, f64) {
     let height = 1.0 - a * (1.0 - cosine);
     let side = (1.0 - height * height).max(0.0).sqrt();
@@ -67,7 +67,7 @@ mod tests {
     use crate::Shape;
 
     #[test]
-    fn solid_angles_are_those_of_the_forms() {
+    fn solid_angles_are_those_of_the_shapes() {
         let square = [-1., -1., 2., -1., 1., 2., 1., 1., 2., 1., -1., 2.];
         let square = Toward::Surface(FluxSurface::new("s", Shape::Polygon, &square).unwrap());
         let ball = Toward::Ball { middle: DVec3::new(0.0, 0.0, 4.0), radius: 2.0 };
@@ -81,7 +81,7 @@ mod tests {
             let mut sum = 0.0;
             for k in 0..(count * count) as usize {
                 let point = [at(k % count as usize), at(k / count as usize)];
-                let (direction, solid_angle) = light.draw(DVec3::ZERO, point).unwrap();
+                let (direction, solid_angle) = light.sample(DVec3::ZERO, point).unwrap();
                 assert!(direction.is_normalized() && direction.z > 0.0, "{direction}");
                 sum += solid_angle / f64::from(count * count);
             }
@@ -93,7 +93,7 @@ mod tests {
     fn lights_are_not_seen_from_behind_or_within() {
         let back = [-1., -1., 2., 1., -1., 2., 1., 1., 2., -1., 1., 2.];
         let back = Toward::Surface(FluxSurface::new("s", Shape::Polygon, &back).unwrap());
-        assert!(back.draw(DVec3::ZERO, [0.5; 2]).is_none());
-        assert!(Toward::Ball { middle: DVec3::X, radius: 2.0 }.draw(DVec3::ZERO, [0.5; 2]).is_none());
+        assert!(back.sample(DVec3::ZERO, [0.5; 2]).is_none());
+        assert!(Toward::Ball { middle: DVec3::X, radius: 2.0 }.sample(DVec3::ZERO, [0.5; 2]).is_none());
     }
 }

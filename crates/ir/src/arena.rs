@@ -1,11 +1,11 @@
-//! Typed arenas: items are named by handles, never by strings or pointers.
+//! Typed arenas: items are referred to by handles, never by strings or pointers.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
 
-/// Names an item of an [`Arena`]. Four bytes, also inside an `Option`.
+/// Handle of an item in an [`Arena`]. Four bytes, also inside an `Option`.
 pub struct Handle<T> {
     one_based: NonZeroU32,
     item: PhantomData<fn() -> T>,
@@ -17,7 +17,7 @@ impl<T> Handle<T> {
         Handle { one_based: one_based.expect("an arena holds fewer than 2^32 items"), item: PhantomData }
     }
 
-    /// Position in the arena, from 0.
+    /// Index in the arena, from 0.
     #[must_use]
     pub fn index(self) -> usize {
         self.one_based.get() as usize - 1
@@ -57,7 +57,7 @@ impl<T> fmt::Debug for Handle<T> {
     }
 }
 
-/// Items in the order in which they were added.
+/// Items in order of insertion.
 #[derive(Clone, Debug)]
 pub struct Arena<T> {
     items: Vec<T>,
@@ -70,25 +70,25 @@ impl<T> Default for Arena<T> {
 }
 
 impl<T> Arena<T> {
-    /// Adds an item.
+    /// Adds an item and returns its handle.
     pub fn add(&mut self, item: T) -> Handle<T> {
         self.items.push(item);
         Handle::new(self.items.len() - 1)
     }
 
-    /// The item, if the handle is good.
+    /// The item, if the handle is valid.
     #[must_use]
     pub fn get(&self, handle: Handle<T>) -> Option<&T> {
         self.items.get(handle.index())
     }
 
-    /// How many items there are.
+    /// Number of items.
     #[must_use]
     pub fn len(&self) -> usize {
         self.items.len()
     }
 
-    /// Whether there is none.
+    /// Whether the arena is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
@@ -105,7 +105,7 @@ impl<T> Arena<T> {
         &self.items
     }
 
-    /// The items, to change.
+    /// Mutable access to the items.
     pub fn items_mut(&mut self) -> &mut [T] {
         &mut self.items
     }

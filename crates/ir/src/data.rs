@@ -1,4 +1,4 @@
-//! Tables, pictures, fonts and meshes that primitives refer to.
+//! Tables, pictures, fonts and meshes of primitives.
 
 use crate::{Cube, ModifierHandle};
 use glam::DVec3;
@@ -8,13 +8,13 @@ use std::sync::Arc;
 /// One axis of a [`DataGrid`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Axis {
-    /// `count` points from `first` to `last` in equal steps; `last` may lie below `first`.
+    /// `count` points in equal steps from `first` to `last`; `last` may be below `first`.
     Regular {
         /// Coordinate of the first point.
         first: f64,
         /// Coordinate of the last point.
         last: f64,
-        /// At least one.
+        /// Number of points, at least one.
         count: usize,
     },
     /// Strictly monotonic coordinates.
@@ -22,7 +22,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// How many points it has.
+    /// Number of points.
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
@@ -35,40 +35,40 @@ impl Axis {
 /// Values on a grid of any dimension, from a `.dat` file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataGrid {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
-    /// The first axis varies slowest.
+    /// Axes; the first varies slowest.
     pub axes: Vec<Axis>,
-    /// Product of the axes' counts.
+    /// Values; their number is the product of the axes' counts.
     pub values: Vec<f32>,
 }
 
-/// A picture as a pattern: values as stored, without exposure; row 0 at the top.
+/// A picture of a pattern: values as stored, without exposure; row 0 is at the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureData {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
-    /// Pixels.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels.
+    /// Height in pixels.
     pub height: usize,
-    /// Coordinates u of the last column and v of the top row; the first column and the bottom row are at 0, and the
-    /// smaller one is 1. Pixels are grid points, as in a [`DataGrid`].
+    /// Coordinates u of the last column and v of the top row. The first column and the bottom row
+    /// are at 0, and the smaller extent is 1. Pixels are grid points, as in a [`DataGrid`].
     pub extent: [f64; 2],
-    /// `width·height` of them.
+    /// Pixels, `width·height` of them.
     pub pixels: Vec<[f32; 3]>,
 }
 
 /// A polygonal font: outlines in a unit cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Font {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
-    /// By character code; `None` where the font has no such character.
+    /// Glyphs by character code; `None` if the font lacks the character.
     pub glyphs: Vec<Option<Glyph>>,
 }
 
-/// One character: vertices in 0…255 by 0…255 of its cell.
+/// A glyph, with vertices in 0…255 by 0…255 of its cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glyph {
     /// Outline; holes are joined by seams.
@@ -78,15 +78,15 @@ pub struct Glyph {
 /// A triangle mesh with its own modifiers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
-    /// What the file says that the triangles lie in, mesh coordinates.
+    /// Bounding cube given by the file, mesh coordinates.
     pub cube: Cube,
     /// Positions, mesh coordinates.
     pub vertices: Vec<DVec3>,
-    /// Unit vertex normals, as many as vertices or none at all; those of vertices without a normal are zero.
+    /// Unit vertex normals, as many as vertices or none; zero at vertices without a normal.
     pub normals: Vec<DVec3>,
-    /// Local coordinates, as many as vertices or none at all.
+    /// Local coordinates, as many as vertices or none.
     pub uvs: Vec<[f64; 2]>,
     /// Triangles.
     pub triangles: Vec<MeshTriangle>,
@@ -95,27 +95,28 @@ pub struct Mesh {
 /// A triangle of a [`Mesh`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshTriangle {
-    /// Indices into `vertices`, and into `normals` and `uvs` where the flags below say so. Counter-clockwise seen from the front.
+    /// Indices into `vertices`, and into `normals` and `uvs` if the flags below are set.
+    /// Counter-clockwise seen from the front.
     pub vertices: [u32; 3],
     /// Whether all three vertices have normals.
     pub smooth: bool,
     /// Whether all three vertices have local coordinates.
     pub textured: bool,
-    /// The mesh's own modifier, if the surface's does not override it.
+    /// Modifier of the mesh, unless that of the surface overrides it.
     pub modifier: Option<ModifierHandle>,
 }
 
 /// A measured or simulated BSDF from an XML file.
 #[derive(Clone, Debug)]
 pub struct BsdfData {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
     /// The data.
     pub bsdf: Arc<MeasuredBsdf>,
 }
 
 impl Axis {
-    /// The cell that holds `at`, and the weights of its two ends.
+    /// Cell that contains `at`, and the weights of its two ends.
     fn cell(&self, at: f64) -> (usize, f64, f64) {
         let last_cell = self.count().saturating_sub(2);
         match self {
@@ -134,15 +135,16 @@ impl Axis {
     }
 }
 
-/// The cell that holds `x`, counted in points from the first of `count`, and the weights of its two ends.
+/// Cell that contains `x`, in units of points from the first of `count`, and the weights of its two
+/// ends.
 fn regular_cell(x: f64, count: usize) -> (usize, f64, f64) {
     let cell = (x.max(0.0) as usize).min(count.saturating_sub(2));
     let (low, high) = end_weights(x, cell);
     (cell, low, high)
 }
 
-/// The weights of the two ends of a cell: linear within the grid and one cell beyond it, then falling off as one over the
-/// distance, as Radiance does.
+/// Weights of a cell's two ends: linear within the grid and one cell beyond it, then inversely
+/// proportional to the distance, as in Radiance.
 fn end_weights(x: f64, cell: usize) -> (f64, f64) {
     let position = cell as f64;
     if x > position + 2.0 {
@@ -157,7 +159,7 @@ fn end_weights(x: f64, cell: usize) -> (f64, f64) {
 }
 
 impl PictureData {
-    /// The colour at (u, v) by linear interpolation between pixels.
+    /// Colour at (u, v), by linear interpolation between pixels.
     #[must_use]
     pub fn value(&self, u: f64, v: f64) -> [f64; 3] {
         let position = |at: f64, extent: f64, count: usize| at / extent * (count as f64 - 1.0);
@@ -166,7 +168,7 @@ impl PictureData {
         let mut sum = [0.0; 3];
         for (column, across) in [(column, left), (column + 1, right)] {
             for (row, along) in [(row, low), (row + 1, high)] {
-                // A picture of one row or column has the same value all over that way.
+                // A picture with a single row or column is constant in that direction.
                 let from_top = self.height - 1 - row.min(self.height - 1);
                 let pixel = self.pixels[from_top * self.width + column.min(self.width - 1)];
                 for (sum, value) in sum.iter_mut().zip(pixel) {
@@ -179,7 +181,7 @@ impl PictureData {
 }
 
 impl DataGrid {
-    /// The value at a point, one coordinate an axis, by linear interpolation in each.
+    /// Value at a point with one coordinate per axis, by multilinear interpolation.
     #[must_use]
     pub fn value(&self, point: &[f64]) -> f64 {
         self.value_from(0, 0, point)

@@ -1,14 +1,15 @@
-//! A number by which a scene is known again.
+//! Fingerprint of a scene.
 
 use crate::{Axis, Mesh, Scene, Shape, Transform};
 use glam::DVec3;
 use std::fmt::{self, Write};
 
 impl Scene {
-    /// A number by which the scene is known again: what was found of its light and saved can be told from what belongs to another scene.
+    /// Fingerprint of the scene, which identifies data computed and saved for it.
     ///
-    /// Two scenes with the same number have the same surfaces, materials, functions and data, unless 64 bits agree by accident. Names of
-    /// surfaces, places in the text, and what the files are called do not count.
+    /// Scenes of equal fingerprint have the same surfaces, materials, functions and data, except
+    /// for collisions of 64 bits. Names of surfaces, positions in the text and file names do not
+    /// count.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Fingerprint::default();
@@ -17,7 +18,7 @@ impl Scene {
     }
 }
 
-/// FNV-1a over words.
+/// FNV-1a over 64-bit words.
 struct Fingerprint(u64);
 
 impl Default for Fingerprint {
@@ -31,7 +32,7 @@ impl Fingerprint {
         for modifier in scene.modifiers.items() {
             self.debug(&modifier.modifier);
             self.debug(&modifier.kind);
-            // Options such as `-ae` choose by name.
+            // Options such as `-ae` select modifiers by name.
             self.debug(&scene.names.get(modifier.name));
         }
         self.points(&scene.vertices);
@@ -91,9 +92,9 @@ impl Fingerprint {
         points.iter().flat_map(|point| point.to_array()).for_each(|number| self.word(number.to_bits()));
     }
 
-    /// What is small enough to be written out.
+    /// Hashes the debug output of a small value.
     fn debug(&mut self, what: &impl fmt::Debug) {
-        // Nothing can fail here: `write_str` does not.
+        // Our `write_str` never fails.
         let _ = write!(self, "{what:?}");
     }
 

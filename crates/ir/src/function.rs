@@ -1,30 +1,33 @@
-//! Calls of compiled functions: what connects a modifier with the function language.
+//! Calls of compiled functions by modifiers.
 
 use crate::{DataGrid, Handle, PictureData, Transform};
 use radsight_cal::Program;
 use std::sync::Arc;
 
-/// Compiled expressions with the frame in which they see the ray.
+/// A compiled program with its coordinate system.
 #[derive(Clone, Debug)]
 pub struct FunctionCall {
-    /// The roots, in the order that the primitive's documentation gives. Real arguments are folded in.
+    /// Program with its roots in the order of the primitive's documentation; real arguments are
+    /// folded in.
     pub program: Arc<Program>,
-    /// From the function's coordinates to the scene's; the program sees the ray through its inverse.
+    /// Transform from the function's coordinates to the scene's; the program gets the ray through
+    /// its inverse.
     pub to_scene: Transform,
-    /// The words as written, without a transform at their end, for writing back.
+    /// String arguments as written, without a final transform, for output.
     pub words: Vec<String>,
-    /// The numbers as written, for writing back.
+    /// Real arguments as written, for output.
     pub numbers: Vec<f64>,
 }
 
-/// A value from a grid: the coordinates come from a program, the value goes through a function.
+/// A value from a grid: the program computes the coordinates, and a function of the value.
 ///
-/// Program roots: first the functions that take the values (one for brightness, three for colour), then one coordinate an axis.
+/// Program roots: first the functions of the values (one for brightness, three for colour), then
+/// one coordinate per axis.
 #[derive(Clone, Debug)]
 pub struct GridCall {
     /// Functions and coordinates.
     pub call: FunctionCall,
-    /// One grid a band: one for brightness, three for colour.
+    /// Grids: one for brightness, three for colour.
     pub grids: Vec<Handle<DataGrid>>,
 }
 

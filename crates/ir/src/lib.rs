@@ -1,12 +1,13 @@
-//! The scene as radsight understands it.
+//! The intermediate representation of a scene.
 //!
-//! What a [`Scene`] guarantees by construction: names were resolved to [`Handle`]s, defaults filled in, aliases followed,
-//! transforms applied, generator commands run, function files compiled. A modifier's parent always stands before it in the
-//! arena, so chains cannot be cyclic. What a [`ValidScene`] adds: every number is finite and in range, every handle is good,
-//! every polygon has an area; after [`Scene::validate`] no later stage panics on user data.
+//! A [`Scene`] guarantees by construction that names are resolved to [`Handle`]s, defaults filled
+//! in, aliases followed, transforms applied, generator commands run and function files compiled. A
+//! modifier's parent precedes it in the arena, so chains cannot be cyclic. A [`ValidScene`]
+//! guarantees in addition that every number is finite and in range, every handle is valid and every
+//! polygon has an area. After [`Scene::validate`] no later stage panics on user data.
 //!
-//! Knows neither text syntax nor files nor how rays are traced. Lengths are in scene units, angles in radians, radiance in
-//! W/(sr·m²) in each of the bands red, green, blue.
+//! The crate knows neither text syntax nor files nor how rays are traced. Lengths are in scene
+//! units, angles in radians, radiance in W/(sr·m²) in each of the bands red, green, blue.
 //!
 //! ```
 //! use radsight_ir::{Glossy, Material, Modifier, ModifierKind, Rgb, Scene, Shape, Sphere, Surface};

@@ -1,10 +1,10 @@
-//! The names of primitives, kept in one block: a scene may have millions.
+//! Names of primitives, stored in one block: a scene may have millions.
 
-/// One name in [`Names`].
+/// A name in [`Names`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NameId(u32);
 
-/// All names, in the order in which they were added.
+/// All names in order of insertion.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
     text: String,
@@ -33,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_come_back_as_they_were_added() {
+    fn names_are_stored_verbatim() {
         let mut names = Names::default();
         let ids = ["a", "", "kitchen wall"].map(|name| names.add(name));
         assert_eq!(ids.map(|id| names.get(id).to_owned()), ["a", "", "kitchen wall"]);

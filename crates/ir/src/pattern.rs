@@ -1,4 +1,4 @@
-//! Textures turn the normal, patterns colour the material, mixtures choose between modifiers.
+//! Textures perturb the normal, patterns colour the material, mixtures blend modifiers.
 
 use crate::{Font, FunctionCall, GridCall, Handle, MixtureArms, PictureCall, Rgb};
 use glam::DVec3;
@@ -6,13 +6,13 @@ use glam::DVec3;
 /// A perturbation of the surface normal.
 #[derive(Clone, Debug)]
 pub enum Texture {
-    /// `texfunc`: three roots, the vector added to the unit normal.
+    /// `texfunc`: three roots, a vector added to the unit normal.
     Function(FunctionCall),
-    /// `texdata`: three functions of (x, y, z) values, three grids, coordinates.
+    /// `texdata`: three functions of the (x, y, z) values, three grids, coordinates.
     Data(GridCall),
 }
 
-/// A multiplier of the material's colour.
+/// A factor of the material's colour.
 #[derive(Clone, Debug)]
 pub enum Pattern {
     /// `brightfunc`: one root.
@@ -36,7 +36,8 @@ pub enum Pattern {
         /// Shortest and longest wavelength, nm.
         range_nm: [f64; 2],
     },
-    /// `specdata`: a function of (value, wavelength), then the coordinates; the grid's last axis is the wavelength in nm.
+    /// `specdata`: a function of (value, wavelength), then the coordinates; the grid's last axis is
+    /// the wavelength in nm.
     SpectrumData(GridCall),
     /// `specpict`: the grid's axes are v, u and the wavelength in nm.
     SpectrumPicture(GridCall),
@@ -45,9 +46,9 @@ pub enum Pattern {
 /// Values in equal steps of wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// Wavelength of the first and of the last edge, nm.
+    /// Wavelengths of the first and of the last edge, nm.
     pub range_nm: [f64; 2],
-    /// From the first edge to the last.
+    /// Values from the first edge to the last.
     pub values: Vec<f64>,
 }
 
@@ -60,31 +61,32 @@ pub struct TextPattern {
     pub lines: Vec<Vec<u8>>,
     /// Upper left corner of the first character, scene units.
     pub origin: DVec3,
-    /// From one character to the next, scene units.
+    /// Advance to the next character, scene units.
     pub right: DVec3,
-    /// From one line to the next, scene units; not along `right`.
+    /// Advance to the next line, scene units; not parallel to `right`.
     pub down: DVec3,
-    /// Space between characters, in cells: above zero lines keep the columns of their words, below zero they do not, zero sets
-    /// each character into a whole cell. With any of them cells are as narrow as the font's characters; `None` keeps them square.
+    /// Space between characters, in cells. Positive values preserve the columns of words, negative
+    /// ones do not, and zero sets each character into a whole cell. With any of them cells are as
+    /// narrow as the font's characters; with `None` they are square.
     pub spacing: Option<f64>,
-    /// Multiplier where there is ink; in a mixture it means nothing.
+    /// Factor of the colour on letters; unused in a mixture.
     pub foreground: Rgb,
-    /// Multiplier elsewhere; likewise.
+    /// Factor elsewhere; unused in a mixture.
     pub background: Rgb,
-    /// The words as written, for writing back.
+    /// String arguments as written, for output.
     pub words: Vec<String>,
 }
 
-/// A choice between two modifiers.
+/// A mixture of two modifiers.
 #[derive(Clone, Debug)]
 pub struct Mixture {
     /// Foreground and background.
     pub arms: MixtureArms,
-    /// How much of the foreground, in 0…1.
+    /// Weight of the foreground, 0…1.
     pub amount: MixtureAmount,
 }
 
-/// How a mixture's share of foreground is found.
+/// How the weight of a mixture's foreground is computed.
 #[derive(Clone, Debug)]
 pub enum MixtureAmount {
     /// `mixfunc`: one root.

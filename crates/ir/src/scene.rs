@@ -9,39 +9,39 @@ use radsight_diag::Span;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Names a modifier.
+/// Handle of a modifier.
 pub type ModifierHandle = Handle<Modifier>;
-/// Names a surface.
+/// Handle of a surface.
 pub type SurfaceHandle = Handle<Surface>;
 
 /// A modifier primitive.
 #[derive(Clone, Debug)]
 pub struct Modifier {
-    /// Its identifier in the scene text.
+    /// Identifier in the scene text.
     pub name: NameId,
-    /// Where it stands in the scene text.
+    /// Position in the scene text.
     pub span: Option<Span>,
-    /// What modifies it in turn; always added to the arena before it.
+    /// Modifier of this modifier; it precedes this one in the arena.
     pub modifier: Option<ModifierHandle>,
-    /// What it does.
+    /// Kind of modifier.
     pub kind: ModifierKind,
 }
 
-/// What a modifier does.
+/// Kind of a modifier.
 #[derive(Clone, Debug)]
 pub enum ModifierKind {
-    /// Ends the chain of a surface.
+    /// Material: ends a modifier chain.
     Material(Material),
-    /// Turns the normal.
+    /// Texture: perturbs the normal.
     Texture(Texture),
-    /// Multiplies the colour.
+    /// Pattern: multiplies the colour.
     Pattern(Pattern),
-    /// Chooses between two others.
+    /// Mixture of two modifiers.
     Mixture(Mixture),
 }
 
 impl ModifierKind {
-    /// The call of functions that it evaluates where a ray meets a surface, if it has one.
+    /// Function call that is evaluated at intersections, if there is one.
     #[must_use]
     pub fn function_call(&self) -> Option<&FunctionCall> {
         match self {
@@ -69,23 +69,23 @@ impl ModifierKind {
     }
 }
 
-/// A cube along the axes, scene units.
+/// An axis-aligned cube, scene units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cube {
-    /// The corner with the smallest coordinates.
+    /// Corner with the smallest coordinates.
     pub origin: DVec3,
     /// Length of an edge.
     pub size: f64,
 }
 
-/// A whole scene that other scenes place.
+/// A scene that other scenes place as an instance.
 #[derive(Clone, Debug)]
 pub struct OctreeScene {
-    /// For messages and for writing back.
+    /// File name, for messages and for output.
     pub file: String,
-    /// What the file says that its surfaces lie in; Radiance sees nothing of them outside.
+    /// Bounding cube given by the file; Radiance ignores surfaces outside of it.
     pub cube: Cube,
-    /// Its content; shared by all the scenes that place it.
+    /// Content, shared by all scenes that place it.
     pub scene: Arc<Scene>,
 }
 
@@ -94,20 +94,20 @@ pub struct OctreeScene {
 pub struct Instance {
     /// The shared scene.
     pub octree: Handle<OctreeScene>,
-    /// From its coordinates to the scene's.
+    /// Transform from its coordinates to the scene's.
     pub to_scene: Transform,
 }
 
-/// Everything that a scene file says.
+/// A scene.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Identifiers.
     pub names: Names,
-    /// In the order of the text; a modifier's parent comes before it.
+    /// Modifiers in the order of the text; a modifier's parent precedes it.
     pub modifiers: Arena<Modifier>,
-    /// What each alias stands for is called, where that is a modifier of its own here.
+    /// Original name of each alias that has a modifier of its own here.
     pub originals: HashMap<ModifierHandle, NameId>,
-    /// In the order of the text.
+    /// Surfaces in the order of the text.
     pub surfaces: Arena<Surface>,
     /// Vertices of all polygons, scene units.
     pub vertices: Vec<DVec3>,
@@ -138,7 +138,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The chain of modifiers from `first` on.
+    /// The modifier chain from `first` on.
     pub fn chain(&self, first: Option<ModifierHandle>) -> impl Iterator<Item = (ModifierHandle, &Modifier)> {
         std::iter::successors(first.map(|handle| (handle, &self.modifiers[handle])), |(_, modifier)| {
             modifier.modifier.map(|handle| (handle, &self.modifiers[handle]))
@@ -157,7 +157,7 @@ impl Scene {
         handle.map_or("void", |handle| self.names.get(self.modifiers[handle].name))
     }
 
-    /// The name under which a modifier was first defined, if an alias was used; `void` for none.
+    /// Original name of a modifier, if it is used by an alias; `void` for none.
     #[must_use]
     pub fn original_name(&self, handle: Option<ModifierHandle>) -> &str {
         let original = handle.and_then(|handle| self.originals.get(&handle));
@@ -165,7 +165,7 @@ impl Scene {
     }
 }
 
-/// A scene whose numbers, handles and forms were all checked. Read-only.
+/// A scene whose numbers, handles and shapes were checked. Read-only.
 #[derive(Clone, Debug)]
 pub struct ValidScene(pub(crate) Scene);
 

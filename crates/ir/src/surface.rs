@@ -1,4 +1,4 @@
-//! Surfaces: what a ray can hit.
+//! Surfaces.
 
 use crate::{Handle, Instance, Mesh, ModifierHandle, NameId, Transform};
 use glam::DVec3;
@@ -7,24 +7,25 @@ use radsight_diag::Span;
 /// A surface primitive.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// Its identifier in the scene text.
+    /// Identifier in the scene text.
     pub name: NameId,
-    /// Where it stands in the scene text.
+    /// Position in the scene text.
     pub span: Option<Span>,
-    /// `None` is `void`: rays pass through.
+    /// Modifier; `None` is `void`, through which rays pass.
     pub modifier: Option<ModifierHandle>,
-    /// Its form and place.
+    /// Geometry of the surface.
     pub shape: Shape,
 }
 
-/// Form and place of a surface.
+/// Geometry of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// `count` vertices from `start` on in [`crate::Scene::vertices`], counter-clockwise seen from the front. Holes are joined by seams.
+    /// `count` consecutive vertices from `start` in [`crate::Scene::vertices`], counter-clockwise
+    /// seen from the front. Holes are joined by seams.
     Polygon {
-        /// The first vertex.
+        /// Index of the first vertex.
         start: u32,
-        /// At least three.
+        /// Number of vertices, at least three.
         count: u32,
     },
     /// `sphere` and `bubble`.
@@ -33,15 +34,15 @@ pub enum Shape {
     Cone(Handle<Cone>),
     /// `ring`: a flat ring or disk.
     Ring(Handle<Ring>),
-    /// `source`: infinitely far away.
+    /// `source`: a distant source.
     Source(Handle<Source>),
     /// `mesh`.
     Mesh(Handle<MeshInstance>),
-    /// `instance`: a whole scene, placed.
+    /// `instance`: a placed scene.
     Instance(Handle<Instance>),
 }
 
-/// Which way the front of a closed form looks.
+/// Orientation of a closed shape's front.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Facing {
     /// `sphere`, `cone`, `cylinder`.
@@ -52,7 +53,7 @@ pub enum Facing {
 }
 
 impl Facing {
-    /// The other way.
+    /// The opposite orientation.
     #[must_use]
     pub fn flipped(self) -> Facing {
         match self {
@@ -65,39 +66,40 @@ impl Facing {
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Scene units.
+    /// Centre, scene units.
     pub center: DVec3,
-    /// Scene units, above zero.
+    /// Radius, scene units, above zero.
     pub radius: f64,
-    /// Which side is the front.
+    /// Orientation of the front.
     pub facing: Facing,
 }
 
 /// A truncated cone without caps, from `base` to `apex`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Centre of the circle of radius `base_radius`.
+    /// Centre of the circle of radius `base_radius`, scene units.
     pub base: DVec3,
-    /// Centre of the circle of radius `apex_radius`.
+    /// Centre of the circle of radius `apex_radius`, scene units.
     pub apex: DVec3,
-    /// Not negative.
+    /// Radius at the base, not negative.
     pub base_radius: f64,
-    /// Not negative; at least one of the two is above zero. Equal ones make a cylinder.
+    /// Radius at the apex, not negative; at least one of both is positive. Equal radii form a
+    /// cylinder.
     pub apex_radius: f64,
-    /// Which side is the front.
+    /// Orientation of the front.
     pub facing: Facing,
 }
 
 /// A flat ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
-    /// Scene units.
+    /// Centre, scene units.
     pub center: DVec3,
     /// Unit normal on the front side.
     pub normal: DVec3,
-    /// Not negative; zero for a disk.
+    /// Inner radius, not negative; zero for a disk.
     pub inner_radius: f64,
-    /// Above the inner one.
+    /// Outer radius, above the inner one.
     pub outer_radius: f64,
 }
 
@@ -106,11 +108,11 @@ pub struct Ring {
 pub struct Source {
     /// Unit direction from the scene towards its centre.
     pub direction: DVec3,
-    /// How much of the sky it covers.
+    /// Extent of the source.
     pub extent: SolidAngle,
 }
 
-/// The full angle that a distant source subtends, in radians: above zero, at most 2π.
+/// Extent of a distant source by its full angle in radians, above zero and at most 2π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidAngle {
     /// Full angle, radians.
@@ -124,7 +126,7 @@ impl SolidAngle {
         (0.5 * self.full_angle).cos()
     }
 
-    /// In steradians: `4π sin²(full/4)`, which is exact for small angles too.
+    /// Solid angle in sr: `4π sin²(full/4)`, accurate for small angles too.
     #[must_use]
     pub fn steradians(self) -> f64 {
         let s = (0.25 * self.full_angle).sin();
@@ -132,11 +134,11 @@ impl SolidAngle {
     }
 }
 
-/// A mesh, placed.
+/// A placed mesh.
 #[derive(Clone, Debug)]
 pub struct MeshInstance {
     /// The shared mesh.
     pub mesh: Handle<Mesh>,
-    /// From mesh coordinates to the scene's.
+    /// Transform from mesh coordinates to the scene's.
     pub to_scene: Transform,
 }

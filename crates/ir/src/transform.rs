@@ -1,15 +1,15 @@
-//! Similarity transforms, the only ones that `xform` makes.
+//! Similarity transforms, as made by `xform`.
 
 use glam::{DMat3, DVec3};
 
 /// A rotation or reflection, uniform scale and translation: `p ↦ scale·rotation·p + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// Orthonormal; its determinant is −1 for a mirror image.
+    /// Orthonormal matrix; its determinant is −1 for a reflection.
     pub rotation: DMat3,
     /// Uniform scale, above zero.
     pub scale: f64,
-    /// Scene units.
+    /// Translation, scene units.
     pub translation: DVec3,
 }
 
@@ -20,22 +20,22 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Transform = Transform { rotation: DMat3::IDENTITY, scale: 1.0, translation: DVec3::ZERO };
 
-    /// Where a point goes.
+    /// Transforms a point.
     #[must_use]
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point * self.scale + self.translation
     }
 
-    /// Where a unit direction goes; it stays a unit direction.
+    /// Transforms a unit direction; the length is preserved.
     #[must_use]
     pub fn direction(&self, direction: DVec3) -> DVec3 {
         self.rotation * direction
     }
 
-    /// This transform, and then `next`.
+    /// This transform followed by `next`.
     #[must_use]
     pub fn then(&self, next: &Transform) -> Transform {
         Transform {
@@ -45,7 +45,7 @@ impl Transform {
         }
     }
 
-    /// The transform that undoes this one.
+    /// The inverse transform.
     #[must_use]
     pub fn inverse(&self) -> Transform {
         let rotation = self.rotation.transpose();
@@ -53,7 +53,7 @@ impl Transform {
         Transform { rotation, scale, translation: rotation * -self.translation * scale }
     }
 
-    /// Whether it turns right hands into left ones.
+    /// Whether it reverses handedness.
     #[must_use]
     pub fn is_mirror_image(&self) -> bool {
         self.rotation.determinant() < 0.0

@@ -1,4 +1,4 @@
-//! The checks that make a [`Scene`] a [`ValidScene`].
+//! Validation: turns a [`Scene`] into a [`ValidScene`].
 
 use crate::{
     Anisotropic, Dielectric, Glossy, Handle, Material, Modifier, ModifierKind, Rgb, Scene, Shape, Surface, Translucent,
@@ -8,26 +8,27 @@ use glam::DVec3;
 use radsight_diag::Diagnostic;
 use std::collections::HashSet;
 
-/// A valid scene, and what is suspect about it.
+/// A valid scene, with warnings.
 #[derive(Clone, Debug)]
 pub struct Validated {
     /// The scene.
     pub scene: ValidScene,
-    /// Suspect, but the scene can be traced.
+    /// Suspicious properties that do not prevent rendering.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// A polygon whose vertices leave its plane by more than this share of its size is reported.
+/// Deviation of a polygon's vertices from its plane, relative to its size, above which a warning is
+/// given.
 const PLANARITY_TOLERANCE: f64 = 1e-3;
 
 impl Scene {
-    /// Checks every number, handle and form.
+    /// Checks every number, handle and shape.
     ///
     /// # Errors
-    /// All that is wrong, each with its place in the scene text.
+    /// All errors, each with its position in the scene text.
     pub fn validate(self) -> Result<Validated, Vec<Diagnostic>> {
         let (mut errors, mut warnings) = (Vec::new(), Vec::new());
-        // Scenes that others place are shared: each is checked once.
+        // Shared scenes are checked once.
         let mut seen = HashSet::new();
         let mut waiting = vec![&self];
         while let Some(scene) = waiting.pop() {
@@ -44,14 +45,14 @@ impl Scene {
 
 struct Findings<'a> {
     scene: &'a Scene,
-    /// By the index of the mesh.
+    /// By index of the mesh.
     sound_meshes: Vec<bool>,
     errors: Vec<Diagnostic>,
     warnings: Vec<Diagnostic>,
 }
 
 impl<'a> Findings<'a> {
-    /// What is wrong with a scene, but not with those that it places.
+    /// Errors of a scene, without those of the scenes that it places.
     fn of(scene: &'a Scene) -> Self {
         let sound_meshes = scene.meshes.items().iter().map(|mesh| mesh_is_sound(scene, mesh)).collect();
         let mut found = Findings { scene, sound_meshes, errors: Vec::new(), warnings: Vec::new() };
@@ -74,7 +75,7 @@ impl<'a> Findings<'a> {
 
     fn check_modifier(&mut self, handle: Handle<Modifier>, modifier: &Modifier) {
         if modifier.modifier.is_some_and(|parent| parent >= handle) {
-            self.error(modifier.span, "a modifier stands after what it modifies".to_owned());
+            self.error(modifier.span, "a modifier is defined after the one that it modifies".to_owned());
         }
         let ModifierKind::Material(material) = &modifier.kind else { return };
         let name = self.scene.names.get(modifier.name).to_owned();
@@ -86,7 +87,10 @@ impl<'a> Findings<'a> {
         if let Some(reflectance) = total_reflectance(material)
             && reflectance > 1.0 + 1e-6
         {
-            self.warn(modifier.span, format!("material \"{name}\" reflects {reflectance:.4} of the light it gets"));
+            self.warn(
+                modifier.span,
+                format!("material \"{name}\" reflects {reflectance:.4} of the incident light, expected at most 1"),
+            );
         }
     }
 
@@ -133,7 +137,7 @@ impl<'a> Findings<'a> {
         };
         if problem != Some(true) {
             let name = self.scene.names.get(surface.name);
-            self.error(surface.span, format!("surface \"{name}\" has no proper size or place"));
+            self.error(surface.span, format!("surface \"{name}\" has an invalid size or position"));
         }
     }
 
@@ -160,7 +164,7 @@ impl<'a> Findings<'a> {
     }
 }
 
-/// Twice the vector area of a polygon (Newell), about its first vertex to keep digits.
+/// Twice the vector area of a polygon (Newell), relative to its first vertex for accuracy.
 fn newell_normal(vertices: &[DVec3]) -> DVec3 {
     let first = vertices[0];
     vertices[1..].windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum()
@@ -255,7 +259,7 @@ fn collect_dielectric(body: &Dielectric, out: &mut Vec<f64>) {
     out.extend([body.refractive_index, body.hartmann]);
 }
 
-/// The largest share of light that a plain material sends back, without patterns.
+/// Largest reflectance of a simple material over all bands, without patterns.
 fn total_reflectance(material: &Material) -> Option<f64> {
     let largest = |color: &Rgb| color.0.iter().copied().fold(f64::MIN, f64::max);
     match material {

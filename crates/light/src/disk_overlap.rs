@@ -1,21 +1,23 @@
-//! The part of a disk that lies within another disk: what a point sees lit of a round source with a sharp cone.
+//! Overlap of two disks: the part of a round source with a sharp cone that lights a point.
 
 use crate::lobe_weighting::{exponential, exponential_pdf};
 use std::f64::consts::PI;
 
-/// The intersection of the disk of radius `small` at the origin with one of radius `large` centred at `(-offset, 0)`, `offset ≥ 0`.
+/// Intersection of the disk of radius `small` at the origin with the disk of radius `large` at
+/// `(-offset, 0)`, `offset ≥ 0`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DiskOverlap {
     small: f64,
     large: f64,
     offset: f64,
-    /// Area left of where the circles cross: there the small one bounds the lens, right of it the large one.
+    /// Area left of the crossing of the circles. The small circle bounds the overlap there, the
+    /// large one to the right.
     left_area: f64,
-    /// In all.
+    /// Area of the overlap.
     area: f64,
 }
 
-/// What there is of the small disk.
+/// Part of the small disk that overlaps the large one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Overlap {
     None,
@@ -34,9 +36,9 @@ impl Overlap {
             return Overlap::None;
         }
         if offset + large <= small {
-            // The large disk is the smaller one and lies inside: a lens without a crossing.
-            let lens = DiskOverlap { small, large, offset, left_area: 0.0, area: PI * large * large };
-            return Overlap::Part(lens);
+            // The large disk lies inside the small one: the circles do not cross.
+            let overlap = DiskOverlap { small, large, offset, left_area: 0.0, area: PI * large * large };
+            return Overlap::Part(overlap);
         }
         // x² + y² = small² and (x + offset)² + y² = large².
         let crossing = (large * large - small * small - offset * offset) / (2.0 * offset);
@@ -46,14 +48,15 @@ impl Overlap {
     }
 }
 
-/// Area of a disk of this radius about the origin that lies left of `x`.
+/// Area left of `x` of a disk of this radius about the origin.
 fn segment(radius: f64, x: f64) -> f64 {
     let x = x.clamp(-radius, radius);
     let height = (radius * radius - x * x).max(0.0).sqrt();
     radius * radius * (PI - height.atan2(x)) + x * height
 }
 
-/// The x left of which a disk of this radius has this area. Newton's method inside a bracket.
+/// Inverse of [`segment`]: the x left of which a disk of this radius has this area, by Newton's
+/// method within a bracket.
 fn inverse_segment(radius: f64, area: f64) -> f64 {
     let (mut low, mut high) = (-radius, radius);
     let mut x = (area / (PI * radius * radius) * 2.0 - 1.0).clamp(-1.0, 1.0) * radius;
@@ -77,19 +80,21 @@ fn inverse_segment(radius: f64, area: f64) -> f64 {
 }
 
 impl DiskOverlap {
-    /// In square units of the radii.
+    /// Area of the overlap, in square units of the radii.
     pub(crate) fn area(&self) -> f64 {
         self.area
     }
 
-    /// A point of the lens from a point of the unit square, and its density by area.
+    /// Maps a point of the unit square to a point of the overlap; returns its coordinates and its
+    /// density by area.
     ///
-    /// The first coordinate is the share of the area left of the point, the second its place in the strip. `gradient` is that of the
-    /// logarithm of a brightness along x and y, which the density follows.
+    /// The first number chooses the fraction of the area left of the point, the second the position
+    /// within the strip at that x. The density follows `gradient`, the gradient of the logarithm of
+    /// the lobe along x and y.
     pub(crate) fn point(&self, [u, v]: [f64; 2], gradient: [f64; 2]) -> (f64, f64, f64) {
         let (u, pdf_u) = exponential(self.rate_along(gradient), u);
         let area = u * self.area;
-        // Right of the crossing the large circle bounds the lens, left of it the small one.
+        // The large circle bounds the overlap right of the crossing, the small one left of it.
         let x = if area < self.left_area {
             inverse_segment(self.small, area)
         } else {
@@ -101,7 +106,7 @@ impl DiskOverlap {
         (x, (2.0 * v - 1.0) * half_width, pdf_u * pdf_v / self.area)
     }
 
-    /// The density of [`DiskOverlap::point`].
+    /// Density of [`DiskOverlap::point`].
     pub(crate) fn pdf(&self, [x, y]: [f64; 2], gradient: [f64; 2]) -> f64 {
         let left_of_crossing = segment(self.small, x) < self.left_area;
         let area = if left_of_crossing {
@@ -140,11 +145,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_area_agrees_with_counting() {
+    fn the_area_agrees_with_a_grid() {
         for (small, large, offset) in
             [(1.0, 10.0, 9.5), (1.0, 10.0, 10.4), (1.0, 1.5, 1.0), (2.0, 0.5, 0.3), (2.0, 1.0, 1.7)]
         {
-            let Overlap::Part(lens) = Overlap::new(small, large, offset) else { panic!("a part overlaps") };
+            let Overlap::Part(overlap) = Overlap::new(small, large, offset) else { panic!("a part overlaps") };
             let steps = 2000;
             let at = |step: i32| (2.0 * (f64::from(step) + 0.5) / f64::from(steps) - 1.0) * small;
             let count: i32 = (0..steps)
@@ -155,25 +160,29 @@ mod tests {
                 })
                 .sum();
             let counted = f64::from(count) * (2.0 * small / f64::from(steps)).powi(2);
-            assert!((lens.area() / counted - 1.0).abs() < 2e-3, "{small} {large} {offset}: {} {counted}", lens.area());
+            assert!(
+                (overlap.area() / counted - 1.0).abs() < 2e-3,
+                "{small} {large} {offset}: {} {counted}",
+                overlap.area()
+            );
         }
     }
 
     #[test]
-    fn points_lie_in_the_lens_and_are_uniform() {
+    fn points_lie_in_the_overlap_and_are_uniform() {
         for (small, large, offset) in [(1.0, 10.0, 9.5), (1.0, 10.0, 10.4), (2.0, 1.0, 1.7), (2.0, 0.5, 0.3)] {
-            let Overlap::Part(lens) = Overlap::new(small, large, offset) else { panic!("a part overlaps") };
+            let Overlap::Part(overlap) = Overlap::new(small, large, offset) else { panic!("a part overlaps") };
             let steps = 300;
             let (mut sum, mut square) = (0.0, 0.0);
             for i in 0..steps {
                 for j in 0..steps {
                     let at = |k: i32| (f64::from(k) + 0.5) / f64::from(steps);
                     let gradient = [0.8 / small, -0.5 / small];
-                    let (x, y, pdf) = lens.point([at(i), at(j)], gradient);
-                    assert!(lens.holds(x, y), "{x} {y} in {lens:?}");
-                    assert!((lens.pdf([x, y], gradient) / pdf - 1.0).abs() < 1e-6);
-                    sum += x / (pdf * lens.area());
-                    square += y * y / (pdf * lens.area());
+                    let (x, y, pdf) = overlap.point([at(i), at(j)], gradient);
+                    assert!(overlap.holds(x, y), "{x} {y} in {overlap:?}");
+                    assert!((overlap.pdf([x, y], gradient) / pdf - 1.0).abs() < 1e-6);
+                    sum += x / (pdf * overlap.area());
+                    square += y * y / (pdf * overlap.area());
                 }
             }
             let count = f64::from(steps * steps);
@@ -183,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Mean x and mean y² of the lens, by counting.
+    /// Mean x and mean y² of the overlap, by a grid.
     fn moments(small: f64, large: f64, offset: f64) -> (f64, f64) {
         let steps = 1500;
         let at = |step: i32| (2.0 * (f64::from(step) + 0.5) / f64::from(steps) - 1.0) * small;
@@ -202,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn apart_and_within_are_told_apart() {
+    fn disjoint_and_nested_disks_are_distinguished() {
         assert!(matches!(Overlap::new(1.0, 2.0, 3.1), Overlap::None));
         assert!(matches!(Overlap::new(1.0, 2.0, 0.9), Overlap::Whole));
     }

@@ -1,39 +1,44 @@
-//! Where a large light shines brightest: lamps whose measured beam is narrow.
+//! Emission profiles of large lamps with a narrow measured distribution.
 //!
-//! A point near such a lamp gets most of its light from the small part of it whose beam comes its way. A place that is drawn by area alone seldom
-//! finds that part, so half of the places are drawn by direction: the pattern of the light's middle is tabulated, and from a direction follows the
-//! place. Both ways are mixed, so that the table need not be right where the pattern depends on the place too.
+//! A point near such a lamp gets most of its light from the small part of the lamp that emits
+//! towards it. Sampling by area seldom finds that part, so half of the samples follow the
+//! distribution instead: it is tabulated at the lamp's centre, a direction is sampled from the
+//! table, and the direction gives the point on the lamp. Both techniques form one mixture density,
+//! so the table may be inexact where the distribution varies over the lamp.
 
 use crate::form::LightForm;
 use glam::DVec3;
 
-/// Cells of the table along each axis: 1.8° around the normal.
+/// Cells of the table along each axis; about 1.8° near the normal.
 const CELLS: usize = 64;
 
-/// Below this cosine to the normal a direction counts as at it.
+/// Smallest cosine to the normal in the conversion from direction to area.
 const GRAZING: f64 = 0.05;
 
-/// A pattern is narrow where the mean of its square is so many times the square of its mean.
+/// A distribution is narrow if the mean of its square exceeds the square of its mean by this
+/// factor.
 const NARROW: f64 = 4.0;
 
-/// A light is near where its bounding sphere is seen under a larger sine than this.
+/// A light is near if the sine of its bounding sphere's half angle exceeds this.
 const NEAR: f64 = 0.1;
 
-/// Of places on a light that is near.
+/// Fraction of the samples on a near light that follow the profile.
 const BY_DIRECTION: f64 = 0.5;
 
-/// Directions out of a flat light, drawn by its radiance there. They are told by their projection on the light's plane, a square around the unit circle in cells.
+/// Directions out of a flat light, sampled in proportion to its radiance. A direction is addressed
+/// by its projection onto the light's plane: the unit circle, in a square of cells.
 #[derive(Clone, Debug)]
 pub struct EmissionProfile {
-    /// Unit: two in the light's plane, and its normal.
+    /// Orthonormal: two vectors in the light's plane, and its normal.
     frame: [DVec3; 3],
-    /// The chance of each row of cells, and within each row of each cell, summed up.
+    /// Cumulative probability of the rows of cells, and of the cells within each row.
     rows: Vec<f64>,
     columns: Vec<f64>,
 }
 
 impl EmissionProfile {
-    /// Of a light that shines in a narrow beam; `radiance` is what it shows in a unit direction away from it.
+    /// Profile of a light with a narrow distribution; none if it is wide. `radiance` gives the
+    /// radiance that leaves in a unit direction.
     pub fn new(form: &LightForm, mut radiance: impl FnMut(DVec3) -> f64) -> Option<EmissionProfile> {
         let (normal, _) = form.plane()?;
         let (x, y) = normal.any_orthonormal_pair();
@@ -76,43 +81,44 @@ impl EmissionProfile {
         EmissionProfile { frame, rows, columns }
     }
 
-    /// How often a place is drawn by direction for a receiver so far from the middle of a light of this radius.
+    /// Probability of sampling by direction, for a receiver at this distance from the centre of a
+    /// light of this radius.
     pub fn chance(distance: f64, radius: f64) -> f64 {
         if radius > NEAR * distance { BY_DIRECTION } else { 0.0 }
     }
 
-    /// A unit direction away from the light, from a point of the unit square.
-    pub fn draw(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
-        let (row, b) = drawn(&self.rows, v);
-        let (column, a) = drawn(&self.columns[row * CELLS..][..CELLS], u);
+    /// Maps a point of the unit square to a unit direction away from the light.
+    pub fn sample(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
+        let (row, b) = sampled_cell(&self.rows, v);
+        let (column, a) = sampled_cell(&self.columns[row * CELLS..][..CELLS], u);
         let [a, b] = [column as f64 + a, row as f64 + b].map(|step| 2.0 * step / CELLS as f64 - 1.0);
         let squared = 1.0 - a * a - b * b;
         let [x, y, normal] = self.frame;
         (squared > 0.0).then(|| x * a + y * b + normal * squared.sqrt())
     }
 
-    /// The density of [`EmissionProfile::draw`], 1/sr.
+    /// Density of [`EmissionProfile::sample`], 1/sr.
     pub fn pdf(&self, direction: DVec3) -> f64 {
         let [a, b, cosine] = self.frame.map(|axis| axis.dot(direction));
         if cosine <= 0.0 {
             return 0.0;
         }
         let [column, row] = [a, b].map(|at| ((0.5 * (at + 1.0) * CELLS as f64) as usize).min(CELLS - 1));
-        let chance = share(&self.rows, row) * share(&self.columns[row * CELLS..][..CELLS], column);
-        // A piece of the plane is seen from the middle of the sphere over it as so much larger a solid angle.
+        let chance = probability(&self.rows, row) * probability(&self.columns[row * CELLS..][..CELLS], column);
+        // Solid angle of a cell: its area over the cosine.
         chance * (0.25 * (CELLS * CELLS) as f64) * cosine
     }
 }
 
-/// Which of the cells of a cumulative distribution, and where in it.
-fn drawn(cumulative: &[f64], u: f64) -> (usize, f64) {
+/// Index of the sampled cell of a cumulative distribution, and the position within it.
+fn sampled_cell(cumulative: &[f64], u: f64) -> (usize, f64) {
     let index = cumulative.partition_point(|sum| *sum <= u).min(cumulative.len() - 1);
     let before = if index == 0 { 0.0 } else { cumulative[index - 1] };
     let width = cumulative[index] - before;
     (index, if width > 0.0 { ((u - before) / width).clamp(0.0, 1.0) } else { 0.5 })
 }
 
-fn share(cumulative: &[f64], index: usize) -> f64 {
+fn probability(cumulative: &[f64], index: usize) -> f64 {
     cumulative[index] - if index == 0 { 0.0 } else { cumulative[index - 1] }
 }
 
@@ -132,19 +138,20 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_pattern_makes_no_beam() {
+    fn a_wide_distribution_has_no_profile() {
         assert!(EmissionProfile::new(&square(), |direction| direction.z).is_none());
         assert!(EmissionProfile::new(&square(), |_| 0.0).is_none());
     }
 
     #[test]
-    fn directions_are_drawn_with_the_density_that_is_told() {
+    fn directions_are_sampled_with_the_density_of_pdf() {
         let profile = EmissionProfile::new(&square(), narrow).expect("the pattern is narrow");
         let (mut mean, mut near, side) = (0.0, 0, 512);
         for index in 0..side * side {
             let u = [index % side, index / side].map(|step| (step as f64 + 0.5) / side as f64);
-            let Some(direction) = profile.draw(u) else { continue };
-            // The mean of a function over its density is its integral: the solid angle of the hemisphere's upper half, π.
+            let Some(direction) = profile.sample(u) else { continue };
+            // The mean of 1/pdf over samples is the solid angle: here the part of the hemisphere
+            // above z = 0.5, π.
             mean += if direction.z > 0.5 { 1.0 / profile.pdf(direction) } else { 0.0 } / (side * side) as f64;
             near += usize::from(direction.distance(DVec3::new(0.6, 0.0, 0.8)) < 0.2);
         }

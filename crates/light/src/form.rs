@@ -1,4 +1,4 @@
-//! The forms of lights: places on them, drawn by area or by solid angle.
+//! Shapes of lights: points on them, sampled by area or by solid angle.
 
 use crate::lobe_weighting::{DiskWarp, exponential, exponential_pdf};
 use crate::visible_side::VisibleSide;
@@ -9,7 +9,7 @@ use radsight_ir::{Facing, Scene, Shape};
 use radsight_sampling::unit_disk;
 use std::f64::consts::{PI, TAU};
 
-/// The emitting form, as it is drawn from.
+/// The emitting shape, as it is sampled.
 #[derive(Clone, Debug)]
 pub enum LightForm {
     /// A ring; `x` and `y` are unit and span its plane.
@@ -18,22 +18,23 @@ pub enum LightForm {
         center: DVec3,
         /// Unit, on the emitting side.
         normal: DVec3,
-        /// Perpendicular axes in its plane; in an image they need not be unit vectors.
+        /// First of two perpendicular axes in its plane; in a virtual image they need not be unit
+        /// vectors.
         x: DVec3,
-        /// The other one.
+        /// Second axis.
         y: DVec3,
         /// Square of the radius of the hole, in units of the axes.
         inner_squared: f64,
         /// Square of the outer radius.
         outer_squared: f64,
     },
-    /// A parallelogram `corner + u·x + v·y`, unit normal.
+    /// A parallelogram `corner + u·x + v·y`.
     Parallelogram {
-        /// Where both sides start, scene units.
+        /// Corner from which both sides start, scene units.
         corner: DVec3,
-        /// A side.
+        /// First side.
         x: DVec3,
-        /// The other side.
+        /// Second side.
         y: DVec3,
         /// Unit, on the emitting side.
         normal: DVec3,
@@ -44,72 +45,74 @@ pub enum LightForm {
     Triangles {
         /// The corners of each, scene units.
         triangles: Vec<[DVec3; 3]>,
-        /// The share of the area up to the end of each triangle; the last is 1.
+        /// Fraction of the area up to the end of each triangle; the last is 1.
         cumulative: Vec<f64>,
         /// Unit, on the emitting side.
         normal: DVec3,
-        /// Of all, square scene units.
+        /// Total area, square scene units.
         area: f64,
     },
     /// A sphere, or a bubble that shines inward.
     Sphere {
-        /// Scene units.
+        /// Centre, scene units.
         center: DVec3,
-        /// Scene units.
+        /// Radius, scene units.
         radius: f64,
-        /// The side that emits.
+        /// Side that emits.
         facing: Facing,
     },
-    /// A truncated cone or cylinder; `axis` is unit.
+    /// A truncated cone or cylinder.
     Cone {
-        /// Where the axis starts, scene units.
+        /// Start of the axis, scene units.
         base: DVec3,
-        /// Unit.
+        /// Unit vector along the axis.
         axis: DVec3,
-        /// Of the axis, scene units.
+        /// Length of the axis, scene units.
         length: f64,
-        /// At the start and at the end of the axis, scene units.
+        /// Radii at the start and at the end of the axis, scene units.
         radii: [f64; 2],
-        /// The side that emits.
+        /// Side that emits.
         facing: Facing,
     },
-    /// Infinitely far: a cone of directions about `direction`.
+    /// An infinitely distant light: a cone of directions.
     Distant {
-        /// Unit, towards its middle.
+        /// Unit vector towards its centre.
         direction: DVec3,
-        /// Unit vectors across the direction.
+        /// First of two unit vectors perpendicular to the direction.
         x: DVec3,
-        /// The other one.
+        /// Second one.
         y: DVec3,
-        /// `sin²(θ/2)` of the half angle θ that it fills: its solid angle over 4π.
+        /// `sin²(θ/2)` of the half angle θ of the cone, which is its solid angle over 4π.
         half_angle_sin_squared_half: f64,
     },
-    /// What a prism makes of it: directions `direction + a·x + b·y` within the unit circle; `x` and `y` are perpendicular to the unit `direction`.
+    /// Image of a distant light in a prism: directions `direction + a·x + b·y` with (a, b) in the
+    /// unit circle.
     DistantImage {
-        /// Unit, towards its middle.
+        /// Unit vector towards its centre; `x` and `y` are perpendicular to it.
         direction: DVec3,
-        /// Half axes of the ellipse that it fills on the plane that touches the sphere of directions at its middle.
+        /// First half axis of the image's ellipse, in the tangent plane of the sphere of directions
+        /// at its centre.
         x: DVec3,
-        /// The other one.
+        /// Second half axis.
         y: DVec3,
     },
 }
 
-/// A place on a light, seen from a point.
+/// A sampled point on a light, as seen from a receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
-    /// Unit, from the receiver to the light.
+    /// Unit vector from the receiver to the light.
     pub direction: DVec3,
-    /// Infinite for a distant one.
+    /// Distance, scene units; infinite for a distant light.
     pub distance: f64,
-    /// Per solid angle at the receiver, 1/sr.
+    /// Density by solid angle at the receiver, 1/sr.
     pub pdf: f64,
-    /// Unit normal there on the emitting side.
+    /// Unit normal of the light there, on the emitting side.
     pub normal: DVec3,
 }
 
 impl LightForm {
-    /// The form of a surface; none for what cannot be drawn from.
+    /// Shape of an emitting surface; none for a shape that cannot be sampled.
     pub fn new(scene: &Scene, shape: Shape) -> Option<LightForm> {
         match shape {
             Shape::Polygon { start, count } => polygon_form(&scene.vertices[start as usize..][..count as usize]),
@@ -146,7 +149,7 @@ impl LightForm {
         }
     }
 
-    /// Emitting area in square scene units; the visible disk of a sphere counts whole.
+    /// Emitting area in square scene units; for a sphere the visible disk.
     pub fn area(&self) -> f64 {
         match self {
             LightForm::Disk { inner_squared, outer_squared, .. } => PI * (outer_squared - inner_squared),
@@ -157,7 +160,7 @@ impl LightForm {
         }
     }
 
-    /// The unit normal of a flat light on its emitting side, and a point of its plane.
+    /// Unit normal of a flat light on its emitting side, and a point of its plane.
     pub fn plane(&self) -> Option<(DVec3, DVec3)> {
         match self {
             LightForm::Disk { center, normal, .. } => Some((*normal, *center)),
@@ -167,7 +170,8 @@ impl LightForm {
         }
     }
 
-    /// A sphere around it: its centre and radius; of a distant light its direction, and no radius that is finite.
+    /// Centre and radius of a bounding sphere; for a distant light its direction and an infinite
+    /// radius.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         match self {
             LightForm::Disk { center, outer_squared, .. } => (*center, outer_squared.sqrt()),
@@ -190,7 +194,8 @@ impl LightForm {
         }
     }
 
-    /// A point of a flat form, uniform by area, from a point of the unit square, after its unit normal; `None` for any other form.
+    /// Maps a point of the unit square to a point of a flat shape, uniform by area; returns the
+    /// unit normal and the point. `None` for other shapes.
     pub fn point(&self, [u, v]: [f64; 2]) -> Option<(DVec3, DVec3)> {
         let point = match self {
             LightForm::Disk { center, x, y, inner_squared, outer_squared, .. } => {
@@ -203,10 +208,11 @@ impl LightForm {
         self.plane().map(|(normal, _)| (normal, point))
     }
 
-    /// Distance along a unit direction to a flat form that turns its front to `receiver`, and the cosine under which it is met.
-    pub fn met(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
-        let (normal, place) = self.plane()?;
-        let (cosine, height) = (-normal.dot(direction), normal.dot(receiver - place));
+    /// Intersects a ray from `receiver` along a unit direction with a flat shape that faces it:
+    /// distance and cosine at the light.
+    pub fn intersect(&self, receiver: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+        let (normal, point) = self.plane()?;
+        let (cosine, height) = (-normal.dot(direction), normal.dot(receiver - point));
         if cosine <= 0.0 || height <= 0.0 {
             return None;
         }
@@ -225,7 +231,7 @@ impl LightForm {
         is_inside.then_some((distance, cosine))
     }
 
-    /// A place seen from `receiver`, from a point of the unit square. `None` where the light shows its dark side.
+    /// Samples a point of the light as seen from `receiver`. `None` if the light faces away.
     #[inline]
     pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], gradient: DVec3) -> Option<LightSample> {
         let (point, normal, pdf) = match self {
@@ -253,9 +259,9 @@ impl LightForm {
             }
             LightForm::Cone { base, axis, length, radii, facing } => {
                 let side = self.visible_side(receiver)?;
-                let share = height_share(*radii, u);
+                let share = relative_height(*radii, u);
                 let radius = radii[0] + (radii[1] - radii[0]) * share;
-                let (radial, pdf) = side.draw(v);
+                let (radial, pdf) = side.sample(v);
                 let slope = (radii[1] - radii[0]) / length;
                 let outward = (radial - *axis * slope).normalize();
                 let normal = if *facing == Facing::Outward { outward } else { -outward };
@@ -275,7 +281,8 @@ impl LightForm {
         seen(receiver, point, normal, pdf)
     }
 
-    /// The density with which [`LightForm::sample`] would find the place at `distance` along `direction`, 1/sr.
+    /// Density with which [`LightForm::sample`] finds the point at `distance` along `direction`,
+    /// 1/sr.
     pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, gradient: DVec3) -> f64 {
         let by_area = distance * distance / (self.area() * cosine);
         match self {
@@ -311,13 +318,13 @@ impl LightForm {
         }
     }
 
-    /// The part of a cone that a point sees; `None` where it is nothing, and for other forms.
+    /// Visible part of a cone; `None` if nothing is visible, and for other shapes.
     fn visible_side(&self, receiver: DVec3) -> Option<VisibleSide> {
         let LightForm::Cone { base, axis, length, radii, facing } = self else { return None };
         VisibleSide::new(receiver - *base, *axis, (radii[0], (radii[1] - radii[0]) / length), *facing)
     }
 
-    /// Solid angle of a distant light, or a bound from the area of a near one, sr.
+    /// Solid angle of a distant light, or an upper bound by the area of a near one, sr.
     pub fn solid_angle(&self, distance: f64) -> f64 {
         match self {
             LightForm::Distant { half_angle_sin_squared_half, .. } => cap_solid_angle(*half_angle_sin_squared_half),
@@ -327,7 +334,7 @@ impl LightForm {
     }
 }
 
-/// A place on a surface as a receiver sees it, with its density by area turned into one by solid angle.
+/// Light sample at a point of a surface, its density converted from area to solid angle.
 #[inline]
 pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_pdf: f64) -> Option<LightSample> {
     let offset = point - receiver;
@@ -338,19 +345,19 @@ pub(crate) fn seen(receiver: DVec3, point: DVec3, normal: DVec3, area_pdf: f64) 
     (cosine > 0.0).then(|| LightSample { direction, distance, pdf: squared * area_pdf / cosine, normal })
 }
 
-/// The two numbers whose multiples of `x` and `y` add up to a vector in their plane.
+/// Coefficients of a vector in the basis `x`, `y` of its plane.
 pub fn coordinates(x: DVec3, y: DVec3, vector: DVec3) -> [f64; 2] {
     let across = x.cross(y);
     [vector.cross(y), x.cross(vector)].map(|part| part.dot(across) / across.length_squared())
 }
 
-/// Whether a point of a triangle's plane is in the triangle.
+/// Whether a point of a triangle's plane lies in the triangle.
 fn is_in(&[a, b, c]: &[DVec3; 3], point: DVec3) -> bool {
     let across = (b - a).cross(c - a);
     [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (*to - *from).cross(point - *from).dot(across) >= 0.0)
 }
 
-/// The tilt of a disk with these radii as its axes.
+/// Warp of a disk whose axes are these radii.
 #[inline]
 fn disk_warp(gradient: DVec3, x: DVec3, y: DVec3) -> DiskWarp {
     DiskWarp::new(gradient.dot(x), gradient.dot(y))
@@ -359,12 +366,12 @@ fn disk_warp(gradient: DVec3, x: DVec3, y: DVec3) -> DiskWarp {
 fn point_on_ring(center: DVec3, x: DVec3, y: DVec3, inner: f64, outer: f64, u: f64, v: f64) -> Option<DVec3> {
     let (a, b) = unit_disk(u, v);
     let squared = a * a + b * b;
-    // The disk is squeezed into the ring's width, uniform by area.
+    // Maps the disk to the ring, preserving uniformity by area.
     let scale = (squared > 0.0).then(|| ((inner + squared * (outer - inner)) / squared).sqrt())?;
     Some(center + (x * a + y * b) * scale)
 }
 
-/// `sin²(θ/2)` of the half angle θ under which a sphere is seen, without cancellation; 1/2·(1 − cos θ).
+/// `sin²(θ/2)` of the half angle θ of a sphere, that is (1 − cos θ)/2, without cancellation.
 fn sphere_cap(center: DVec3, radius: f64, receiver: DVec3) -> f64 {
     let squared = center.distance_squared(receiver);
     let sin_squared = (radius * radius / squared).min(1.0);
@@ -376,18 +383,19 @@ fn cap_solid_angle(sin_squared_half: f64) -> f64 {
     4.0 * PI * sin_squared_half
 }
 
-/// A unit direction within the cap about `axis`, and its density: cosine and azimuth through the (tilted) concentric map.
+/// Unit direction within the cap about `axis`, and its density. Cosine and azimuth come from the
+/// warped concentric map.
 fn direction_in_cap(axis: DVec3, x: DVec3, y: DVec3, cap: f64, [u, v]: [f64; 2], gradient: DVec3) -> (DVec3, f64) {
     let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
     let warp = disk_warp(gradient, x * rim, y * rim);
     let (a, b) = warp.apply(unit_disk(u, v));
-    // 1 − cos θ' = (a² + b²)·(1 − cos θ), and sin θ' follows without cancellation.
+    // 1 − cos θ' = (a² + b²)·(1 − cos θ); sin θ' follows without cancellation.
     let versed = 2.0 * cap * (a * a + b * b);
     let scale = (2.0 * cap * (2.0 - versed)).sqrt();
     (axis * (1.0 - versed) + x * (a * scale) + y * (b * scale), warp.pdf((a, b)) / cap_solid_angle(cap))
 }
 
-/// The density of [`direction_in_cap`].
+/// Density of [`direction_in_cap`], 1/sr.
 fn cap_pdf(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient: DVec3) -> f64 {
     let rim = (4.0 * cap * (1.0 - cap)).max(0.0).sqrt();
     let versed = 0.5 * direction.distance_squared(axis);
@@ -396,9 +404,10 @@ fn cap_pdf(axis: DVec3, x: DVec3, y: DVec3, cap: f64, direction: DVec3, gradient
     disk_warp(gradient, x * rim, y * rim).pdf(at) / cap_solid_angle(cap)
 }
 
-/// Directions that are even on the plane that touches their sphere in `axis`, over an ellipse of that plane, per solid angle.
+/// Density by solid angle of directions uniform over an ellipse in the tangent plane at `axis`,
+/// 1/sr.
 fn ellipse_pdf(axis: DVec3, x: DVec3, y: DVec3, towards: DVec3) -> f64 {
-    // A piece of the plane at 1/cos is seen under that cosine.
+    // An area element of the plane is at distance 1/cos and tilted by that cosine.
     (PI * x.cross(y).length() * axis.dot(towards).powi(3)).recip()
 }
 
@@ -442,12 +451,12 @@ fn sample_sphere_by_area(
     seen(receiver, center + outward * radius, normal, (4.0 * PI * radius * radius).recip())
 }
 
-/// The share of the height of a truncated cone at which a share `u` of its area lies below.
-fn height_share(radii: [f64; 2], u: f64) -> f64 {
+/// Relative height of a truncated cone below which the fraction `u` of its lateral area lies.
+fn relative_height(radii: [f64; 2], u: f64) -> f64 {
     let [low, high] = radii;
     let squared = low * low + u * (high * high - low * low);
     let radius = squared.max(0.0).sqrt();
-    // s = (r − r₀)/(r₁ − r₀) = u·(r₀ + r₁)/(r + r₀), which also serves the cylinder.
+    // s = (r − r₀)/(r₁ − r₀) = u·(r₀ + r₁)/(r + r₀), which also holds for a cylinder.
     if radius + low > 0.0 { u * (low + high) / (radius + low) } else { 0.0 }
 }
 

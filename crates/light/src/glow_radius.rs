@@ -1,7 +1,8 @@
-//! How much of a glow is near enough to be a light.
+//! The part of a glow that is close enough to act as a light source.
 //!
-//! A glow's radius says how far its light reaches. Radiance measures from a random place of the glow, which for a round body lies in its volume: where
-//! the border of the range runs through the body, light comes from a share of the places only. Here the share is computed.
+//! A glow's radius limits how far its light reaches. Radiance measures the distance to a random
+//! point of the glow, which for a round shape lies in its volume: at the limit only some points are
+//! in range. This module computes the expected fraction.
 
 use crate::disk_overlap::Overlap;
 use crate::form::LightForm;
@@ -10,23 +11,25 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 impl Light {
-    /// The share of a glow that has a receiver within its radius, 0…1, for light from the place at `distance` along `direction`. Of a sphere it is that of
-    /// the volume's light, of a cone or cylinder that of the section at the place's height; other places are in or out of range by themselves.
+    /// Fraction, 0…1, of the glow's light that has a receiver within its radius, for the light that
+    /// arrives from the point at `distance` along `direction`. For a sphere it is a fraction of the
+    /// volume, weighted by inverse squared distance; for a cone or cylinder a fraction of the
+    /// cross-section at that point's height. Other shapes are in or out of range point by point.
     #[inline]
-    pub fn share_in_radius(&self, receiver: DVec3, direction: DVec3, distance: f64) -> f64 {
+    pub fn fraction_in_radius(&self, receiver: DVec3, direction: DVec3, distance: f64) -> f64 {
         let range = self.max_distance;
         if range == f64::INFINITY {
             return 1.0;
         }
         match &self.form {
-            LightForm::Sphere { center, radius, .. } => share_of_ball(*radius, range, receiver.distance(*center)),
+            LightForm::Sphere { center, radius, .. } => fraction_of_ball(*radius, range, receiver.distance(*center)),
             LightForm::Cone { base, axis, length, radii, .. } => {
-                let place = axis.dot(receiver + direction * distance - *base);
-                let offset = receiver - (*base + *axis * place);
+                let height = axis.dot(receiver + direction * distance - *base);
+                let offset = receiver - (*base + *axis * height);
                 let along = offset.dot(*axis);
                 let section = range * range - along * along;
-                let radius = radii[0] + (radii[1] - radii[0]) * (place / length).clamp(0.0, 1.0);
-                share_of_disk(radius, section.max(0.0).sqrt(), (offset - *axis * along).length())
+                let radius = radii[0] + (radii[1] - radii[0]) * (height / length).clamp(0.0, 1.0);
+                fraction_of_disk(radius, section.max(0.0).sqrt(), (offset - *axis * along).length())
             }
             _ if distance <= range => 1.0,
             _ => 0.0,
@@ -34,10 +37,11 @@ impl Light {
     }
 }
 
-/// The share of a ball that is no farther than `range` from a point at `distance` from its centre, where each place counts as the inverse square of its
-/// distance s, as its light does. The ball holds an area of `2πs² (1 − (d² + s² − r²) / 2ds)` of the sphere of radius s about the point, for
-/// the ball's radius r and the distance d, and all of that sphere where `s < r − d`.
-fn share_of_ball(radius: f64, range: f64, distance: f64) -> f64 {
+/// Fraction of a ball within `range` of a point at `distance` from its centre, where each volume
+/// element counts by its inverse squared distance s. The sphere of radius s about the point has the
+/// area `2πs² (1 − (d² + s² − r²) / 2ds)` within the ball, for the ball's radius r and the distance
+/// d, and lies wholly within it where `s < r − d`.
+fn fraction_of_ball(radius: f64, range: f64, distance: f64) -> f64 {
     if distance + radius <= range {
         return 1.0;
     }
@@ -58,15 +62,15 @@ fn share_of_ball(radius: f64, range: f64, distance: f64) -> f64 {
     within(range) / within(distance + radius)
 }
 
-/// A point nearer to the middle than this share of the radius is the middle.
+/// Distance from the centre, relative to the radius, below which the point counts as the centre.
 const LEAST_DISTANCE: f64 = 1e-6;
 
-/// The share of a disk's area that is no farther than `range` from a point of its plane at `distance` from its middle.
-fn share_of_disk(radius: f64, range: f64, distance: f64) -> f64 {
+/// Fraction of a disk's area within `range` of a point of its plane at `distance` from its centre.
+fn fraction_of_disk(radius: f64, range: f64, distance: f64) -> f64 {
     match Overlap::new(radius, range, distance) {
         Overlap::None => 0.0,
         Overlap::Whole => 1.0,
-        Overlap::Part(lens) => lens.area() / (PI * radius * radius),
+        Overlap::Part(overlap) => overlap.area() / (PI * radius * radius),
     }
 }
 
@@ -74,13 +78,14 @@ fn share_of_disk(radius: f64, range: f64, distance: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Shares of places on a grid: of a ball, each by the inverse square of its distance, and of a disk.
+    /// The same fractions by a grid: of a ball, weighted by inverse squared distance, and of a
+    /// disk.
     fn counted(radius: f64, range: f64, distance: f64) -> [f64; 2] {
         let steps = 80;
-        let place = |step: i32| radius * ((f64::from(step) + 0.5) / f64::from(steps) * 2.0 - 1.0);
+        let height = |step: i32| radius * ((f64::from(step) + 0.5) / f64::from(steps) * 2.0 - 1.0);
         let [mut ball, mut ball_near, mut disk, mut disk_near] = [0.0; 4];
-        for (x, y) in (0..steps * steps).map(|step| (place(step % steps), place(step / steps))) {
-            for z in (0..steps).map(place).filter(|z| x * x + y * y + z * z < radius * radius) {
+        for (x, y) in (0..steps * steps).map(|step| (height(step % steps), height(step / steps))) {
+            for z in (0..steps).map(height).filter(|z| x * x + y * y + z * z < radius * radius) {
                 let squared = DVec3::new(x + distance, y, z).length_squared();
                 ball += 1.0 / squared;
                 ball_near += if squared <= range * range { 1.0 / squared } else { 0.0 };
@@ -94,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_in_range_are_those_of_the_places() {
+    fn fractions_in_range_agree_with_a_grid() {
         for (radius, range, distance) in [
             (0.25, 1.5, 1.3),
             (0.25, 1.5, 1.7),
@@ -105,11 +110,11 @@ mod tests {
             (0.5, 1.0, 1.6),
         ] {
             let [ball, disk] = counted(radius, range, distance);
-            // Within the ball the grid is coarse where places count most.
+            // Within the ball the grid is too coarse close to the point, where weights are large.
             let tolerance = if distance < radius { 1e-2 } else { 2e-3 };
-            let found = share_of_ball(radius, range, distance);
+            let found = fraction_of_ball(radius, range, distance);
             assert!((found - ball).abs() < tolerance, "ball {radius} {range} {distance}: {found}, counted {ball}");
-            let found = share_of_disk(radius, range, distance);
+            let found = fraction_of_disk(radius, range, distance);
             assert!((found - disk).abs() < 5e-3, "disk {radius} {range} {distance}: {found}, counted {disk}");
         }
     }

@@ -1,10 +1,12 @@
-//! Lights with their true extent, and the points on them from which light comes.
+//! Lights of finite extent, and points sampled on them.
 //!
-//! A [`Light`] is an emitting surface or its image in mirrors and prisms ([`VirtualSource`]); [`Light::sample`] draws a point on it as a
-//! receiver sees it, [`Light::pdf`] says with which density. A [`LightTree`] chooses a few of many by what they can give.
+//! A [`Light`] is an emitting surface or its image in mirrors and prisms ([`VirtualSource`]).
+//! [`Light::sample`] samples a point on it for a receiver; [`Light::pdf`] gives the density of a
+//! point. A [`LightTree`] selects a few of many lights by importance.
 //!
-//! Guarantees: whatever can be drawn has the density that `pdf` says, so both can be weighted against other techniques (Veach 1997);
-//! a light that can give something at a point has a chance there. Knows no materials, no radiance and no occlusion.
+//! Guarantees: `pdf` is the density of `sample`, so that multiple importance sampling can combine
+//! it with other techniques (Veach 1997); a light that can illuminate a point has a positive
+//! probability there. The crate knows no materials, no radiance and no occlusion.
 #![forbid(unsafe_code)]
 
 mod disk_overlap;

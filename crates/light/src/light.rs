@@ -1,4 +1,4 @@
-//! Light sources with their true extent, and the places on them from which light comes.
+//! Light sources of finite extent, and points sampled on them.
 
 use crate::disk_overlap::Overlap;
 use crate::emission_profile::EmissionProfile;
@@ -15,45 +15,47 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightId(pub u32);
 
-/// A source of direct light: an emitting surface, or its image in plane mirrors.
+/// A source of direct light: an emitting surface, or its image in plane mirrors and prisms.
 #[derive(Clone, Debug)]
 pub struct Light {
-    /// The surface that emits.
+    /// The emitting surface.
     pub surface: SurfaceHandle,
-    /// Its name to the search for surfaces; none for a distant one.
+    /// Its primitive in the acceleration structure; none for a distant light.
     pub primitive: Option<PrimitiveId>,
-    /// What is drawn from.
+    /// The shape to be sampled.
     pub form: LightForm,
-    /// Sphere around it; infinite radius for a distant one.
+    /// Centre of the bounding sphere; a distant light's direction.
     pub center: DVec3,
-    /// Radius of that sphere, scene units.
+    /// Radius of the bounding sphere, scene units; infinite for a distant light.
     pub radius: f64,
-    /// A cone outside of which it is dark.
+    /// Cone outside of which the light is dark.
     pub cone: Option<LightCone>,
-    /// Where it shines brightest, if that is narrow; images have none.
+    /// Emission profile of a narrow distribution; virtual images have none.
     pub profile: Option<Arc<EmissionProfile>>,
-    /// Farther points get nothing from it (a glow's radius).
+    /// Distance beyond which the light gives nothing (a glow's radius), scene units.
     pub max_distance: f64,
-    /// F of a spotlight: the brightness is scaled by (r/(r+F))².
+    /// Focal distance F of a spotlight: radiance is scaled by (r/(r+F))².
     pub focal_distance: f64,
-    /// The mirrors and prisms through which it is seen, the one next to the receiver first; empty for a real light.
+    /// Mirrors and prisms of a virtual image, the one next to the receiver first; empty for a real
+    /// light.
     pub virtual_sources: Vec<VirtualSource>,
 }
 
 /// A sharp cone of emission.
 #[derive(Clone, Copy, Debug)]
 pub struct LightCone {
-    /// Unit, along which it shines.
+    /// Unit axis of the cone, in the direction of emission.
     pub axis: DVec3,
-    /// Radians.
+    /// Half angle, radians.
     pub half_angle: f64,
 }
 
-/// A cosine of two axes above this is one axis.
+/// Axes with a cosine above this count as parallel.
 const PARALLEL: f64 = 1.0 - 1e-12;
 
 impl Light {
-    /// A place of the light that is lit towards `receiver`, from a point of the unit square, where the highlight is bright.
+    /// Samples a point that emits towards `receiver`, with a density that follows the receiver's
+    /// lobe.
     #[inline]
     pub fn sample(&self, receiver: DVec3, [u, v]: [f64; 2], peak: &LobePeak) -> Option<LightSample> {
         let gradient = self.gradient(receiver, peak);
@@ -67,15 +69,16 @@ impl Light {
         match overlap {
             Overlap::None => None,
             Overlap::Whole => self.form.sample(receiver, [u, v], gradient),
-            Overlap::Part(lens) => {
+            Overlap::Part(overlap) => {
                 let across = normal.cross(away);
-                let (x, y, pdf) = lens.point([u, v], [gradient.dot(away), gradient.dot(across)]);
+                let (x, y, pdf) = overlap.point([u, v], [gradient.dot(away), gradient.dot(across)]);
                 seen(receiver, center + away * x + across * y, normal, pdf)
             }
         }
     }
 
-    /// The density with which [`Light::sample`] would find the place at `distance` along `direction`, seen under `cosine`, 1/sr.
+    /// Density with which [`Light::sample`] finds the point at `distance` along `direction`, for
+    /// the cosine at the light, 1/sr.
     #[inline]
     pub fn pdf(&self, receiver: DVec3, direction: DVec3, distance: f64, cosine: f64, peak: &LobePeak) -> f64 {
         let gradient = self.gradient(receiver, peak);
@@ -83,18 +86,18 @@ impl Light {
             return mixture.pdf(direction, self.form.pdf(receiver, direction, distance, cosine, gradient));
         }
         if let Some((center, normal, radius)) = self.clipped_disk()
-            && let (Overlap::Part(lens), away) = self.lit_part(center, normal, radius, receiver)
+            && let (Overlap::Part(overlap), away) = self.lit_part(center, normal, radius, receiver)
         {
             let across = normal.cross(away);
             let from_center = receiver + direction * distance - center;
             let at = [from_center.dot(away), from_center.dot(across)];
-            let by_area = lens.pdf(at, [gradient.dot(away), gradient.dot(across)]);
+            let by_area = overlap.pdf(at, [gradient.dot(away), gradient.dot(across)]);
             return distance * distance * by_area / cosine;
         }
         self.form.pdf(receiver, direction, distance, cosine, gradient)
     }
 
-    /// Its beam, and how often a place is drawn by that for a receiver.
+    /// Emission profile, and the probability of sampling it for a receiver.
     #[inline]
     fn profile_near(&self, receiver: DVec3) -> Option<Mixture<'_>> {
         let profile = self.profile.as_deref()?;
@@ -102,7 +105,7 @@ impl Light {
         (chance > 0.0).then_some(Mixture { profile, chance })
     }
 
-    /// A place where the beam comes towards the receiver, or one anywhere.
+    /// Samples the mixture of the emission profile and the shape.
     fn sample_profile(
         &self,
         mixture: Mixture<'_>,
@@ -112,9 +115,9 @@ impl Light {
     ) -> Option<LightSample> {
         let Mixture { profile, chance } = mixture;
         let sample = if u < chance {
-            let direction = -profile.draw([u / chance, v])?;
+            let direction = -profile.sample([u / chance, v])?;
             let (normal, _) = self.form.plane()?;
-            let (distance, cosine) = self.form.met(receiver, direction)?;
+            let (distance, cosine) = self.form.intersect(receiver, direction)?;
             let pdf = self.form.pdf(receiver, direction, distance, cosine, gradient);
             LightSample { direction, distance, pdf, normal }
         } else {
@@ -123,13 +126,14 @@ impl Light {
         Some(LightSample { pdf: mixture.pdf(sample.direction, sample.pdf), ..sample })
     }
 
-    /// The factor of a spotlight's radiance at a distance.
+    /// Factor of a spotlight's radiance at a distance.
     #[inline]
     pub fn focal_factor(&self, distance: f64) -> f64 {
         if self.focal_distance > 0.0 { (distance / (distance + self.focal_distance)).powi(2) } else { 1.0 }
     }
 
-    /// Gradient of the logarithm of the highlight at the light's centre, by place (for a distant one, by direction).
+    /// Gradient of the logarithm of the lobe at the light's centre: by position, or by direction
+    /// for a distant light.
     #[inline]
     fn gradient(&self, receiver: DVec3, peak: &LobePeak) -> DVec3 {
         match self.form {
@@ -145,7 +149,7 @@ impl Light {
         }
     }
 
-    /// Centre, normal and radius of a disk that shines in a cone about its normal.
+    /// Centre, normal and radius of a disk with an emission cone about its normal.
     #[inline]
     fn clipped_disk(&self) -> Option<(DVec3, DVec3, f64)> {
         match (&self.cone, &self.form) {
@@ -158,7 +162,8 @@ impl Light {
         }
     }
 
-    /// The part of such a disk whose cones reach the receiver, and the unit direction in its plane that leads away from the receiver.
+    /// Part of such a disk whose emission cones contain the receiver, and the unit vector in the
+    /// disk's plane away from the receiver.
     fn lit_part(&self, center: DVec3, normal: DVec3, radius: f64, receiver: DVec3) -> (Overlap, DVec3) {
         let from_center = receiver - center;
         let height = from_center.dot(normal);
@@ -170,7 +175,8 @@ impl Light {
         (overlap, away)
     }
 
-    /// Whether nothing of it can reach a point: behind its mirror or its plane, or outside its cone.
+    /// Whether no light reaches the point: it is behind the light or its mirror, or outside the
+    /// cone.
     #[inline]
     pub fn misses(&self, receiver: DVec3) -> bool {
         let is_behind = |virtual_source: &VirtualSource| {
@@ -197,13 +203,14 @@ impl Light {
         self.form.plane().is_some_and(|(normal, point)| normal.dot(receiver - point) <= 0.0)
     }
 
-    /// Whether a prism relays it, so that only following a ray tells what it brings.
+    /// Whether a prism redirects the light, so that its radiance is known only after tracing the
+    /// ray.
     #[inline]
     pub fn is_redirected(&self) -> bool {
         self.virtual_sources.iter().any(|virtual_source| virtual_source.redirection.is_some())
     }
 
-    /// The ray from a receiver towards the light as the light itself sees it: reflected in all mirrors.
+    /// The ray from a receiver towards the light, reflected by all mirrors to the real light.
     pub fn real_ray(&self, receiver: DVec3, direction: DVec3) -> Ray {
         let (mut origin, mut direction) = (receiver, direction);
         for virtual_source in &self.virtual_sources {
@@ -214,7 +221,7 @@ impl Light {
     }
 }
 
-/// A place is drawn by the beam with this chance, else anywhere.
+/// Mixture of sampling the emission profile with this probability, and the shape otherwise.
 #[derive(Clone, Copy, Debug)]
 struct Mixture<'l> {
     profile: &'l EmissionProfile,
@@ -222,7 +229,7 @@ struct Mixture<'l> {
 }
 
 impl Mixture<'_> {
-    /// The density in a direction to the light, where that of places anywhere is `by_area`, 1/sr.
+    /// Density of the mixture, given the density of sampling the shape, 1/sr.
     fn pdf(self, direction: DVec3, by_area: f64) -> f64 {
         self.chance * self.profile.pdf(-direction) + (1.0 - self.chance) * by_area
     }

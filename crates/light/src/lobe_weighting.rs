@@ -1,33 +1,35 @@
-//! Drawing places on a light where the highlight is bright.
+//! Sampling points on a light in proportion to a lobe.
 //!
-//! The retroreflecting lobe of the paper changes by a factor of 40 from one side of an LED to the other. Places that are uniform by area would
-//! meet all of that as noise. The logarithm of a highlight is nearly linear over a small light, so places are drawn with a density that
-//! grows along its gradient: in a disk by a Möbius map of the disk to itself, which keeps strata whole and has a density in closed form, in a
-//! parallelogram by truncated exponentials.
+//! The retroreflecting lobe of the paper changes by a factor of 40 across an LED, which uniform
+//! sampling by area would turn into noise. The logarithm of a lobe is nearly linear over a small
+//! light, so the density follows its gradient: on a disk by a Möbius map of the disk to itself,
+//! which preserves stratification and has a closed-form density, and on a parallelogram by
+//! truncated exponentials.
 
 use glam::DVec3;
 
-/// A highlight, as far as the drawing of places needs it: `height·exp(−width·δ²) + floor`, δ the angle from `axis`.
+/// Shape of a lobe for sampling points on lights: `height·exp(−width·δ²) + floor`, with δ the angle
+/// from `axis` in radians.
 #[derive(Clone, Copy, Debug)]
 pub struct LobePeak {
-    /// Unit.
+    /// Unit vector.
     pub axis: DVec3,
-    /// 1/rad².
+    /// Reciprocal of the squared 1/e half-width, 1/rad².
     pub width: f64,
-    /// 1/sr.
+    /// Height of the lobe, 1/sr.
     pub height: f64,
-    /// The part without a direction, 1/sr.
+    /// Constant part, 1/sr.
     pub floor: f64,
 }
 
-/// No tilt is stronger: beyond it the linear picture fails, and sampling the highlight itself does better.
+/// Largest warp. Beyond it the linear approximation fails, and sampling the lobe itself is better.
 const STRONGEST: f64 = 0.72;
 
 impl LobePeak {
-    /// Nothing to follow.
+    /// A constant lobe.
     pub const NONE: LobePeak = LobePeak { axis: DVec3::Z, width: 0.0, height: 0.0, floor: 1.0 };
 
-    /// Gradient of the logarithm of the highlight by the unit direction, at `towards`.
+    /// Gradient of the lobe's logarithm by the unit direction, at `towards`.
     #[inline]
     pub fn gradient(&self, towards: DVec3) -> DVec3 {
         if self.width == 0.0 {
@@ -44,9 +46,10 @@ impl LobePeak {
     }
 }
 
-/// A map of the unit disk to itself that gathers points on one side, with its density in closed form.
+/// Möbius map of the unit disk to itself, which moves points to one side; its density has a closed
+/// form.
 ///
-/// It is a Möbius map; its tilt is a vector shorter than one, towards where the density is highest.
+/// The parameter t is a vector shorter than one that points to the highest density.
 #[derive(Clone, Copy, Debug)]
 pub struct DiskWarp {
     x: f64,
@@ -55,11 +58,11 @@ pub struct DiskWarp {
 }
 
 impl DiskWarp {
-    /// The map whose density follows a gradient of the logarithm, per radius, at the centre.
+    /// The map whose density has this gradient of the logarithm at the centre, per radius.
     #[inline]
     #[must_use]
     pub fn new(x: f64, y: f64) -> DiskWarp {
-        // The logarithm of the density grows by four times the tilt per radius.
+        // The logarithm of the density has the gradient 4t per radius.
         let (x, y) = (0.25 * x, 0.25 * y);
         let length = (x * x + y * y).sqrt();
         let scale = if length > STRONGEST { STRONGEST / length } else { 1.0 };
@@ -67,7 +70,7 @@ impl DiskWarp {
         DiskWarp { x, y, squared: x * x + y * y }
     }
 
-    /// Where a point of the disk goes: `(z + t)/(1 + t̄·z)` in complex numbers.
+    /// Maps a point of the disk: `(z + t)/(1 + t̄·z)` in complex numbers.
     #[inline]
     #[must_use]
     pub fn apply(&self, (a, b): (f64, f64)) -> (f64, f64) {
@@ -77,7 +80,7 @@ impl DiskWarp {
         ((top_x * bottom_x + top_y * bottom_y) * scale, (top_y * bottom_x - top_x * bottom_y) * scale)
     }
 
-    /// Density at a point, as a multiple of the uniform one: `(1 − t²)²/|1 − t̄·z|⁴`.
+    /// Density at a point, relative to the uniform one: `(1 − t²)²/|1 − t̄·z|⁴`.
     #[inline]
     #[must_use]
     pub fn pdf(&self, (a, b): (f64, f64)) -> f64 {
@@ -88,7 +91,8 @@ impl DiskWarp {
     }
 }
 
-/// A point of the unit interval with density in proportion to `exp(rate·x)`, and that density.
+/// Maps a number of the unit interval to a density proportional to `exp(rate·x)`; returns x and its
+/// density.
 #[inline]
 pub(crate) fn exponential(rate: f64, u: f64) -> (f64, f64) {
     let rate = rate.clamp(-STEEPEST, STEEPEST);
@@ -96,14 +100,14 @@ pub(crate) fn exponential(rate: f64, u: f64) -> (f64, f64) {
     (x, exponential_pdf(rate, x))
 }
 
-/// The density of [`exponential`].
+/// Density of [`exponential`].
 #[inline]
 pub(crate) fn exponential_pdf(rate: f64, x: f64) -> f64 {
     let rate = rate.clamp(-STEEPEST, STEEPEST);
     if rate.abs() < 1e-6 { 1.0 } else { rate * (rate * x).exp() / rate.exp_m1() }
 }
 
-/// No exponential is steeper over the unit interval.
+/// Largest rate of an exponential over the unit interval.
 const STEEPEST: f64 = 5.0;
 
 #[cfg(test)]
@@ -112,11 +116,11 @@ mod tests {
     use radsight_sampling::unit_disk;
 
     #[test]
-    fn the_tilted_disk_has_the_density_that_it_claims() {
+    fn samples_of_the_warped_disk_have_the_density_of_pdf() {
         for (x, y) in [(1.8, 0.0), (-0.9, 2.0), (0.0, 30.0), (0.0, 0.0)] {
             let warp = DiskWarp::new(x, y);
             let steps = 400;
-            // The mean of 1/density over drawn points is one, and so it is with weights: ∫ g = ⟨g/density⟩.
+            // With weights 1/pdf the mean over samples is the integral: ∫ g = ⟨g/pdf⟩.
             let (mut ones, mut moment) = (0.0, 0.0);
             for i in 0..steps {
                 for j in 0..steps {
@@ -134,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exponential_has_the_density_that_it_claims() {
+    fn samples_of_the_exponential_have_the_density_of_pdf() {
         for rate in [-3.0, -1e-9, 0.0, 0.7, 4.0, 50.0] {
             let steps = 100_000;
             let (mut ones, mut moment) = (0.0, 0.0);

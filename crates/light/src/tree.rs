@@ -1,11 +1,14 @@
-//! A hierarchy of lights, from which a few of many are drawn by their importance at a point.
+//! A light tree, which selects a few of many lights by their importance at a point.
 //!
-//! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG 2018: each node knows a sphere around its
-//! lights, a cone that holds their normals, and their power. A point looks at the tree through a [`TreeCut`]: nodes that are seen
-//! under a wide angle are opened first, so that the importances are tight; the rest of the way down is a choice between two.
-//! Distant lights have a tree of their own, over their directions.
+//! Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", HPG
+//! 2018. Each node has a sphere around its lights, a cone of their normals, and their power. A
+//! point uses the tree through a [`TreeCut`]: nodes of a wide angle are split first, so that
+//! importances are tight; below the cut each step chooses one of two children. Distant lights have
+//! a tree of their own, over their directions.
 //!
-//! Guarantees: a light that can give something at a point has a chance there; nothing is allocated after the tree is built.
+//! Guarantees: a light that can illuminate a point has a positive probability there; nothing is
+//! allocated after the tree is built. Guarantees: a light that can give something at a point has a
+//! chance there; nothing is allocated after the tree is built.
 
 use crate::light::{Light, LightId};
 use crate::lobe_weighting::LobePeak;
@@ -16,55 +19,55 @@ use glam::DVec3;
 /// The lights of a plan.
 #[derive(Debug)]
 pub struct LightTree {
-    /// A node's first child is the next one.
+    /// Nodes in depth-first order: the first child of a node follows it.
     nodes: Vec<Node>,
-    /// Of the lights that have a place, and of the distant ones.
+    /// Root of the lights at a finite distance, and root of the distant ones.
     roots: Vec<u32>,
     /// The leaf of each light.
     leaf_of: Vec<u32>,
 }
 
-/// What a point makes of light by its direction, as far as drawing lights needs it.
+/// Shape of a receiver's BSDF, for selecting lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Reception {
     /// Unit normal of the diffuse component.
     pub normal: DVec3,
-    /// The diffuse component without the cosine, 1/sr.
+    /// Value of the diffuse component, without the cosine, 1/sr.
     pub diffuse: f64,
-    /// The highlight.
+    /// Shape of the highlight.
     pub peak: LobePeak,
-    /// What may come back from any direction beside these two, 1/sr.
+    /// Bound on everything else, from any direction, 1/sr.
     pub floor: f64,
-    /// How many lights are drawn here; 0 where each is sampled.
+    /// Number of selected lights; 0 if every light is sampled.
     pub draws: u32,
-    /// How many points are drawn on each light.
-    pub places: LightSampleCount,
+    /// Number of points sampled on each light.
+    pub samples: LightSampleCount,
 }
 
-/// How many places on a light are sampled where each light is.
+/// Number of points sampled on a light, if every light is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSampleCount {
-    /// For each steradian that it fills.
+    /// Points per steradian of the light.
     pub per_sr: f64,
-    /// At least so many.
+    /// Minimum number of points.
     pub least: f64,
 }
 
 impl LightSampleCount {
-    /// One, whatever its size.
+    /// One point, whatever the light's size.
     pub const ONE: LightSampleCount = LightSampleCount { per_sr: 0.0, least: 1.0 };
 }
 
-/// A light that was drawn.
+/// A selected light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Which one.
+    /// The light.
     pub light: LightId,
-    /// The probability with which a draw chooses it.
+    /// Probability of selecting it.
     pub chance: f64,
 }
 
-/// Nodes that together hold all lights, none twice, with their importance at a point.
+/// Nodes that together hold every light once, with their importance at a point.
 #[derive(Debug)]
 pub struct TreeCut<'t> {
     tree: &'t LightTree,
@@ -76,42 +79,42 @@ pub struct TreeCut<'t> {
     total: f64,
 }
 
-/// A cut has no more nodes.
+/// Largest number of nodes in a cut.
 const MOST_NODES: usize = 32;
 
-/// A node is opened that is seen under more than this sine of half an angle.
+/// A node is split if the sine of its half angle exceeds this.
 const WIDE: f64 = 0.35;
 
-/// Below the exponential of minus this a peak is nothing.
+/// A lobe is negligible where its exponent is below minus this.
 const NEGLIGIBLE: f64 = 30.0;
 
-/// No more places on a light are sampled.
-const MOST_PLACES: f64 = 64.0;
+/// Largest number of points on a light.
+const MOST_SAMPLES: f64 = 64.0;
 
 impl Reception {
-    /// Of a point that samples every light, and wherever it is.
+    /// A point that samples every light, and where no component depends on direction.
     pub const NONE: Reception = Reception {
         normal: DVec3::Z,
         diffuse: 0.0,
         peak: LobePeak::NONE,
         floor: 1.0,
         draws: 0,
-        places: LightSampleCount::ONE,
+        samples: LightSampleCount::ONE,
     };
 
-    /// How many places on a light are sampled at a point where each light is.
+    /// Number of points to sample on a light, at a receiver that samples every light.
     #[inline]
-    pub fn places_on(&self, light: &Light, point: DVec3) -> u32 {
-        if self.places == LightSampleCount::ONE {
+    pub fn samples_on(&self, light: &Light, point: DVec3) -> u32 {
+        if self.samples == LightSampleCount::ONE {
             return 1;
         }
         let distance = if light.radius.is_infinite() { 1.0 } else { point.distance(light.center).max(light.radius) };
-        let places = (self.places.per_sr * light.form.solid_angle(distance)).clamp(self.places.least, MOST_PLACES);
-        // Only powers of two of a scrambled sequence are evenly spread in both directions.
-        if places > 1.0 { (places.ceil() as u32).next_power_of_two() } else { 1 }
+        let samples = (self.samples.per_sr * light.form.solid_angle(distance)).clamp(self.samples.least, MOST_SAMPLES);
+        // Only powers of two of a scrambled sequence are stratified in both dimensions.
+        if samples > 1.0 { (samples.ceil() as u32).next_power_of_two() } else { 1 }
     }
 
-    /// A bound on what is made of light from within `half_width` of a unit direction, with the cosine.
+    /// Upper bound on the BSDF times cosine within `half_width` of a unit direction, 1/sr.
     fn bsdf_value(&self, towards: DVec3, half_width: Angle) -> f64 {
         let mut bsdf_value = self.floor;
         if self.diffuse > 0.0 {
@@ -119,11 +122,11 @@ impl Reception {
             bsdf_value += self.diffuse * nearest.cos.max(0.0);
         }
         if self.peak.width > 0.0 {
-            // The chord of the angle.
+            // Chord of the angle.
             let width = (2.0 - 2.0 * half_width.cos).max(0.0).sqrt();
             let off = (towards.distance(self.peak.axis) - width).max(0.0);
             let exponent = self.peak.width * off * off;
-            // Away from the peak there is the floor.
+            // Away from the peak only the floor remains.
             if exponent < NEGLIGIBLE {
                 bsdf_value += self.peak.height * (-exponent).exp();
             }
@@ -131,18 +134,18 @@ impl Reception {
         bsdf_value
     }
 
-    /// The same from all around.
+    /// The same bound over all directions.
     fn most(&self) -> f64 {
         self.floor + self.diffuse + if self.peak.width > 0.0 { self.peak.height } else { 0.0 }
     }
 }
 
 impl LightTree {
-    /// A tree of lights; `radiance` is that of each where it faces a point, about.
+    /// Builds a tree; `radiance` estimates the radiance that each light emits towards a point.
     pub fn new(lights: &[Light], radiance: impl Fn(&Light) -> f64) -> LightTree {
         let radiances: Vec<f64> = lights.iter().map(radiance).collect();
-        // What is known of a light may miss where it shines: all have some share.
-        let least = LEAST_SHARE * radiances.iter().sum::<f64>() / radiances.len().max(1) as f64;
+        // The estimate may be zero for a light that does emit: every light gets a minimum.
+        let least = LEAST_RADIANCE * radiances.iter().sum::<f64>() / radiances.len().max(1) as f64;
         let item = |(index, light): (usize, &Light)| {
             Item::new(LightId(index as u32), light, radiances[index].max(least).max(f64::MIN_POSITIVE))
         };
@@ -165,7 +168,7 @@ impl LightTree {
         LightTree { nodes, roots, leaf_of }
     }
 
-    /// What a node promises at a point, up to a factor that all have in common.
+    /// Importance of a node at a point, up to a common factor.
     #[inline]
     fn importance(&self, lights: &[Light], number: u32, point: DVec3, reception: &Reception) -> f64 {
         let node = &self.nodes[number as usize];
@@ -193,7 +196,7 @@ impl LightTree {
         node.strength * bsdf_value / fall_off
     }
 
-    /// Whether a node is seen under too wide an angle for its promise to be good.
+    /// Whether a node's angle is too wide for a tight importance.
     fn is_wide(&self, number: u32, point: DVec3) -> bool {
         let node = &self.nodes[number as usize];
         let offset = if node.is_distant { node.center } else { node.center - point };
@@ -201,11 +204,11 @@ impl LightTree {
     }
 }
 
-/// Of the mean radiance of all lights: what each is taken to have at least.
-const LEAST_SHARE: f64 = 0.01;
+/// Smallest radiance of a light, as a fraction of the mean of all lights.
+const LEAST_RADIANCE: f64 = 0.01;
 
 impl<'t> TreeCut<'t> {
-    /// The tree as a point sees it.
+    /// The cut of the tree for a point.
     pub fn new(tree: &'t LightTree, lights: &'t [Light], point: DVec3, reception: &'t Reception) -> TreeCut<'t> {
         let mut cut = TreeCut { tree, lights, point, reception, nodes: [(0, 0.0); MOST_NODES], len: 0, total: 0.0 };
         for root in &tree.roots {
@@ -221,7 +224,7 @@ impl<'t> TreeCut<'t> {
         self.tree.importance(self.lights, number, self.point, self.reception)
     }
 
-    /// Opens all nodes that are seen under a wide angle, while there is room; says whether there were any.
+    /// Splits all wide nodes while there is room; returns whether there were any.
     fn open_all(&mut self) -> bool {
         let before = self.len;
         for entry in 0..before {
@@ -237,20 +240,21 @@ impl<'t> TreeCut<'t> {
         self.len > before
     }
 
-    /// Draws a light by a number of the unit interval; `None` where it falls on what gives nothing.
-    pub fn draw(&self, u: f64) -> Option<Choice> {
+    /// Selects a light by a number of the unit interval; `None` where that falls on a node without
+    /// importance.
+    pub fn sample(&self, u: f64) -> Option<Choice> {
         let mut left = u * self.total;
-        let mut drawn = None;
+        let mut selected = None;
         for (number, importance) in &self.nodes[..self.len] {
             if *importance > 0.0 {
-                drawn = Some((*number, *importance, left));
+                selected = Some((*number, *importance, left));
                 if left < *importance {
                     break;
                 }
                 left -= importance;
             }
         }
-        let (number, importance, left) = drawn?;
+        let (number, importance, left) = selected?;
         self.descend(number, importance / self.total, (left / importance).clamp(0.0, BELOW_ONE))
     }
 
@@ -260,7 +264,7 @@ impl<'t> TreeCut<'t> {
                 Content::One(light) => return Some(Choice { light, chance }),
                 Content::Two(second) => second,
             };
-            let share = self.share_of_first(number + 1, second)?;
+            let share = self.probability_of_first(number + 1, second)?;
             if u < share {
                 (number, chance, u) = (number + 1, chance * share, u / share);
             } else {
@@ -270,17 +274,18 @@ impl<'t> TreeCut<'t> {
         }
     }
 
-    /// The chance of the first of two nodes; `None` where neither promises anything.
-    fn share_of_first(&self, first: u32, second: u32) -> Option<f64> {
+    /// Probability of the first of two nodes; `None` if both have no importance.
+    fn probability_of_first(&self, first: u32, second: u32) -> Option<f64> {
         let importances = [self.importance(first), self.importance(second)];
         let total = importances[0] + importances[1];
         (total > 0.0).then(|| importances[0] / total)
     }
 
-    /// The chance with which [`TreeCut::draw`] finds a light.
+    /// Probability with which [`TreeCut::sample`] selects a light.
     pub fn chance(&self, light: LightId) -> f64 {
         let leaf = self.tree.leaf_of[light.0 as usize];
-        // Nodes below a node have the next numbers, so the last one that begins before the leaf holds it.
+        // A node's descendants have consecutive numbers, so the last node that begins before the
+        // leaf contains it.
         let held =
             self.nodes[..self.len].iter().filter(|(number, _)| *number <= leaf).max_by_key(|(number, _)| *number);
         let Some((mut number, importance)) = held.copied().filter(|(_, importance)| *importance > 0.0) else {
@@ -288,7 +293,7 @@ impl<'t> TreeCut<'t> {
         };
         let mut chance = importance / self.total;
         while let Content::Two(second) = self.tree.nodes[number as usize].content {
-            let Some(share) = self.share_of_first(number + 1, second) else { return 0.0 };
+            let Some(share) = self.probability_of_first(number + 1, second) else { return 0.0 };
             if leaf < second {
                 (number, chance) = (number + 1, chance * share);
             } else {
@@ -309,7 +314,7 @@ mod tests {
     use crate::light::LightCone;
     use radsight_ir::{Facing, Scene, Surface};
 
-    /// Numbers of the unit interval that are all over the place.
+    /// Well distributed numbers of the unit interval.
     fn scattered(index: u32, dimension: u32) -> f64 {
         (f64::from(index + 1) * [0.819_172, 0.671_043, 0.549_700, 0.450_299][dimension as usize % 4]).fract()
     }
@@ -374,7 +379,7 @@ mod tests {
             peak: LobePeak::NONE,
             floor: 0.0,
             draws: 1,
-            places: LightSampleCount::ONE,
+            samples: LightSampleCount::ONE,
         };
         let peak = LobePeak { axis: DVec3::new(0.6, 0.0, 0.8), width: 100.0, height: 20.0, floor: 0.1 };
         [matte, Reception { peak, floor: 0.01, ..matte }]
@@ -385,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_are_found_as_often_as_their_chance_says() {
+    fn lights_are_selected_with_their_probability() {
         for count in [1, 2, 40, 700] {
             let lights = lights(count);
             let tree = LightTree::new(&lights, |_| 1.0);
@@ -395,7 +400,7 @@ mod tests {
                 let mut found = vec![0u32; lights.len()];
                 let mut lost = 0u32;
                 for draw in 0..draws {
-                    match cut.draw((f64::from(draw) + 0.5) / f64::from(draws)) {
+                    match cut.sample((f64::from(draw) + 0.5) / f64::from(draws)) {
                         Some(choice) => {
                             found[choice.light.0 as usize] += 1;
                             let chance = cut.chance(choice.light);
@@ -408,7 +413,7 @@ mod tests {
                 assert!(chances.iter().sum::<f64>() <= 1.0 + 1e-9);
                 let missing = 1.0 - chances.iter().sum::<f64>();
                 assert!((missing - f64::from(lost) / f64::from(draws)).abs() < 1e-2);
-                // Evenly spread numbers find each light within one of what is expected.
+                // Stratified numbers select each light as often as expected, within one.
                 for (found, chance) in found.iter().zip(&chances) {
                     assert!((f64::from(*found) - f64::from(draws) * chance).abs() <= 1.01);
                 }
@@ -417,14 +422,14 @@ mod tests {
     }
 
     #[test]
-    fn a_light_that_can_give_something_has_a_chance() {
+    fn a_light_that_can_illuminate_a_point_has_a_probability() {
         let lights = lights(500);
         let tree = LightTree::new(&lights, |_| 1.0);
         for (point, reception) in points().flat_map(|point| receptions().map(|reception| (point, reception))) {
             let cut = TreeCut::new(&tree, &lights, point, &reception);
             for (index, light) in lights.iter().enumerate() {
-                let gives = (0..64).any(|place| {
-                    let u = [scattered(place, 0), scattered(place, 1)];
+                let gives = (0..64).any(|index| {
+                    let u = [scattered(index, 0), scattered(index, 1)];
                     let sample = light.sample(point, u, &reception.peak);
                     sample.is_some_and(|sample| {
                         let shines =
@@ -440,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn chances_follow_what_small_lights_give() {
+    fn probabilities_are_proportional_to_the_irradiance_of_small_lights() {
         let lights: Vec<Light> = (0..300)
             .map(|index| {
                 let center = DVec3::new(scattered(index, 0), scattered(index, 1), 1.0 + scattered(index, 2)) * 3.0;

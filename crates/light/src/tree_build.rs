@@ -1,18 +1,19 @@
-//! Building the hierarchy of lights: from all of them down, each time where it costs least.
+//! Builds the light tree from the top down, each time with the split of least cost.
 //!
-//! The cost of a node is its strength times the area of its bounds times the solid angle into which it shines (Conty Estevez and Kulla, HPG 2018,
-//! section 4.4), and splits are looked for between bins, as usual in hierarchies of surfaces.
+//! The cost of a node is its power times the area of its bounds times the solid angle of its
+//! emission (Conty Estevez and Kulla, HPG 2018, section 4.4). Candidate splits lie between bins, as
+//! in bounding volume hierarchies.
 
 use crate::light::{Light, LightId};
 use crate::tree_node::{Content, Emission, EmissionCone, Node, shown};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A light, as the tree sees it.
+/// A light during the build.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Item {
     light: LightId,
-    /// As those of [`Node`].
+    /// Same fields as those of [`Node`].
     center: DVec3,
     radius: f64,
     pub(crate) is_distant: bool,
@@ -21,13 +22,13 @@ pub(crate) struct Item {
     range: f64,
 }
 
-/// Places between which splits are looked for, along each axis.
+/// Number of bins along each axis.
 const BINS: usize = 12;
 
 impl Item {
     pub(crate) fn new(light: LightId, of: &Light, radiance: f64) -> Item {
         let is_distant = of.radius.is_infinite();
-        // Of a distant light the chord from its direction to its rim: 2·sin(θ/2).
+        // A distant light's extent is the chord from its direction to its rim: 2·sin(θ/2).
         let chord = || (of.form.solid_angle(1.0) / PI).sqrt();
         Item {
             light,
@@ -41,7 +42,7 @@ impl Item {
     }
 }
 
-/// What is known of several lights.
+/// Bounds of several lights.
 #[derive(Clone, Copy, Debug)]
 struct Summary {
     low: DVec3,
@@ -83,19 +84,20 @@ impl Summary {
     }
 }
 
-/// What a box without area, of lights along a line, costs by its squared length.
+/// Cost of a degenerate box, of lights along a line, relative to its squared length.
 const FLAT: f64 = 1e-3;
 
-/// Solid angle into which lights shine, weighted by the cosine beyond their normals (Eq. 1 there), sr.
+/// Solid angle of emission, with the part beyond the normals weighted by the cosine (Eq. 1 there),
+/// sr.
 fn into(emission: &EmissionCone) -> f64 {
     let spread = emission.spread;
     let edge = (spread + emission.reach).min(PI);
     let (sin, cos) = spread.sin_cos();
-    let beyond = 2.0 * edge * sin - (spread - 2.0 * edge).cos() - 2.0 * spread * sin + cos;
-    2.0 * PI * (1.0 - cos) + 0.5 * PI * beyond
+    let outside = 2.0 * edge * sin - (spread - 2.0 * edge).cos() - 2.0 * spread * sin + cos;
+    2.0 * PI * (1.0 - cos) + 0.5 * PI * outside
 }
 
-/// The narrowest cone about the axes of two (algorithm 1 there).
+/// Smallest cone about two cones (algorithm 1 there).
 fn union(one: &EmissionCone, two: &EmissionCone) -> EmissionCone {
     let (wide, narrow) = if one.spread >= two.spread { (one, two) } else { (two, one) };
     let reach = wide.reach.max(narrow.reach);
@@ -112,10 +114,10 @@ fn union(one: &EmissionCone, two: &EmissionCone) -> EmissionCone {
     EmissionCone { axis: wide.axis * cos + side * sin, spread: spread + ROUNDED, reach }
 }
 
-/// What rounding may take from the union of two cones, an angle.
+/// Tolerance of the union of two cones against rounding, radians.
 const ROUNDED: f64 = 1e-9;
 
-/// Appends the tree of some lights, of which there is at least one, and gives the number of its root.
+/// Appends the tree of at least one light; returns the number of its root.
 pub(crate) fn build(items: &mut [Item], nodes: &mut Vec<Node>) -> u32 {
     let number = nodes.len() as u32;
     let node = node(items);
@@ -145,7 +147,7 @@ fn node(items: &[Item]) -> Node {
     }
 }
 
-/// Orders the items so that the first ones make one node, and says how many.
+/// Partitions the items for two child nodes; returns the number of items in the first.
 fn split(items: &mut [Item]) -> usize {
     let low = items.iter().fold(DVec3::INFINITY, |low, item| low.min(item.center));
     let high = items.iter().fold(DVec3::NEG_INFINITY, |high, item| high.max(item.center));
@@ -162,7 +164,7 @@ fn split(items: &mut [Item]) -> usize {
             let summary = &mut bins[bin(item, axis)];
             *summary = summary.with(item);
         }
-        // Thin boxes are not to be cut across their short side (section 4.4 there).
+        // Regularisation: a thin box should not be split across its short side (section 4.4 there).
         let shape = longest / size[axis];
         for (border, cost) in costs(&bins).into_iter().enumerate() {
             let cost = cost * shape;
@@ -178,7 +180,7 @@ fn split(items: &mut [Item]) -> usize {
     if middle == 0 || middle == items.len() { half } else { middle }
 }
 
-/// What a split after each bin but the last would cost; infinite where one side is empty.
+/// Cost of a split after each bin but the last; infinite if one side is empty.
 fn costs(bins: &[Summary; BINS]) -> [f64; BINS - 1] {
     let mut costs = [f64::INFINITY; BINS - 1];
     let mut before = Summary::NOTHING;

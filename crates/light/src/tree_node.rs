@@ -1,44 +1,46 @@
-//! The nodes of the hierarchy of lights: where their lights are, where they shine to, how strongly.
+//! Nodes of the light tree: bounds of position, emission direction and power.
 
 use crate::form::LightForm;
 use crate::light::{Light, LightId};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Lights that are near each other, or one.
+/// One light, or a group of neighbouring lights.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    /// A sphere around them; around their unit directions if they are distant.
+    /// Centre of the bounding sphere; for distant lights, of the sphere around their unit
+    /// directions.
     pub(crate) center: DVec3,
     pub(crate) radius: f64,
     pub(crate) is_distant: bool,
     pub(crate) emission: Emission,
-    /// Sum over the lights of radiance times the area that they show where they show most; times solid angle for distant ones.
+    /// Sum over the lights of radiance times largest projected area; for distant lights times solid
+    /// angle.
     pub(crate) strength: f64,
-    /// Farther points get nothing.
+    /// Distance beyond which the lights give nothing, scene units.
     pub(crate) range: f64,
     pub(crate) content: Content,
 }
 
-/// What a node holds.
+/// Content of a node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Content {
-    /// Two nodes; the second one has this number.
+    /// Two children; the second has this number.
     Two(u32),
     One(LightId),
 }
 
-/// Where lights shine to: from normals within `spread` of `axis` as far as `reach` from the normal.
+/// Bounds of the emission directions: up to `reach` from normals within `spread` of `axis`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EmissionCone {
     /// Unit.
     pub(crate) axis: DVec3,
-    /// Angles.
+    /// Angle of the normals from the axis, radians.
     pub(crate) spread: f64,
     pub(crate) reach: f64,
 }
 
-/// The same, ready to be asked.
+/// The same bounds, prepared for evaluation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Emission {
     axis: DVec3,
@@ -46,7 +48,7 @@ pub(crate) struct Emission {
     reach_cosine: f64,
 }
 
-/// An angle from zero to π.
+/// An angle from zero to π, by its cosine and sine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Angle {
     pub(crate) cos: f64,
@@ -54,10 +56,10 @@ pub(crate) struct Angle {
 }
 
 impl EmissionCone {
-    /// All around.
+    /// All directions.
     pub(crate) const EVERYWHERE: EmissionCone = EmissionCone { axis: DVec3::Z, spread: PI, reach: FRAC_PI_2 };
 
-    /// Where a light shines to, without regard to mirrors.
+    /// Emission directions of a light, ignoring mirrors.
     pub(crate) fn of(light: &Light) -> EmissionCone {
         let is_moved = light.is_redirected();
         match (&light.cone, light.form.plane()) {
@@ -80,7 +82,7 @@ impl Angle {
         Angle { cos: (1.0 - sin_squared).max(0.0).sqrt(), sin: sin_squared.sqrt() }
     }
 
-    /// What is left of it without another; nothing if that is larger.
+    /// Difference of two angles; zero if the other is larger.
     pub(crate) fn without(self, other: Angle) -> Angle {
         if self.cos >= other.cos {
             return Angle::NONE;
@@ -95,8 +97,9 @@ impl Emission {
         Emission { axis, spread: Angle { cos: spread.cos(), sin: spread.sin() }, reach_cosine: reach.cos() - ROUNDING }
     }
 
-    /// A bound on the cosine of emission towards a point, with `towards` the unit direction to the middle of the lights, of which
-    /// all are within `half_width` of it; zero where nothing is sent.
+    /// Upper bound on the cosine of emission towards a point: `towards` is the unit direction from
+    /// the point to the lights' centre, and all lights are within `half_width` of it. Zero if
+    /// nothing is emitted there.
     pub(crate) fn cosine(&self, towards: DVec3, half_width: Angle) -> f64 {
         let angle = Angle::of_cosine(-self.axis.dot(towards));
         let least = angle.without(self.spread).without(half_width);
@@ -104,13 +107,13 @@ impl Emission {
     }
 }
 
-/// Cosines that differ by less may be the same.
+/// Cosines that differ by less count as equal.
 const ROUNDING: f64 = 1e-9;
 
-/// Of a light at the edge of what it can reach, so that it keeps a chance.
+/// Cosine of a light at the limit of its emission, which keeps its probability positive.
 const LEAST_COSINE: f64 = 1e-3;
 
-/// What a light shows of itself where it shows most: an area, or a solid angle if it is distant.
+/// Largest projected area of a light, or solid angle if it is distant.
 pub(crate) fn shown(form: &LightForm) -> f64 {
     match form {
         LightForm::Sphere { radius, .. } => PI * radius * radius,
@@ -125,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_distant_lights_show_is_their_solid_angle() {
+    fn distant_lights_have_their_solid_angle_as_extent() {
         let [direction, x, y] = [DVec3::Z, DVec3::X * 0.01, DVec3::Y * 0.02];
         let found = shown(&LightForm::DistantImage { direction, x, y });
         assert!((found / (PI * 0.01 * 0.02) - 1.0).abs() < 1e-12, "{found} sr");

@@ -1,58 +1,58 @@
-//! Virtual sources: lights as they are seen in plane mirrors and through prisms (Radiance's `virtuals.c`).
+//! Virtual sources: images of lights in plane mirrors and prisms (Radiance's `virtuals.c`).
 
 use crate::form::LightForm;
 use glam::DVec3;
 use radsight_accel::MemberId;
 use radsight_ir::SurfaceHandle;
 
-/// A plane mirror or prism that relays a light.
+/// A plane mirror or prism that makes a virtual source.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualSource {
     /// The mirror or prism.
     pub surface: SurfaceHandle,
-    /// Its name to the search for surfaces.
+    /// Its member of the scene, in the acceleration structure.
     pub member: MemberId,
     /// A point of its plane, scene units.
     pub point: DVec3,
     /// Unit normal of its plane, on the front.
     pub normal: DVec3,
-    /// How far a point's image is from it, for each unit of its height above the plane: −2 normals for a mirror.
+    /// Displacement of a point's image per unit of height above the plane: −2 normals for a mirror.
     pub shift: DVec3,
-    /// For a prism.
+    /// Redirection by a prism; none for a mirror.
     pub redirection: Option<Redirection>,
 }
 
-/// How a prism relays a light.
+/// Redirection of a light by a prism.
 #[derive(Clone, Copy, Debug)]
 pub struct Redirection {
-    /// Which of the prism's faces.
+    /// Face of the prism.
     pub face: u32,
-    /// Centre of the light as it is seen from the prism, or the unit direction to a distant one.
+    /// Centre of the light as seen from the prism, or the unit direction to a distant light.
     pub target: DVec3,
     /// Whether `target` is a direction.
     pub is_distant: bool,
 }
 
 impl VirtualSource {
-    /// Where a point appears, scene units.
+    /// Image of a point, scene units.
     pub fn image_of_point(&self, point: DVec3) -> DVec3 {
         point + self.shift * self.normal.dot(point - self.point)
     }
 
-    /// As long as the direction only for a mirror.
+    /// Image of a direction. Only a mirror preserves its length.
     pub fn image_of_direction(&self, direction: DVec3) -> DVec3 {
         direction + self.shift * self.normal.dot(direction)
     }
 
-    /// The unit image of a unit direction.
+    /// Image of a unit direction, normalised.
     pub fn image_of_unit(&self, direction: DVec3) -> DVec3 {
         let image = self.image_of_direction(direction);
         if self.redirection.is_some() { image.normalize_or(direction) } else { image }
     }
 }
 
-/// The form seen by way of a mirror or prism. A distant light in a prism
-/// may have an image of another form, which only the prism tells.
+/// Shape of the virtual source. The image of a distant light in a prism may have another shape,
+/// which the prism alone determines.
 pub fn virtual_form(form: &LightForm, virtual_source: &VirtualSource) -> LightForm {
     let point = |p: &DVec3| virtual_source.image_of_point(*p);
     let vector = |v: &DVec3| virtual_source.image_of_direction(*v);

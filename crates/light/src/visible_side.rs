@@ -1,34 +1,36 @@
-//! The part of a cylinder's or cone's side that a point sees, to draw places on it.
+//! The visible part of a cylinder's or cone's side, for sampling points on it.
 //!
-//! With `R` the radius that the cone would have at the height of the point and `D` the distance of the point from the axis, the side shows
-//! itself where `D·cos φ > R`, φ the turn about the axis from the point: at the same turns over the whole length. From afar each share of the
-//! width that is seen gives as much, so `sin φ` is drawn evenly.
+//! Let `R` be the radius that the cone would have at the point's height, `D` the distance of the
+//! point from the axis, and φ the azimuth about the axis from the point. The side is visible where
+//! `D·cos φ > R`, which is the same range of φ over the whole length. From afar the contribution is
+//! uniform in `sin φ`, so `sin φ` is sampled uniformly.
 
 use glam::DVec3;
 use radsight_ir::Facing;
 use std::f64::consts::{PI, TAU};
 
-/// The turns at which the side is seen.
+/// Range of azimuth in which the side is visible.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VisibleSide {
-    /// Unit, perpendicular to the axis: to the middle of the turns, and to their side.
+    /// Unit vectors perpendicular to the axis: to the middle of the range, and at a right angle to
+    /// it.
     middle: DVec3,
     beside: DVec3,
     spread: VisibleRange,
 }
 
-/// How turns are drawn.
+/// Distribution of the azimuth.
 #[derive(Clone, Copy, Debug)]
 enum VisibleRange {
-    /// Evenly in their sine, up to this.
+    /// Uniform in its sine, up to this value.
     Sine(f64),
-    /// Evenly, up to this angle.
+    /// Uniform, up to this angle in radians.
     Turn(f64),
 }
 
 impl VisibleSide {
-    /// Seen from `receiver`, a point relative to the middle of the base; `axis` is unit, `slope` the growth of the radius by height. `None`
-    /// where nothing is seen.
+    /// Visible range for `receiver`, a point relative to the centre of the base; `axis` is a unit
+    /// vector, `slope` the growth of the radius per height. `None` if nothing is visible.
     pub(crate) fn new(
         receiver: DVec3,
         axis: DVec3,
@@ -56,8 +58,9 @@ impl VisibleSide {
         (most > 0.0).then(|| VisibleSide { middle, beside: axis.cross(middle), spread })
     }
 
-    /// The unit direction from the axis to a drawn place, and its density as a multiple of the even one all around.
-    pub(crate) fn draw(&self, v: f64) -> (DVec3, f64) {
+    /// Samples an azimuth: the unit direction from the axis to the point, and its density relative
+    /// to the uniform one over the whole side.
+    pub(crate) fn sample(&self, v: f64) -> (DVec3, f64) {
         let share = 2.0 * v - 1.0;
         let (sin, cos) = match self.spread {
             VisibleRange::Sine(most) => (share * most, (1.0 - (share * most).powi(2)).sqrt()),
@@ -66,7 +69,7 @@ impl VisibleSide {
         (self.middle * cos + self.beside * sin, self.pdf_at(cos))
     }
 
-    /// The same multiple for the place in this unit direction from the axis.
+    /// Relative density of the point in this unit direction from the axis.
     pub(crate) fn pdf(&self, from_axis: DVec3) -> f64 {
         self.pdf_at(from_axis.dot(self.middle))
     }
@@ -84,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_those_that_are_seen_with_the_density_that_they_claim() {
+    fn sampled_points_are_visible_and_have_the_density_of_pdf() {
         let axis = DVec3::Z;
         for (base_radius, slope) in [(0.5, 0.0), (0.3, 0.4), (0.3, -0.4)] {
             for facing in [Facing::Outward, Facing::Inward] {
@@ -105,7 +108,7 @@ mod tests {
                         None => 0.0,
                         Some(side) => (0..steps)
                             .map(|step| {
-                                let (from_axis, pdf) = side.draw(at(step));
+                                let (from_axis, pdf) = side.sample(at(step));
                                 assert!((side.pdf(from_axis) / pdf - 1.0).abs() < 1e-9);
                                 (2.0 + from_axis.y) / (pdf * f64::from(steps))
                             })

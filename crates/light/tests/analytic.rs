@@ -1,4 +1,5 @@
-//! Irradiance from lights against closed forms, and the densities that weighting by multiple importance sampling rests on.
+//! Irradiance from lights against closed forms, and the densities that multiple importance sampling
+//! needs.
 
 use glam::DVec3;
 use radsight_ir::{Cone, Facing, Ring, Scene, Shape, SolidAngle, Source, Sphere, Surface};
@@ -67,10 +68,10 @@ fn sun(full_angle: f64) -> Light {
     light(&mut scene, Shape::Source(handle))
 }
 
-/// A highlight towards somewhere beside the light: it must change the density and not the mean.
+/// A lobe towards a direction beside the light: it changes the density, but not the mean.
 const PEAK: LobePeak = LobePeak { axis: DVec3::new(0.28, 0.0, 0.96), width: 20.0, height: 3.0, floor: 0.1 };
 
-/// Irradiance of a point at the origin that faces +z, for a radiance of one.
+/// Irradiance at the origin on a surface that faces +z, for a radiance of one.
 fn irradiance(light: &Light, peak: &LobePeak) -> f64 {
     const COUNT: u32 = 1 << 16;
     let sum: f64 = points(COUNT)
@@ -95,13 +96,14 @@ fn a_disk_gives_the_irradiance_of_its_form_factor() {
 }
 
 #[test]
-fn a_sphere_gives_what_a_disk_at_its_rim_would() {
+fn a_sphere_gives_the_irradiance_of_the_disk_at_its_rim() {
     for (distance, radius) in [(2.0, 0.1), (2.0, 1.5)] {
         agrees(&sphere(DVec3::Z * distance, radius), PI * (radius / distance) * (radius / distance));
     }
 }
 
-/// Lambert's formula for a polygon above the horizon: half the sum of the angles of its edges times the cosines of their planes.
+/// Lambert's formula for a polygon above the horizon: half the sum over its edges of angle times
+/// cosine of the edge's plane.
 fn lambert(vertices: &[DVec3]) -> f64 {
     let next = vertices.iter().cycle().skip(1);
     let edge = |(a, b): (&DVec3, &DVec3)| a.angle_between(*b) * a.cross(*b).normalize().z;
@@ -109,7 +111,7 @@ fn lambert(vertices: &[DVec3]) -> f64 {
 }
 
 #[test]
-fn polygons_give_what_lambert_calculated() {
+fn polygons_give_the_irradiance_of_lamberts_formula() {
     let square = [(-1.0, -0.5), (-1.0, 0.5), (1.0, 0.5), (1.0, -0.5)].map(|(x, y)| DVec3::new(x, y, 0.8 + 0.2 * x));
     let pentagon = [(0.0, 0.0), (0.2, 1.0), (1.0, 1.2), (1.5, 0.6), (0.9, -0.3)].map(|(x, y)| DVec3::new(x, y, 1.0));
     for vertices in [&square[..], &pentagon[..]] {
@@ -119,7 +121,7 @@ fn polygons_give_what_lambert_calculated() {
 
 #[test]
 fn a_distant_light_gives_its_projected_solid_angle() {
-    // π·sin²(half angle) times the cosine of its middle, while none of it is below the horizon.
+    // π·sin²(half angle) times the cosine of its centre, if all of it is above the horizon.
     for full_angle in [0.009_f64, 0.5] {
         let sin = (0.5 * full_angle).sin();
         agrees(&sun(full_angle), PI * sin * sin * 0.8);
@@ -127,7 +129,7 @@ fn a_distant_light_gives_its_projected_solid_angle() {
 }
 
 #[test]
-fn points_on_lights_have_the_density_that_is_told_and_weights_sum_to_one() {
+fn samples_have_the_density_of_pdf_and_mis_weights_sum_to_one() {
     let lights = [
         disk(0.7, 1.0),
         sphere(DVec3::new(0.3, 0.2, 2.0), 0.8),
@@ -141,7 +143,7 @@ fn points_on_lights_have_the_density_that_is_told_and_weights_sum_to_one() {
                 let cosine = -sample.direction.dot(sample.normal);
                 let pdf = light.pdf(DVec3::ZERO, sample.direction, sample.distance, cosine, &peak);
                 assert!((pdf / sample.pdf - 1.0).abs() < 1e-6, "{pdf} and {} of {:?}", sample.pdf, light.form);
-                // The balance heuristic of light sampling and of drawing by the cosine (Veach 1997).
+                // The balance heuristic of light sampling and cosine sampling (Veach 1997).
                 let by_cosine = sample.direction.z.max(0.0) / PI;
                 let weights = [sample.pdf / (sample.pdf + by_cosine), by_cosine / (pdf + by_cosine)];
                 assert!((weights[0] + weights[1] - 1.0).abs() < 1e-6);

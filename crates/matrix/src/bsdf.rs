@@ -3,20 +3,21 @@
 use crate::{Matrix, MatrixError, Stored};
 use radsight_measured::{MeasuredBsdf, Side};
 
-/// Which way of the light is wanted.
+/// Part of the scattering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// Through, from the back to the front: from the sky into the room.
+    /// Transmission from the back to the front: from the sky into the room.
     Transmission,
-    /// Back from a side.
+    /// Reflection on a side.
     Reflection(Side),
 }
 
-/// The matrix of a BSDF file between angle bases: rows are the patches into which light leaves, columns those from which it comes. Values are those of the
-/// BSDF times the projected solid angle of the patch from which light comes. What is Lambertian throughout is a matrix of Klems' full basis.
+/// The matrix of a BSDF file between angle bases: rows are outgoing patches, columns incident ones.
+/// Values are those of the BSDF times the projected solid angle of the incident patch. A Lambertian
+/// component becomes a matrix of Klems' full basis.
 ///
 /// # Errors
-/// When the file is malformed, or holds no matrix.
+/// If the file is malformed, or holds no matrix.
 pub fn bsdf_matrix(bytes: &[u8], wanted: Wanted) -> Result<Matrix, MatrixError> {
     let bsdf = MeasuredBsdf::read(bytes).map_err(|mistake| MatrixError::Bsdf(mistake.to_string()))?.bsdf;
     let (scattering, diffuse) = match wanted {

@@ -5,15 +5,15 @@ use radsight_cal::{Environment, Host};
 use radsight_diag::SourceMap;
 use std::f64::consts::PI;
 
-/// Matrices of one size and number of components, and the functions that combine them.
+/// Matrices of equal size and number of components, and the functions that combine them.
 pub struct Combination {
     inputs: Vec<Matrix>,
     environment: Environment,
-    /// The numbers of `ci` and `wl`.
+    /// Function numbers of `ci` and `wl`.
     functions: [u32; 2],
 }
 
-/// What an element of the result is.
+/// Definition of the result's elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Defined {
     /// The sum of all inputs.
@@ -24,21 +24,22 @@ enum Defined {
     Variable,
 }
 
-/// The element and the component that is being computed.
+/// The element and component that are evaluated.
 struct Site<'a> {
     inputs: &'a [Matrix],
     row: usize,
     column: usize,
     component: usize,
-    /// The numbers of `ci` and `wl`.
+    /// Function numbers of `ci` and `wl`.
     functions: [u32; 2],
 }
 
 impl Combination {
-    /// Takes matrices, and prepares an environment for the definitions: `ci(input,component) ri(input) gi bi wl(component) nfiles nrows ncols ncomp R G B PI`.
+    /// Prepares an environment for definitions over matrices: `ci(input,component) ri(input) gi bi
+    /// wl(component) nfiles nrows ncols ncomp R G B PI`.
     ///
     /// # Errors
-    /// When they differ in size or components.
+    /// If the matrices differ in size or components.
     pub fn new(inputs: Vec<Matrix>) -> Result<Combination, (usize, MatrixError)> {
         let mut environment = Environment::new();
         if let Some(first) = inputs.first() {
@@ -60,15 +61,16 @@ impl Combination {
         Ok(Combination { inputs, environment, functions })
     }
 
-    /// Where definitions go.
+    /// Environment of the definitions.
     pub fn environment(&mut self) -> &mut Environment {
         &mut self.environment
     }
 
-    /// Computes all elements: `co(component)`, `co`, or `ro go bo` where they are defined, else sums.
+    /// Computes all elements by `co(component)`, `co`, or `ro go bo`, whichever is defined,
+    /// otherwise as sums.
     ///
     /// # Errors
-    /// When a definition cannot be computed.
+    /// If a definition cannot be evaluated.
     pub fn compute(self) -> Result<Matrix, MatrixError> {
         let Combination { inputs, mut environment, functions } = self;
         let Some(first) = inputs.first() else { return Err(MatrixError::TooLarge { size: [0, 0], components: 0 }) };
@@ -130,7 +132,7 @@ fn defined(environment: &mut Environment, components: usize) -> Result<Defined, 
 }
 
 impl Site<'_> {
-    /// The value of an input, numbered from 1; of 0 their number.
+    /// Value of an input, numbered from 1; for 0 the number of inputs.
     fn input(&self, arguments: &[f64]) -> f64 {
         let number = arguments.first().copied().unwrap_or(f64::NAN);
         let count = self.inputs.len();
@@ -149,7 +151,7 @@ impl Site<'_> {
         f64::from(input.row(self.row)[self.column * input.components() + component])
     }
 
-    /// The wavelength in the middle of a component, nm; of 0 their number.
+    /// Centre wavelength of a component, nm; for 0 the number of components.
     fn wavelength(&self, arguments: &[f64]) -> f64 {
         let (component, input) = (arguments.first().copied().unwrap_or(f64::NAN), &self.inputs[0]);
         let (count, splits) = (input.components(), input.splits.map(f64::from));

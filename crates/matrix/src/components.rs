@@ -1,21 +1,22 @@
-//! Other components: each is a sum of those there are, with coefficients.
+//! Transforms of components: each new component is a linear combination of the old ones.
 
 use crate::{Matrix, MatrixError, Stored};
 use radsight_picture::{Encoding, RgbPrimaries, WHITE_EFFICACY};
 use radsight_spectrum::{Conversion, MELANOPIC_OF_RGB, Response, SCOTOPIC_OF_RGB, Sampling, xyz_of_whole_bands};
 
-/// What `-c` asks for.
+/// Argument of `-c`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Transform {
-    /// Coefficients, row by row, each as long as there are components.
+    /// Coefficients by rows, each row as long as the number of components.
     Coefficients(Vec<f64>),
-    /// Components by their letters: `R G B`, `X Y Z`, scotopic (`S`), melanopic (`M`), the mean (`A`); capitals of `Y Z X S M` with lumens for watts.
+    /// Components by letters: `R G B`, `X Y Z`, scotopic (`S`), melanopic (`M`), mean (`A`);
+    /// lower-case `y z x s m` are in watts, capitals in lumens.
     Letters(String),
-    /// The components of another file: how it is stored, how many, and between which wavelengths.
+    /// Components of another file: storage format, number, and limits of its wavelengths.
     As(Stored, usize, [f32; 4]),
 }
 
-/// Coefficients and what they make.
+/// Coefficients, and the format of the result.
 struct Rows {
     coefficients: Vec<f64>,
     stored: Option<Stored>,
@@ -23,16 +24,16 @@ struct Rows {
 }
 
 impl Matrix {
-    /// Its components, as [`Transform::As`] has them.
+    /// Components of this matrix, as [`Transform::As`].
     #[must_use]
     pub fn kind(&self) -> Transform {
         Transform::As(self.stored, self.components(), self.splits)
     }
 
-    /// Other components of the same elements; `factors`, if any, multiply the new ones.
+    /// Other components of the same elements, multiplied by `factors` if there are any.
     ///
     /// # Errors
-    /// When they cannot be made of those there are.
+    /// If they cannot be computed from the existing components.
     pub fn transformed(&self, transform: &Transform, factors: &[f64]) -> Result<Matrix, MatrixError> {
         let components = self.components();
         let Some(Rows { mut coefficients, stored, splits }) = self.rows_of(transform)? else {
@@ -62,7 +63,7 @@ impl Matrix {
         let mut result = self.with_values(self.size(), made, values);
         result.splits = splits;
         result.stored = match stored {
-            // More components than three that are no spectrum are no picture.
+            // More than three components that are not a spectrum cannot be stored as a picture.
             _ if made > 3 && self.stored.is_picture() => Stored::Float,
             Some(stored) => stored,
             None => self.stored,
@@ -70,7 +71,7 @@ impl Matrix {
         Ok(result)
     }
 
-    /// `None` where nothing changes.
+    /// Coefficients of a transform; `None` if nothing changes.
     fn rows_of(&self, transform: &Transform) -> Result<Option<Rows>, MatrixError> {
         let (components, usual) = (self.components(), Encoding::USUAL_SPLITS);
         match transform {
@@ -119,7 +120,7 @@ impl Matrix {
         Ok(Rows { coefficients, stored, splits: Encoding::USUAL_SPLITS })
     }
 
-    /// The coefficients of one component.
+    /// Coefficients of one component.
     fn row_of_letter(&self, letter: char) -> Result<Vec<f64>, MatrixError> {
         let components = self.components();
         if components < 3 {
@@ -139,7 +140,7 @@ impl Matrix {
                     (from_xyz.row(part) * scale).to_array().to_vec()
                 }
                 (false, 3) => single(part),
-                // Of a single band it may be negative: only sums are colours.
+                // A single band may have a negative value: only sums are colours.
                 (false, _) => self.bands().map(|xyz| from_xyz.row(part).dot(xyz.into())).collect(),
             });
         }
@@ -192,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_made_is_told() {
+    fn impossible_components_are_rejected() {
         let letters = |text: &str| Transform::Letters(text.into());
         assert!(matches!(white(1).transformed(&letters("Y"), &[]), Err(MatrixError::Made { .. })));
         assert!(matches!(white(2).transformed(&letters("S"), &[]), Err(MatrixError::Made { .. })));

@@ -1,12 +1,12 @@
-//! Element by element.
+//! Element-wise operations.
 
 use crate::{Matrix, MatrixError};
 
 impl Matrix {
-    /// Adds another one of the same size and components.
+    /// Adds a matrix of equal size and components.
     ///
     /// # Errors
-    /// When it is not.
+    /// If they differ.
     pub fn add(&mut self, other: &Matrix) -> Result<(), MatrixError> {
         self.check_alike(other)?;
         self.stored = self.stored.with(other.stored).unwrap_or(self.stored);
@@ -14,18 +14,19 @@ impl Matrix {
         Ok(())
     }
 
-    /// Multiplies by another one of the same size, with as many components or one.
+    /// Multiplies by a matrix of equal size, with as many components or one.
     ///
     /// # Errors
-    /// When it is not.
+    /// If size or components do not match.
     pub fn multiply(&mut self, other: &Matrix) -> Result<(), MatrixError> {
         self.change_by(other, |value, other| *value *= other)
     }
 
-    /// Divides by another one of the same size, with as many components or one; what would be divided by zero is zero. Says how often that was so.
+    /// Divides by a matrix of equal size, with as many components or one. Division by zero gives
+    /// zero; returns how often that happened.
     ///
     /// # Errors
-    /// When it is not.
+    /// If size or components do not match.
     pub fn divide(&mut self, other: &Matrix) -> Result<usize, MatrixError> {
         let mut zeros = 0;
         self.change_by(other, |value, other| {
@@ -35,7 +36,7 @@ impl Matrix {
         Ok(zeros)
     }
 
-    /// Whether another one has the same size and components.
+    /// Checks that another matrix has equal size and components.
     pub(crate) fn check_alike(&self, other: &Matrix) -> Result<(), MatrixError> {
         self.check_size(other)?;
         let [found, expected] = [other.components(), self.components()];
@@ -68,7 +69,7 @@ impl Matrix {
     /// Multiplies all elements by one factor, or each component by its own.
     ///
     /// # Errors
-    /// [`MatrixError::Factors`] for another number of them.
+    /// [`MatrixError::Factors`] for any other number of factors.
     pub fn scale(&mut self, factors: &[f64]) -> Result<(), MatrixError> {
         let components = self.components();
         if factors.len() != 1 && factors.len() != components {
@@ -82,7 +83,7 @@ impl Matrix {
         Ok(())
     }
 
-    /// Other values under the same description.
+    /// A matrix with other values and the same header.
     pub(crate) fn with_values(&self, size: [usize; 2], components: usize, values: Vec<f32>) -> Matrix {
         let made = Matrix::new(size, components, values).expect("as many values as the size takes");
         made.described_as(self)
@@ -94,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_divided_by_zero_is_zero() {
+    fn division_by_zero_gives_zero() {
         let mut matrix = Matrix::new([1, 2], 2, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
         let by = Matrix::new([1, 2], 1, vec![2.0, 0.0]).unwrap();
         assert_eq!(matrix.divide(&by), Ok(2));

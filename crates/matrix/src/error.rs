@@ -1,4 +1,4 @@
-//! What can be wrong with matrices.
+//! Errors about matrices.
 
 use radsight_diag::Diagnostic;
 use radsight_picture::PictureError;
@@ -7,13 +7,13 @@ use radsight_picture::PictureError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MatrixError {
-    /// Its file is malformed, or a format cannot hold it.
+    /// The file is malformed, or a format cannot store the matrix.
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// A BSDF file is malformed.
     #[error("{0}")]
     Bsdf(String),
-    /// The columns of one are not the rows of the other.
+    /// The left matrix's columns do not match the right one's rows.
     #[error("a product of {} x {} and {} x {}, expected as many rows as the left one has columns", left[0], left[1], right[0], right[1])]
     Product {
         /// Rows and columns.
@@ -21,55 +21,55 @@ pub enum MatrixError {
         /// Rows and columns.
         right: [usize; 2],
     },
-    /// Two that should have one size have several.
-    #[error("{} x {}, expected {} x {} as the one before", found[0], found[1], expected[0], expected[1])]
+    /// Matrices that must have equal size differ.
+    #[error("{} x {}, expected {} x {} as in the previous matrix", found[0], found[1], expected[0], expected[1])]
     Size {
         /// Rows and columns.
         found: [usize; 2],
-        /// Those of the one before.
+        /// Rows and columns of the previous matrix.
         expected: [usize; 2],
     },
-    /// A number of components that does not go with the other's.
+    /// The numbers of components do not match.
     #[error("{found} components, expected {expected}")]
     Components {
-        /// Of this one.
+        /// Components of this matrix.
         found: usize,
-        /// Of the other.
+        /// Components of the other matrix.
         expected: usize,
     },
-    /// Factors that are neither one nor one for each component.
+    /// The number of factors is neither one nor the number of components.
     #[error("{found} factors for {components} components, expected 1 or {components}")]
     Factors {
-        /// How many.
+        /// Number of factors.
         found: usize,
-        /// Of the matrix.
+        /// Components of the matrix.
         components: usize,
     },
-    /// Coefficients that are no whole rows.
+    /// The coefficients do not form whole rows.
     #[error("{found} coefficients for {components} components, expected a multiple of {components}")]
     Coefficients {
-        /// How many.
+        /// Number of coefficients.
         found: usize,
-        /// Of the matrix.
+        /// Components of the matrix.
         components: usize,
     },
-    /// A letter that names no component.
+    /// A letter denotes no component.
     #[error("component \"{letter}\" is not known, expected some of R G B X Y Z S M A")]
     Letter {
         /// The letter.
         letter: char,
     },
-    /// A letter that needs other components than there are.
+    /// A letter needs other components.
     #[error("component \"{letter}\" cannot be made of {components}, expected {expected}")]
     Made {
         /// The letter.
         letter: char,
-        /// Of the matrix.
+        /// Components of the matrix.
         components: usize,
-        /// What it takes.
+        /// Components that it needs.
         expected: &'static str,
     },
-    /// Rows and columns that do not hold what there is.
+    /// The elements do not fit the requested rows and columns.
     #[error("{} x {} cannot be arranged as {} x {}", found[0], found[1], wanted[0], wanted[1])]
     Arrangement {
         /// Rows and columns.
@@ -77,15 +77,15 @@ pub enum MatrixError {
         /// Rows and columns.
         wanted: [usize; 2],
     },
-    /// A result that memory cannot hold.
+    /// The result does not fit in memory.
     #[error("a matrix of {} x {} with {components} components is too large", size[0], size[1])]
     TooLarge {
         /// Rows and columns.
         size: [usize; 2],
-        /// Values of an element.
+        /// Components of an element.
         components: usize,
     },
-    /// A definition cannot be computed.
+    /// A definition cannot be evaluated.
     #[error("{}", words(.0))]
     Definition(Vec<Diagnostic>),
 }

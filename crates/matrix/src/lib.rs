@@ -1,11 +1,14 @@
-//! Matrices of light: what the daylight method multiplies, and `rmtxop`, `rcomb` and `dctimestep` compute.
+//! Matrices of light, as in the daylight coefficient method: the operations of `rmtxop`, `rcomb`
+//! and `dctimestep`.
 //!
-//! A [`Matrix`] has rows and columns of values with one or more components: red, green and blue, or bands of wavelength. Rows may be sensors or pixels,
-//! columns directions of a sky, or time. It is read from any of Radiance's pictures and float matrices, with exposures undone, and from BSDF files, whose
-//! values are multiplied by the projected solid angle of what comes in.
+//! A [`Matrix`] has rows and columns of elements with one or more components: red, green and blue,
+//! or spectral bands. Rows may be sensors or pixels, columns directions of a sky, or time steps. A
+//! matrix is read from any of Radiance's pictures and float matrices, with exposures undone, and
+//! from BSDF files, whose values are multiplied by the projected solid angle of the incident patch.
 //!
-//! Guarantees: values are kept in single precision, as Radiance keeps them, and sums are made in double precision; no input makes anything panic; a
-//! result does not depend on the number of threads. Knows no files.
+//! Guarantees: values have single precision, as in Radiance, and sums double precision; no input
+//! makes a function panic; a result does not depend on the number of threads. The crate knows no
+//! files.
 //!
 //! ```
 //! use radsight_matrix::Matrix;

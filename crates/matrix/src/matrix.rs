@@ -1,12 +1,13 @@
-//! Reading and writing.
+//! Reading and writing matrices.
 
 use crate::MatrixError;
 use radsight_picture::{Encoding, FileFormat, FloatMatrix, Header, Image, MatrixFormat, Picture, RgbPrimaries};
 
-/// No matrix has more values: a product of two small ones could.
+/// Maximum number of values: a product of two small matrices could exceed it.
 const MOST_VALUES: usize = 1 << 33;
 
-/// How the values of a file are stored. Of two that are combined the result is stored as the lesser, if they go together.
+/// Storage format of a file. Of two combined matrices the result has the format of the lower
+/// precision, if they are compatible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stored {
     /// Pixels of red, green and blue.
@@ -24,13 +25,14 @@ pub enum Stored {
 }
 
 impl Stored {
-    /// Whether values share exponents.
+    /// Whether values share exponents, as in pictures.
     #[must_use]
     pub fn is_picture(self) -> bool {
         self <= Stored::Spectra
     }
 
-    /// How the combination of two is stored; `None` where one is a picture and the other is none, or another one.
+    /// Format of a combination; `None` if the formats are incompatible: a picture and a
+    /// non-picture, or two different kinds of picture.
     #[must_use]
     pub fn with(self, other: Stored) -> Option<Stored> {
         let goes_together = self == other || !(self.is_picture() || other.is_picture());
@@ -38,14 +40,15 @@ impl Stored {
     }
 }
 
-/// Rows and columns of values with one or more components.
+/// Rows and columns of elements with one or more components.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
-    /// How it came to be: what the header of the file said of its history.
+    /// Header of the file, with its history.
     pub header: Header,
-    /// How it was stored, or is to be.
+    /// Storage format.
     pub stored: Stored,
-    /// The longest wavelength, where red and green end, and the shortest, nm, where there are more than three components.
+    /// Longest wavelength, ends of red and of green, shortest wavelength, nm; used with more than
+    /// three components.
     pub(crate) splits: [f32; 4],
     rows: usize,
     columns: usize,
@@ -54,10 +57,10 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Of values in rows, the components of each element together.
+    /// A matrix of values by rows, with the components of each element together.
     ///
     /// # Errors
-    /// [`MatrixError::TooLarge`] if there are not as many values as that takes.
+    /// [`MatrixError::TooLarge`] if the number of values does not match.
     pub fn new([rows, columns]: [usize; 2], components: usize, values: Vec<f32>) -> Result<Matrix, MatrixError> {
         if Matrix::length([rows, columns], components)? != values.len() {
             return Err(MatrixError::TooLarge { size: [rows, columns], components });
@@ -67,14 +70,14 @@ impl Matrix {
         Ok(Matrix { header, stored: Stored::Float, splits, rows, columns, components, values })
     }
 
-    /// How many values there are, where memory could hold them.
+    /// Number of values, if it is below [`MOST_VALUES`].
     pub(crate) fn length([rows, columns]: [usize; 2], components: usize) -> Result<usize, MatrixError> {
         let count = rows.checked_mul(columns).and_then(|count| count.checked_mul(components));
         let too_large = MatrixError::TooLarge { size: [rows, columns], components };
         count.filter(|count| (1..=MOST_VALUES).contains(count)).ok_or(too_large)
     }
 
-    /// As many zeros, where memory can hold them.
+    /// Zeros, if memory suffices.
     pub(crate) fn zeros(size: [usize; 2], components: usize) -> Result<Vec<f32>, MatrixError> {
         let count = Matrix::length(size, components)?;
         let mut values = Vec::new();
@@ -86,7 +89,7 @@ impl Matrix {
     /// Reads a picture or a float matrix; exposures are undone.
     ///
     /// # Errors
-    /// When the bytes are neither.
+    /// If the bytes are neither.
     pub fn read(bytes: &[u8]) -> Result<Matrix, MatrixError> {
         let is_matrix = FileFormat::from_content(bytes) != Some(FileFormat::Picture);
         let (header, stored, image) = if is_matrix {
@@ -124,13 +127,13 @@ impl Matrix {
         Ok(Matrix { header, stored, splits, ..matrix })
     }
 
-    /// How many rows.
+    /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// How many columns.
+    /// Number of columns.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.columns
@@ -142,7 +145,7 @@ impl Matrix {
         [self.rows, self.columns]
     }
 
-    /// How many values an element has.
+    /// Number of components of an element.
     #[must_use]
     pub fn components(&self) -> usize {
         self.components
@@ -158,18 +161,18 @@ impl Matrix {
         &mut self.values
     }
 
-    /// The values of a row.
+    /// Values of a row.
     pub(crate) fn row(&self, row: usize) -> &[f32] {
         let length = self.columns * self.components;
         &self.values[row * length..][..length]
     }
 
-    /// The same values with other words about them.
+    /// The same values with the header and format of another matrix.
     pub(crate) fn described_as(self, other: &Matrix) -> Matrix {
         Matrix { header: other.header.clone(), stored: other.stored, splits: other.splits, ..self }
     }
 
-    /// A column alone.
+    /// A single column.
     ///
     /// # Panics
     /// If there is no such column.
@@ -181,10 +184,10 @@ impl Matrix {
         Matrix { columns: 1, values, header: self.header.clone(), ..*self }
     }
 
-    /// The same values in other rows and columns, of which one may be left open (0).
+    /// The same values in other rows and columns; one of the two may be 0, which computes it.
     ///
     /// # Errors
-    /// [`MatrixError::Arrangement`] if they do not hold as many elements.
+    /// [`MatrixError::Arrangement`] if the number of elements does not match.
     pub fn arranged(self, [rows, columns]: [usize; 2]) -> Result<Matrix, MatrixError> {
         let count = self.rows * self.columns;
         let wanted = match [rows, columns] {
@@ -199,11 +202,11 @@ impl Matrix {
         Ok(Matrix { rows: wanted[0], columns: wanted[1], ..self })
     }
 
-    /// The bytes of a file; `header` says how it came to be. As Radiance's programs do, more than three components make spectra of a picture that is
-    /// asked for, and X, Y and Z stay that.
+    /// Bytes of a file with the given header. As in Radiance's programs, a picture of more than
+    /// three components is stored as spectra, and X, Y and Z stay X, Y and Z.
     ///
     /// # Errors
-    /// [`MatrixError::Picture`] if a picture cannot have so many components.
+    /// [`MatrixError::Picture`] if a picture cannot have this number of components.
     pub fn write(&self, header: &Header, stored: Stored) -> Result<Vec<u8>, MatrixError> {
         let has_xyz_primaries = || matches!(header.primaries(), Ok(Some(RgbPrimaries::XYZ)));
         let stored = match stored {

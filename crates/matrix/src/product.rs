@@ -4,10 +4,10 @@ use crate::{Matrix, MatrixError, Stored};
 use rayon::prelude::*;
 
 impl Matrix {
-    /// The product with a matrix on the right, for each component by itself.
+    /// Product with a matrix on the right, for each component.
     ///
     /// # Errors
-    /// When rows and columns or components do not go together.
+    /// If rows and columns, or components, do not match.
     pub fn times(&self, right: &Matrix) -> Result<Matrix, MatrixError> {
         if self.columns() != right.rows() {
             return Err(MatrixError::Product { left: self.size(), right: right.size() });
@@ -34,7 +34,8 @@ impl Matrix {
         Ok(product)
     }
 
-    /// Adds a row of the product. Skies are dark at night, and most directions see no window: what is zero is passed over.
+    /// Adds one row of the product. Zeros are skipped: skies are dark at night, and most directions
+    /// see no window.
     fn add_row(&self, row: usize, right: &Matrix, sums: &mut [f64]) {
         let components = self.components();
         for (middle, left) in self.row(row).chunks_exact(components).enumerate() {
@@ -49,7 +50,7 @@ impl Matrix {
         }
     }
 
-    /// Rows for columns.
+    /// Transpose.
     #[must_use]
     pub fn transposed(&self) -> Matrix {
         let components = self.components();
@@ -79,13 +80,13 @@ mod tests {
     }
 
     #[test]
-    fn what_memory_cannot_hold_is_told() {
+    fn matrices_too_large_for_memory_are_rejected() {
         let (left, right) = (matrix([1 << 18, 1], &[1.0; 1 << 18]), matrix([1, 1 << 18], &[1.0; 1 << 18]));
         assert!(matches!(left.times(&right), Err(MatrixError::TooLarge { .. })));
     }
 
     #[test]
-    fn a_transpose_of_a_transpose_is_the_same() {
+    fn transposing_twice_is_the_identity() {
         let matrix = Matrix::new([2, 3], 2, (0..12).map(|value| value as f32).collect()).unwrap();
         assert_eq!(matrix.transposed().values()[..4], [0.0, 1.0, 6.0, 7.0]);
         assert_eq!(matrix.transposed().transposed(), matrix);

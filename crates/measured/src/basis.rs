@@ -1,29 +1,30 @@
-//! Angle bases: the hemisphere cut into rings of patches.
+//! Angle bases: divisions of the hemisphere into rings of patches.
 //!
-//! Source: J. H. Klems, ASHRAE Transactions 100(1), 1994; the bases of LBNL's WINDOW. A ring spans a range of polar angles, its patches equal
-//! ranges of azimuth, the first of them centred on azimuth zero. Points are directions projected onto the surface.
+//! Source: J. H. Klems, ASHRAE Transactions 100(1), 1994; the bases of LBNL's WINDOW. A ring spans
+//! a range of polar angles. Its patches are equal ranges of azimuth, the first of them centred on
+//! azimuth zero. Points are directions projected onto the surface.
 
 use std::f64::consts::{PI, TAU};
 
-/// One basis.
+/// An angle basis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AngleBasis {
     pub(crate) name: String,
     rings: Vec<Ring>,
 }
 
-/// Patches between two polar angles.
+/// The patches between two polar angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ring {
     /// sin² of the polar angles.
     inner: f64,
     outer: f64,
-    /// Patches in the rings within this one.
+    /// Number of patches in the rings inside this one.
     before: usize,
     patches: usize,
 }
 
-/// The bases that every file may use: name, and where each ring ends (degrees) with its number of patches.
+/// Predefined bases: name, and for each ring its outer angle (degrees) and its number of patches.
 type Known = (&'static str, &'static [(f64, usize)]);
 const KNOWN: [Known; 3] = [
     (
@@ -41,7 +42,8 @@ impl AngleBasis {
         KNOWN.iter().map(|(name, rings)| AngleBasis::new((*name).to_owned(), rings)).collect()
     }
 
-    /// A basis by where its rings end (degrees, rising, at most 90) and how many patches each has (at least one).
+    /// A basis from each ring's outer angle (degrees, ascending, at most 90) and number of patches
+    /// (at least one).
     pub(crate) fn new(name: String, ends: &[(f64, usize)]) -> AngleBasis {
         let (mut inner, mut before) = (0.0, 0_usize);
         let rings = ends.iter().map(|&(degrees, patches)| {
@@ -61,11 +63,12 @@ impl AngleBasis {
         self.rings.last().map_or(0, |ring| ring.before.saturating_add(ring.patches))
     }
 
-    /// The patch that holds a point of the disk; none outside of all rings.
+    /// Patch that contains a point of the disk; none outside of all rings.
     pub(crate) fn patch(&self, [x, y]: [f64; 2]) -> Option<usize> {
         let squared = x * x + y * y;
         let at = self.rings.partition_point(|ring| ring.outer <= squared);
-        // The horizon itself belongs to nothing, but rounding must not lose it.
+        // A point exactly at the horizon belongs to the last ring, so that rounding does not lose
+        // it.
         let ring = self.rings.get(at).or(self.rings.last().filter(|ring| ring.outer == 1.0))?;
         let turns = y.atan2(x) / TAU;
         let azimuth = if turns < 0.0 { turns + 1.0 } else { turns };
@@ -73,13 +76,13 @@ impl AngleBasis {
         Some(ring.before + patch % ring.patches)
     }
 
-    /// The projected solid angle of a patch, sr.
+    /// Projected solid angle of a patch, sr.
     pub(crate) fn projected_solid_angle(&self, patch: usize) -> f64 {
         let ring = self.ring_of(patch);
         PI * (ring.outer - ring.inner) / ring.patches as f64
     }
 
-    /// A point of a patch, uniform in projected solid angle for uniform `u` and `v`.
+    /// Maps `u` and `v` to a point of a patch, uniform in projected solid angle.
     #[must_use]
     pub fn point(&self, patch: usize, [u, v]: [f64; 2]) -> [f64; 2] {
         let ring = self.ring_of(patch);

@@ -1,4 +1,4 @@
-//! What a BSDF file holds.
+//! Content of a BSDF file.
 
 use crate::mistake::Mistake;
 use crate::read::{Reading, read};
@@ -9,20 +9,20 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// A side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Where the normal points: in a window, the room.
+    /// Side of the normal: in a window, the room.
     Front,
-    /// The other.
+    /// Opposite side.
     Back,
 }
 
 impl Side {
-    /// On which side a direction away from the surface lies.
+    /// Side of a direction that points away from the surface.
     #[must_use]
     pub fn of(direction: DVec3) -> Side {
         if direction.z > 0.0 { Side::Front } else { Side::Back }
     }
 
-    /// The other one.
+    /// The opposite side.
     #[must_use]
     pub fn opposite(self) -> Side {
         match self {
@@ -39,20 +39,20 @@ impl Side {
     }
 }
 
-/// Scattering data, and what the file says about the sample.
+/// Scattering data, with the file's description of the sample.
 #[derive(Debug, Default)]
 pub struct MeasuredBsdf {
     /// Name of the material; may be empty.
     pub material: String,
     /// Name of its maker; may be empty.
     pub maker: String,
-    /// Width, height and thickness of the sample, metres; zero where the file does not say.
+    /// Width, height and thickness of the sample, metres; zero if not given.
     pub size_m: [f64; 3],
-    /// The sample's form in the Materials and Geometry Format, in metres.
+    /// Geometry of the sample in the Materials and Geometry Format, in metres.
     pub geometry: Option<String>,
     /// By side: red, green, blue.
     pub(crate) diffuse_reflectance: [[f64; 3]; 2],
-    /// By the side on which light arrives.
+    /// By incident side.
     pub(crate) diffuse_transmittance: [[f64; 3]; 2],
     pub(crate) reflection: [Option<Scattering>; 2],
     pub(crate) transmission: [Option<Scattering>; 2],
@@ -62,45 +62,46 @@ impl MeasuredBsdf {
     /// Reads a file.
     ///
     /// # Errors
-    /// The first mistake that keeps the data from being used, with its place.
+    /// The first error that makes the data unusable, with its position.
     pub fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
         read(bytes)
     }
 
-    /// The Lambertian part of the reflection from a side, 0…1: red, green, blue.
+    /// Lambertian part of the reflection from a side, 0…1: red, green, blue.
     #[must_use]
     pub fn diffuse_reflectance(&self, side: Side) -> [f64; 3] {
         self.diffuse_reflectance[side.index()]
     }
 
-    /// The Lambertian part of the transmission of what arrives on a side, 0…1: red, green, blue.
+    /// Lambertian part of the transmission of light incident on a side, 0…1: red, green, blue.
     #[must_use]
     pub fn diffuse_transmittance(&self, side: Side) -> [f64; 3] {
         self.diffuse_transmittance[side.index()]
     }
 
-    /// Reflection from a side beyond the Lambertian part.
+    /// Reflection from a side, without the Lambertian part.
     #[must_use]
     pub fn reflection(&self, side: Side) -> Option<&Scattering> {
         self.reflection[side.index()].as_ref()
     }
 
-    /// Transmission of what arrives on a side, beyond the Lambertian part; by reciprocity that of the other side, if the file has only that.
+    /// Transmission of light incident on a side, without the Lambertian part; by reciprocity that
+    /// of the other side, if the file has only that.
     #[must_use]
     pub fn transmission(&self, side: Side) -> Option<&Scattering> {
         let own = self.transmission[side.index()].as_ref();
         own.or(self.transmission[side.opposite().index()].as_ref())
     }
 
-    /// Whether red, green and blue are the same for all directions.
+    /// Whether red, green and blue are equal for all directions.
     #[must_use]
     pub fn is_grey(&self) -> bool {
         let mut diffuse = self.diffuse_reflectance.iter().chain(&self.diffuse_transmittance);
-        let mut beyond = self.reflection.iter().chain(&self.transmission).flatten();
-        diffuse.all(|[red, green, blue]| red == green && green == blue) && beyond.all(Scattering::is_grey)
+        let mut scattering = self.reflection.iter().chain(&self.transmission).flatten();
+        diffuse.all(|[red, green, blue]| red == green && green == blue) && scattering.all(Scattering::is_grey)
     }
 
-    /// The value for two directions, 1/sr: red, green, blue; with the Lambertian part.
+    /// Value for two directions with the Lambertian part, 1/sr: red, green, blue.
     #[must_use]
     pub fn value(&self, given: DVec3, other: DVec3) -> [f64; 3] {
         let side = Side::of(given);
@@ -115,7 +116,7 @@ impl MeasuredBsdf {
         }
     }
 
-    /// The projected solid angle of the cell that a pair of directions falls into, sr; π where all is Lambertian.
+    /// Projected solid angle of the cell of a pair of directions, sr; π if all is Lambertian.
     #[must_use]
     pub fn projected_solid_angle(&self, given: DVec3, other: DVec3) -> f64 {
         let side = Side::of(given);
@@ -123,7 +124,7 @@ impl MeasuredBsdf {
         scattering.and_then(|scattering| scattering.projected_solid_angle(given, other)).unwrap_or(PI)
     }
 
-    /// How finely directions near a given one are told apart, in reflection and transmission; π where all is Lambertian.
+    /// Angular resolution near a direction, in reflection and transmission; π if all is Lambertian.
     #[must_use]
     pub fn resolution(&self, given: DVec3) -> Resolution {
         let side = Side::of(given);

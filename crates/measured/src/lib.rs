@@ -1,14 +1,19 @@
-//! Measured and simulated scattering: BSDF files in the XML format of LBNL's WINDOW, with matrices between angle bases
-//! (Klems) and tensor trees of three or four dimensions (Ward, Kurt and Bonneel, EGSR 2012).
+//! Measured and simulated scattering: BSDF files in the XML format of LBNL's WINDOW, with matrices
+//! between angle bases (Klems) and tensor trees of three or four dimensions (Ward, Kurt and
+//! Bonneel, EGSR 2012).
 //!
-//! A [`MeasuredBsdf`] has a Lambertian part, which is split off when it is read, and up to four [`Scattering`] functions for the rest.
+//! A [`MeasuredBsdf`] has a Lambertian part, which is split off when it is read, and up to four
+//! [`Scattering`] functions for the rest.
 //!
-//! Conventions: directions are unit vectors away from the surface in a frame whose z axis is the normal of the front, and whose y axis
-//! is "up"; the front of a file is the *back* of its WINDOW terms, the inside of the room. Values are in 1/sr without the cosine, in red,
-//! green and blue of Radiance's primaries. The *projected solid angle* of a set of directions is the integral of |cos θ| over it.
+//! Conventions: directions are unit vectors away from the surface, in a frame whose z axis is the
+//! normal of the front, and whose y axis is "up". The front of a file is the *back* in WINDOW's
+//! terms, the inside of the room. Values are in 1/sr without the cosine, in red, green and blue of
+//! Radiance's primaries. The *projected solid angle* of a set of directions is the integral of |cos
+//! θ| over it.
 //!
-//! Guarantees: reading takes time and memory in proportion to the bytes read, and no input makes it panic; every query is
-//! finite and not negative; [`Scattering::sample`] draws with the density that [`Scattering::density`] states. Knows neither scenes nor files.
+//! Guarantees: reading takes time and memory proportional to the bytes read, and no input makes it
+//! panic; every query is finite and not negative; [`Scattering::density`] is the density of
+//! [`Scattering::sample`]. The crate knows neither scenes nor files.
 //!
 //! ```
 //! use glam::DVec3;

@@ -9,16 +9,17 @@ use std::sync::{Arc, OnceLock};
 /// Values of a scattering function between the patches of angle bases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patches {
-    /// Patches into which light leaves.
+    /// Number of outgoing patches.
     pub rows: usize,
-    /// Patches from which light comes.
+    /// Number of incident patches.
     pub columns: usize,
-    /// Red, green and blue, row by row: value times the projected solid angle of the patch from which light comes.
+    /// Red, green and blue by rows: value times projected solid angle of the incident patch.
     pub values: Vec<[f64; 3]>,
 }
 
 impl Patches {
-    /// What scatters into all directions alike, by its reflectance or transmittance, between the patches of Klems' full basis.
+    /// A Lambertian surface between the patches of Klems' full basis, by its reflectance or
+    /// transmittance.
     #[must_use]
     pub fn lambertian(diffuse: [f64; 3]) -> Patches {
         let basis = &AngleBasis::known()[0];
@@ -36,15 +37,17 @@ pub(crate) struct Matrix {
     exit: Arc<AngleBasis>,
     /// Luminance without the Lambertian part, 1/sr; the incident patch varies fastest.
     values: Vec<f32>,
-    /// In red, green and blue, with the Lambertian part; none where all is grey.
+    /// Red, green and blue with the Lambertian part; none if all is grey.
     colors: Option<Vec<[f32; 3]>>,
-    /// Sums of value times projected solid angle, for each patch of a given direction one row over those of the drawn one.
+    /// Cumulative sums of value times projected solid angle: one row per patch of the given
+    /// direction, over the patches of the sampled one.
     forward: OnceLock<Vec<f64>>,
     backward: OnceLock<Vec<f64>>,
 }
 
 impl Matrix {
-    /// Of the luminances, and X and Z of the CIE where the file has colour; all in the order of `values`.
+    /// A matrix of luminances, and of CIE X and Z if the file has colour, all in the order of
+    /// `values`.
     pub(crate) fn new(
         incident: Arc<AngleBasis>,
         exit: Arc<AngleBasis>,
@@ -57,9 +60,9 @@ impl Matrix {
         Matrix { incident, exit, values, colors, forward: OnceLock::new(), backward: OnceLock::new() }
     }
 
-    /// Takes away what all directions have in common, which is returned as a reflectance in red, green and blue.
+    /// Subtracts the constant part, and returns it as a reflectance in red, green and blue.
     ///
-    /// Where there is colour, the smallest value is looked for in each of the Sharp primaries.
+    /// With colour, the minimum is taken in each of the Sharp primaries.
     pub(crate) fn split_diffuse(&mut self, x_and_z: Option<[Vec<f32>; 2]>) -> [f64; 3] {
         let Some([x, z]) = x_and_z else {
             let least = self.values.iter().copied().fold(f32::INFINITY, f32::min);
@@ -87,8 +90,9 @@ impl Matrix {
         self.colors.is_none()
     }
 
-    /// The values of all pairs of patches with a Lambertian part (1/sr), times the projected solid angle of the patch from which light comes; against the
-    /// way of the data by reciprocity, each patch being that of the opposite direction.
+    /// Values of all pairs of patches with a Lambertian part (1/sr), times the projected solid
+    /// angle of the incident patch. For the reciprocal direction of light, each patch is that of
+    /// the opposite direction.
     pub(crate) fn patches(&self, way: Way, lambertian: [f64; 3]) -> Patches {
         let opposite = |from: &AngleBasis, to: &AngleBasis| -> Vec<usize> {
             let middle = |patch| from.point(patch, [0.5, 0.5]).map(|coordinate| -coordinate);
@@ -124,7 +128,7 @@ impl Matrix {
         Patches { rows, columns, values }
     }
 
-    /// The largest share of light from one direction that is scattered.
+    /// Largest scattered fraction of light over all incident directions.
     pub(crate) fn largest_total(&self) -> f64 {
         let count = self.exit.len();
         let rows = self.cumulative(Way::Forward).chunks(count + 1);
@@ -141,18 +145,18 @@ impl Matrix {
         self.pair(incident, exit).map_or(0.0, |at| f64::from(self.values[at]))
     }
 
-    /// Red, green and blue with the Lambertian part; none where all is grey.
+    /// Red, green and blue with the Lambertian part; none if all is grey.
     pub(crate) fn whole_color(&self, incident: [f64; 2], exit: [f64; 2]) -> Option<[f64; 3]> {
         let colors = self.colors.as_ref()?;
         Some(self.pair(incident, exit).map_or([0.0; 3], |at| colors[at].map(|band| f64::from(band).max(0.0))))
     }
 
-    /// A number that is the same for two pairs of directions with the same value, by their cell.
+    /// Index of the cell of a pair of directions; the value is constant in a cell.
     pub(crate) fn cell(&self, incident: [f64; 2], exit: [f64; 2]) -> Option<usize> {
         self.pair(incident, exit)
     }
 
-    /// That of the smaller of the two patches.
+    /// Projected solid angle of the smaller of the two patches.
     pub(crate) fn projected_solid_angle(&self, incident: [f64; 2], exit: [f64; 2]) -> Option<f64> {
         let incident = self.incident.projected_solid_angle(self.incident.patch(incident)?);
         let exit = self.exit.projected_solid_angle(self.exit.patch(exit)?);
@@ -165,26 +169,26 @@ impl Matrix {
         Some(Resolution { least: size, largest: size })
     }
 
-    /// The share of light that is scattered, given one direction.
+    /// Scattered fraction of light for one given direction.
     pub(crate) fn total(&self, way: Way, given: [f64; 2]) -> f64 {
         self.row(way, given).map_or(0.0, |row| row[row.len() - 1])
     }
 
-    /// Draws the other direction, in proportion to value times projected solid angle.
-    pub(crate) fn draw(&self, way: Way, given: [f64; 2], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+    /// Samples the other direction, in proportion to value times projected solid angle.
+    pub(crate) fn sample(&self, way: Way, given: [f64; 2], [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         let row = self.row(way, given).filter(|row| row[row.len() - 1] > LEAST_TOTAL)?;
         let target = u * row[row.len() - 1];
         let patch = row.partition_point(|sum| *sum <= target).clamp(1, row.len() - 1) - 1;
         let inside = (target - row[patch]) / (row[patch + 1] - row[patch]).max(f64::MIN_POSITIVE);
-        let (_, drawn) = self.bases(way);
-        Some(drawn.point(patch, [inside.clamp(0.0, 1.0), v]))
+        let (_, sampled) = self.bases(way);
+        Some(sampled.point(patch, [inside.clamp(0.0, 1.0), v]))
     }
 
     fn pair(&self, incident: [f64; 2], exit: [f64; 2]) -> Option<usize> {
         Some(self.exit.patch(exit)? * self.incident.len() + self.incident.patch(incident)?)
     }
 
-    /// The basis of the direction that is given, and of that which is drawn.
+    /// Bases of the given and of the sampled direction.
     fn bases(&self, way: Way) -> (&AngleBasis, &AngleBasis) {
         match way {
             Way::Forward => (&self.incident, &self.exit),
@@ -193,21 +197,21 @@ impl Matrix {
     }
 
     fn row(&self, way: Way, given: [f64; 2]) -> Option<&[f64]> {
-        let (basis, drawn) = self.bases(way);
-        let (patch, width) = (basis.patch(given)?, drawn.len() + 1);
+        let (basis, sampled) = self.bases(way);
+        let (patch, width) = (basis.patch(given)?, sampled.len() + 1);
         self.cumulative(way).get(patch * width..(patch + 1) * width)
     }
 
     fn cumulative(&self, way: Way) -> &[f64] {
-        let (given, drawn) = self.bases(way);
+        let (given, sampled) = self.bases(way);
         let columns = self.incident.len();
         let table = match way {
             Way::Forward => &self.forward,
             Way::Backward => &self.backward,
         };
         table.get_or_init(|| {
-            let sizes: Vec<f64> = (0..drawn.len()).map(|patch| drawn.projected_solid_angle(patch)).collect();
-            let mut sums = Vec::with_capacity(given.len() * (drawn.len() + 1));
+            let sizes: Vec<f64> = (0..sampled.len()).map(|patch| sampled.projected_solid_angle(patch)).collect();
+            let mut sums = Vec::with_capacity(given.len() * (sampled.len() + 1));
             for patch in 0..given.len() {
                 let mut sum = 0.0;
                 sums.push(sum);

@@ -1,74 +1,74 @@
-//! What can be wrong with a BSDF file.
+//! Errors in BSDF files.
 
 use std::ops::Range;
 
-/// Bytes of the file.
+/// Byte range in the file.
 pub type Place = Range<usize>;
 
-/// What is wrong, where, and what was expected.
+/// An error, with its position and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
     /// The file has no tag at all: the program that should have written it failed.
     #[error("there is no XML in it")]
     NoXml {
-        /// Its first line.
+        /// First line of the file.
         place: Place,
     },
     /// The file is not well-formed XML, has a document type, or has far more elements than a BSDF.
     #[error("this is not XML that can be read: {what}")]
     Xml {
-        /// What the XML reader says.
+        /// Message of the XML reader.
         what: String,
-        /// Where.
+        /// Position of the error.
         place: Place,
     },
-    /// An element that must be there is not.
+    /// A required element is missing.
     #[error("there is no <{element}> in <{inside}>")]
     Missing {
-        /// The element.
+        /// The missing element.
         element: &'static str,
-        /// Where it should be.
+        /// The element that should contain it.
         inside: String,
-        /// The place of that.
+        /// Position of that element.
         place: Place,
     },
-    /// A word or number is not one that is known here.
+    /// A word or number is not valid here.
     #[error("{what} is \"{found}\", expected {expected}")]
     Unexpected {
-        /// Which element or number.
+        /// The element or number.
         what: String,
-        /// As written, shortened.
+        /// Text as written, shortened.
         found: String,
-        /// What may stand here.
+        /// What is valid here.
         expected: String,
-        /// Where.
+        /// Position of the text.
         place: Place,
     },
-    /// Scattering data hold too few numbers, or too many.
+    /// Scattering data have too few numbers, or too many.
     #[error("the scattering data hold {found} numbers, expected {expected}")]
     Count {
-        /// How many there are.
+        /// Number of numbers found.
         found: usize,
-        /// How many there should be.
+        /// Number of numbers expected.
         expected: String,
-        /// Where.
+        /// Position of the data.
         place: Place,
     },
     /// The braces of a tensor tree do not match.
     #[error("the tensor tree has {found}, expected {expected}")]
     Tree {
-        /// What stands here.
+        /// Token that was found.
         found: String,
-        /// What should.
+        /// Token that was expected.
         expected: String,
-        /// Where.
+        /// Position of the token.
         place: Place,
     },
 }
 
 impl Mistake {
-    /// The bytes that it is about.
+    /// Byte range of the error.
     #[must_use]
     pub fn place(&self) -> Place {
         let (Mistake::NoXml { place }
@@ -90,14 +90,14 @@ impl Mistake {
         place
     }
 
-    /// What may help, where there is something to say.
+    /// Hint for the user, if there is one.
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Mistake::NoXml { .. } | Mistake::Xml { .. } => {
-                Some("a BSDF file is XML as genBSDF, WINDOW or pabopto2bsdf write it")
+                Some("BSDF files are XML, as written by genBSDF, WINDOW or pabopto2bsdf")
             }
-            Mistake::Missing { element: "Visible", .. } => Some("colour is read only beside visible data"),
+            Mistake::Missing { element: "Visible", .. } => Some("colour data need visible data as well"),
             Mistake::Count { .. } => Some("a matrix has a number for each pair of the directions of its two bases"),
             _ => None,
         }

@@ -11,16 +11,16 @@ use crate::tree_text::{Numbers, Token, read_tree, scattering_value};
 use crate::xml::{Element, Text, Xml};
 use std::sync::Arc;
 
-/// What was read, and what looked wrong but did no harm.
+/// Data of a file, with warnings.
 #[derive(Debug)]
 pub struct Reading {
     /// The data.
     pub bsdf: MeasuredBsdf,
-    /// What was passed over.
+    /// Warnings about ignored data.
     pub warnings: Vec<Mistake>,
 }
 
-/// Scattering of less than this share is left out.
+/// A scattering function with a smaller total is left out.
 const LEAST_TOTAL: f64 = 0.001;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Reading, Mistake> {
@@ -49,11 +49,11 @@ fn known_bases() -> Vec<Arc<AngleBasis>> {
 struct Reader {
     warnings: Vec<Mistake>,
     bases: Vec<Arc<AngleBasis>>,
-    /// By direction: reflection from the front and back, transmission of what arrives there.
+    /// Reflection from the front and from the back, then transmission of light incident on each.
     directions: [Channels; 4],
 }
 
-/// The data of one direction: luminance, and two more for colour (X and Z, or u′ and v′).
+/// Channels of one direction: luminance, and two more for colour (X and Z, or u′ and v′).
 #[derive(Default)]
 struct Channels([Option<Block>; 3]);
 
@@ -62,17 +62,18 @@ enum Block {
     Tree(Tree),
 }
 
-/// How the data are laid out.
+/// Layout of the data.
 #[derive(Clone, Copy, PartialEq)]
 enum Structure {
-    /// A row a direction of incidence.
+    /// One row per incident direction.
     Rows,
-    /// A column a direction of incidence.
+    /// One column per incident direction.
     Columns,
     Tree(Rank),
 }
 
-/// The names of what a block describes, and its index in [`Reader::directions`]. The front of WINDOW is our back.
+/// Names of a block's direction, and its index in [`Reader::directions`]. WINDOW's front is the
+/// back here.
 const DIRECTIONS: [(&str, usize); 4] =
     [("Reflection Back", 0), ("Reflection Front", 1), ("Transmission Back", 2), ("Transmission Front", 3)];
 
@@ -165,7 +166,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Data of the sun's spectrum, or of single wavelengths, are passed over.
+    /// Reads visible data; data of the solar spectrum or of single wavelengths are ignored.
     fn wavelength(&mut self, data: Element<'_, '_>, structure: Structure) -> Result<(), Mistake> {
         let Some(wavelength) = data.child("Wavelength") else { return Ok(()) };
         let names = match structure {
@@ -245,11 +246,12 @@ impl Reader {
     }
 }
 
-/// A ring with more patches is a mistake.
+/// Maximum number of patches in a ring.
 const MOST_PATCHES: f64 = 1e6;
 
 impl Channels {
-    /// The Lambertian part and the rest; colour only where all three channels have one form.
+    /// Splits off the Lambertian part; colour is used only if all three channels have the same
+    /// structure.
     fn split(self) -> Option<([f64; 3], Data)> {
         let [luminance, second, third] = self.0;
         match luminance? {
@@ -279,14 +281,14 @@ fn significant(data: Data, diffuse: [f64; 3], incident: Side, exit: Side) -> Opt
     Some(Scattering::new(data, diffuse, incident, exit)).filter(|scattering| scattering.largest_total() > LEAST_TOTAL)
 }
 
-/// As many numbers as the bases have pairs; more are passed over with a warning.
+/// Reads one number per pair of patches; further numbers are ignored with a warning.
 fn read_matrix(
     text: &str,
     count: usize,
     warnings: &mut Vec<Mistake>,
     data: &Element<'_, '_>,
 ) -> Result<Vec<f32>, Mistake> {
-    // A number takes a byte and what parts it from the next.
+    // A number takes at least one byte and a separator.
     if count > text.len() / 2 + 1 {
         let found = text.split([',', ' ', '\n', '\t', '\r']).filter(|word| !word.is_empty()).count();
         return Err(Mistake::Count { found, expected: count.to_string(), place: 0..text.len() });
@@ -313,7 +315,7 @@ fn read_matrix(
     }
 }
 
-/// From a row a direction of incidence to a column each.
+/// Transposes from one row per incident direction to one column each.
 fn transposed(values: &[f32], incident: usize, exit: usize) -> Vec<f32> {
     (0..values.len()).map(|at| values[at % incident * exit + at / incident]).collect()
 }
@@ -334,7 +336,7 @@ fn geometry(layer: Element<'_, '_>) -> Result<Option<String>, Mistake> {
     Ok(Some(if is_one { text.to_owned() } else { format!("xf -s {scale:.5}\n{text}\nxf\n") }))
 }
 
-/// Metres of the unit that an element states; without one it is metres.
+/// Metres per unit of an element; without a unit, one metre.
 fn metres(element: Element<'_, '_>) -> Result<f64, Mistake> {
     const UNITS: [(&str, f64); 5] =
         [("Meter", 1.0), ("Foot", 0.3048), ("Inch", 0.0254), ("Centimeter", 0.01), ("Millimeter", 0.001)];
@@ -348,7 +350,7 @@ fn metres(element: Element<'_, '_>) -> Result<f64, Mistake> {
 }
 
 impl Element<'_, '_> {
-    /// Which of some words the text is.
+    /// Index of the text among some words.
     fn word_among(&self, what: &str, words: &[&str]) -> Result<usize, Mistake> {
         let text = self.text();
         words.iter().position(|word| word.eq_ignore_ascii_case(text.trim())).ok_or_else(|| {

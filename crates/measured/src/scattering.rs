@@ -1,4 +1,4 @@
-//! One scattering function of a BSDF: one side's reflection, or transmission.
+//! A scattering function of a BSDF: the reflection of one side, or the transmission.
 
 use crate::Side;
 use crate::matrix::{Matrix, Patches};
@@ -6,31 +6,31 @@ use crate::tensor::Tensor;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// A Lambertian part is split off where it is more than a hundredth.
+/// Whether a Lambertian part is split off: above one per cent.
 pub(crate) fn luminance_worth_splitting(luminance: f64) -> bool {
     luminance.is_finite() && luminance > 0.01 / PI
 }
 
-/// A smaller share of light is not sampled.
+/// Scattering of a smaller total is not sampled.
 pub(crate) const LEAST_TOTAL: f64 = 1e-6;
 
-/// Whether the direction that is given is that which the data have as incident, or the other.
+/// Whether the given direction is the incident one of the data, or the exit one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
     Forward,
     Backward,
 }
 
-/// How light is scattered from one side, without the Lambertian part.
+/// Scattering without the Lambertian part.
 ///
-/// Reflection is of one side. Transmission is of light that arrives on one side, and by reciprocity of light that arrives on the
-/// other.
+/// Reflection is of one side. Transmission covers light incident on one side and, by reciprocity,
+/// on the other side.
 #[derive(Debug)]
 pub struct Scattering {
     data: Data,
     incident: Side,
     exit: Side,
-    /// The Lambertian part that was split off, 1/sr.
+    /// Lambertian part that was split off, 1/sr.
     lambertian: [f64; 3],
     least_projected_solid_angle: f64,
     largest_total: f64,
@@ -42,35 +42,36 @@ pub(crate) enum Data {
     Tensor(Box<Tensor>),
 }
 
-/// The projected solid angles within which a scattering function does not tell directions apart, sr.
+/// Projected solid angles of the cells, within which directions are not distinguished, sr.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Resolution {
-    /// The smallest.
+    /// Smallest cell.
     pub least: f64,
-    /// The largest.
+    /// Largest cell.
     pub largest: f64,
 }
 
 impl Resolution {
-    /// Of two functions together.
+    /// Resolution of two functions together.
     #[must_use]
     pub fn with(self, other: Resolution) -> Resolution {
         Resolution { least: self.least.min(other.least), largest: self.largest.max(other.largest) }
     }
 }
 
-/// A direction that was drawn.
+/// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Unit, away from the surface.
+    /// Unit vector away from the surface.
     pub direction: DVec3,
     /// Value times |cos θ| over the density: red, green, blue.
     pub weight: [f64; 3],
-    /// Per solid angle, 1/sr.
+    /// Density by solid angle, 1/sr.
     pub density: f64,
 }
 
-/// A pair of directions as the data have them, projected onto the surface: the incident one points along the light.
+/// A pair of directions in the data's convention, projected onto the surface: the incident one
+/// points along the light.
 struct Pair {
     incident: [f64; 2],
     exit: [f64; 2],
@@ -97,7 +98,7 @@ impl Scattering {
         Scattering { data, incident, exit, lambertian, least_projected_solid_angle, largest_total }
     }
 
-    /// Whether red, green and blue are the same for all directions.
+    /// Whether red, green and blue are equal for all directions.
     #[must_use]
     pub fn is_grey(&self) -> bool {
         match &self.data {
@@ -106,19 +107,20 @@ impl Scattering {
         }
     }
 
-    /// The size of the smallest cell: projected solid angle, sr.
+    /// Projected solid angle of the smallest cell, sr.
     #[must_use]
     pub fn least_projected_solid_angle(&self) -> f64 {
         self.least_projected_solid_angle
     }
 
-    /// The largest share of the light from one direction that is scattered; without the Lambertian part.
+    /// Largest scattered fraction of light over all directions, without the Lambertian part.
     #[must_use]
     pub fn largest_total(&self) -> f64 {
         self.largest_total
     }
 
-    /// The values between all patches, of light that arrives on a side, with the Lambertian part; `None` of tensor trees.
+    /// Values between all patches for light incident on a side, with the Lambertian part; `None`
+    /// for tensor trees.
     #[must_use]
     pub fn patches(&self, arriving: Side) -> Option<Patches> {
         let way = if arriving == self.incident { Way::Forward } else { Way::Backward };
@@ -128,7 +130,8 @@ impl Scattering {
         }
     }
 
-    /// The value for two directions, 1/sr, in red, green and blue; zero on sides that it does not speak of.
+    /// Value for two directions in red, green and blue, 1/sr; zero for sides that the function does
+    /// not cover.
     #[must_use]
     pub fn value(&self, given: DVec3, other: DVec3) -> [f64; 3] {
         let Some(pair) = self.pair(given, other) else { return [0.0; 3] };
@@ -138,7 +141,7 @@ impl Scattering {
         }
     }
 
-    /// The value with the Lambertian part.
+    /// Value with the Lambertian part, 1/sr.
     pub(crate) fn whole(&self, given: DVec3, other: DVec3) -> [f64; 3] {
         let Some(pair) = self.pair(given, other) else { return self.lambertian };
         let grey = || self.lambertian.map(|band| band + self.pair_luminance(&pair));
@@ -152,13 +155,13 @@ impl Scattering {
         }
     }
 
-    /// The luminance of [`Scattering::value`], 1/sr.
+    /// Luminance of [`Scattering::value`], 1/sr.
     #[must_use]
     pub fn luminance(&self, given: DVec3, other: DVec3) -> f64 {
         self.pair(given, other).map_or(0.0, |pair| self.pair_luminance(&pair))
     }
 
-    /// A number for the cell of data that a pair of directions falls into: pairs of one cell have one value.
+    /// Index of the cell of a pair of directions; the value is constant in a cell.
     #[must_use]
     pub fn cell(&self, given: DVec3, other: DVec3) -> Option<usize> {
         let pair = self.pair(given, other)?;
@@ -168,7 +171,7 @@ impl Scattering {
         }
     }
 
-    /// The projected solid angle of the cell that a pair of directions falls into, sr.
+    /// Projected solid angle of the cell of a pair of directions, sr.
     #[must_use]
     pub fn projected_solid_angle(&self, given: DVec3, other: DVec3) -> Option<f64> {
         let pair = self.pair(given, other)?;
@@ -178,12 +181,12 @@ impl Scattering {
         }
     }
 
-    /// How finely directions near a given one are told apart.
+    /// Angular resolution near a direction.
     #[must_use]
     pub fn resolution(&self, given: DVec3) -> Option<Resolution> {
         let (way, point) = self.given(given)?;
         match &self.data {
-            // A mirror image is told apart by the other basis.
+            // The mirror direction is resolved by the other basis.
             Data::Matrix(matrix) if self.incident == self.exit => {
                 let other = matrix.resolution(Way::Backward, [-point[0], -point[1]]);
                 let own = matrix.resolution(way, point);
@@ -194,7 +197,7 @@ impl Scattering {
         }
     }
 
-    /// The share of the light from a direction that is scattered (luminance), without the Lambertian part.
+    /// Scattered fraction of light from a direction (luminance), without the Lambertian part.
     #[must_use]
     pub fn total(&self, given: DVec3) -> f64 {
         let Some((way, point)) = self.given(given) else { return 0.0 };
@@ -204,15 +207,16 @@ impl Scattering {
         }
     }
 
-    /// Draws the other direction in proportion to luminance times |cos θ|, from two numbers in [0,1). None where nothing is scattered.
+    /// Samples the other direction in proportion to luminance times |cos θ|, from two numbers in
+    /// [0,1). None if nothing is scattered.
     #[must_use]
     pub fn sample(&self, given: DVec3, u: [f64; 2]) -> Option<Sample> {
         let (way, point) = self.given(given)?;
-        let drawn = match &self.data {
-            Data::Matrix(matrix) => matrix.draw(way, point, u),
-            Data::Tensor(tensor) => tensor.draw(way, point, u),
+        let sampled = match &self.data {
+            Data::Matrix(matrix) => matrix.sample(way, point, u),
+            Data::Tensor(tensor) => tensor.sample(way, point, u),
         }?;
-        let direction = self.direction(way, drawn);
+        let direction = self.direction(way, sampled);
         let density = self.density(given, direction);
         if density <= 0.0 {
             return None;
@@ -222,7 +226,7 @@ impl Scattering {
         Some(Sample { direction, weight, density })
     }
 
-    /// With which density [`Scattering::sample`] draws a direction, 1/sr.
+    /// Density of [`Scattering::sample`], 1/sr.
     #[must_use]
     pub fn density(&self, given: DVec3, other: DVec3) -> f64 {
         let Some(pair) = self.pair(given, other) else { return 0.0 };
@@ -268,14 +272,14 @@ impl Scattering {
         }
     }
 
-    /// The direction of a point of the disk that was drawn.
+    /// Direction of a sampled point of the disk.
     fn direction(&self, way: Way, [x, y]: [f64; 2]) -> DVec3 {
         let (sign, side) = match way {
             Way::Forward => (1.0, self.exit),
             Way::Backward => (-1.0, self.incident),
         };
         let z = (1.0 - x * x - y * y).max(0.0).sqrt();
-        // At the horizon the sign of z still says the side.
+        // At the horizon the sign of z must still determine the side.
         let z = z.max(1e-9);
         DVec3::new(sign * x, sign * y, if side == Side::Front { z } else { -z }).normalize()
     }

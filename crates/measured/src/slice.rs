@@ -1,7 +1,8 @@
-//! Drawing from a tensor tree: for one given direction, the cells of the other.
+//! Sampling of a tensor tree: the cells of the other direction, for one given direction.
 //!
-//! The square of the given direction is cut into the largest cells in which nothing depends on it any more; the cumulative sums of each are made
-//! when it is first asked for, and kept while memory allows.
+//! The domain of the given direction is divided into the largest cells on which the slice does not
+//! depend. The cumulative sums of each slice are computed at its first use, and kept while memory
+//! allows.
 
 use crate::square::disk_of_square;
 use crate::tree::{Node, Rank, Tree};
@@ -10,17 +11,18 @@ use std::ops::Deref;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// So many cells of slices are kept, each of 32 bytes; others are made anew each time.
+/// Maximum number of slice cells in memory, each of 32 bytes; further slices are recomputed at each
+/// use.
 const MOST_KEPT: usize = 1 << 26;
 
-/// Which dimensions of a tree are given, and which are drawn.
+/// Given and sampled dimensions of a tree.
 #[derive(Clone, Copy, Debug)]
 struct Axes {
-    /// The first given dimension and how many they are.
+    /// First given dimension, and their number.
     given: usize,
     given_count: usize,
-    /// The first of the two drawn dimensions.
-    drawn: usize,
+    /// First of the two sampled dimensions.
+    sampled: usize,
 }
 
 impl Axes {
@@ -29,11 +31,11 @@ impl Axes {
     }
 }
 
-/// Whether the incident direction of a tree is given, or the exit one.
+/// Whether the incident or the exit direction of a tree is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Given {
     Incident,
-    /// Only of trees of four dimensions.
+    /// Exit direction; only for trees of four dimensions.
     Exit,
 }
 
@@ -41,7 +43,7 @@ pub(crate) enum Given {
 #[derive(Debug)]
 pub(crate) struct Slices {
     axes: Axes,
-    /// How the given directions are divided; the first is the root.
+    /// Division of the given directions; the first cell is the root.
     cells: Vec<GivenCell>,
     slices: Vec<OnceLock<Slice>>,
     kept: AtomicUsize,
@@ -49,29 +51,30 @@ pub(crate) struct Slices {
 
 #[derive(Clone, Copy, Debug)]
 enum GivenCell {
-    /// The first of 2^dimensions halves.
+    /// Index of the first of 2^dimensions halves.
     Divided(u32),
-    /// The index of its slice, and how often it was halved.
+    /// Index of the slice, and number of halvings.
     Whole { slice: u32, halvings: u32 },
 }
 
-/// The cells of the drawn direction.
+/// Cells of the sampled direction.
 #[derive(Debug, Default)]
 pub(crate) struct Slice {
-    /// Integral of the values over the projected hemisphere, without the factor π, up to the end of each cell.
+    /// Cumulative integral of the values over the projected hemisphere at the end of each cell,
+    /// without the factor π.
     sums: Vec<f64>,
-    /// Least coordinates and side.
+    /// Smallest coordinates and side of each cell.
     squares: Vec<[f64; 3]>,
 }
 
 impl Slice {
-    /// The share of light that is scattered.
+    /// Scattered fraction of light.
     pub(crate) fn total(&self) -> f64 {
         PI * self.sums.last().copied().unwrap_or(0.0)
     }
 
-    /// A point of the disk in proportion to the values.
-    pub(crate) fn draw(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+    /// Samples a point of the disk in proportion to the values.
+    pub(crate) fn sample(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         let target = u * self.sums.last()?;
         let at = self.sums.partition_point(|sum| *sum <= target).min(self.sums.len() - 1);
         let before = if at == 0 { 0.0 } else { self.sums[at - 1] };
@@ -80,13 +83,13 @@ impl Slice {
         Some(disk_of_square([x + inside * side, y + v * side]))
     }
 
-    /// The projected solid angle of the largest cell, sr.
+    /// Projected solid angle of the largest cell, sr.
     pub(crate) fn largest_cell(&self) -> f64 {
         self.squares.iter().map(|[_, _, side]| PI * side * side).fold(0.0, f64::max)
     }
 }
 
-/// A slice that is kept, or one that was made for the occasion.
+/// A cached slice, or a temporary one.
 pub(crate) enum Held<'s> {
     Kept(&'s Slice),
     Own(Slice),
@@ -106,9 +109,9 @@ impl Deref for Held<'_> {
 impl Slices {
     pub(crate) fn new(tree: &Tree, given: Given) -> Slices {
         let axes = match (tree.rank, given) {
-            (Rank::Isotropic, _) => Axes { given: 0, given_count: 1, drawn: 1 },
-            (Rank::Anisotropic, Given::Incident) => Axes { given: 0, given_count: 2, drawn: 2 },
-            (Rank::Anisotropic, Given::Exit) => Axes { given: 2, given_count: 2, drawn: 0 },
+            (Rank::Isotropic, _) => Axes { given: 0, given_count: 1, sampled: 1 },
+            (Rank::Anisotropic, Given::Incident) => Axes { given: 0, given_count: 2, sampled: 2 },
+            (Rank::Anisotropic, Given::Exit) => Axes { given: 2, given_count: 2, sampled: 0 },
         };
         let mut slices = Slices { axes, cells: Vec::new(), slices: Vec::new(), kept: AtomicUsize::new(0) };
         slices.cells.push(GivenCell::Whole { slice: 0, halvings: 0 });
@@ -119,7 +122,7 @@ impl Slices {
         slices
     }
 
-    /// Divides a cell that so many branches, and grids with so many halvings, share.
+    /// Divides a cell that these branches, and grids of this many halvings, share.
     fn divide(&mut self, tree: &Tree, place: usize, depth: u32, branches: &[u32], grid_halvings: u32) {
         if branches.is_empty() && grid_halvings == 0 {
             self.cells[place] = GivenCell::Whole { slice: self.slices.len() as u32, halvings: depth };
@@ -147,7 +150,8 @@ impl Slices {
         }
     }
 
-    /// The slice for a given point (the second coordinate only where there is one), and how often its cell was halved.
+    /// Slice for a given point (the second coordinate only if there is one), and the number of
+    /// halvings of its cell.
     pub(crate) fn at(&self, tree: &Tree, given: [f64; 2]) -> (Held<'_>, u32) {
         let mut rest = given;
         let mut at = 0;
@@ -177,9 +181,9 @@ impl Slices {
         match tree.nodes[node as usize] {
             Node::Branch(first) => {
                 let half = half_of(&mut given[..axes.given_count]) as u32;
-                for drawn in 0..4 {
-                    let child = half << axes.given | drawn << axes.drawn;
-                    let corner = [x + 0.5 * side * f64::from(drawn & 1), y + 0.5 * side * f64::from(drawn >> 1)];
+                for sampled in 0..4 {
+                    let child = half << axes.given | sampled << axes.sampled;
+                    let corner = [x + 0.5 * side * f64::from(sampled & 1), y + 0.5 * side * f64::from(sampled >> 1)];
                     self.collect(tree, first + child, given, [corner[0], corner[1], 0.5 * side], slice);
                 }
             }
@@ -191,7 +195,7 @@ impl Slices {
                     start + stride(axes.given + i) * ((coordinate * f64::from(size)) as u32).min(size - 1)
                 });
                 for (i, j) in (0..size).flat_map(|i| (0..size).map(move |j| (i, j))) {
-                    let index = start + i * stride(axes.drawn) + j * stride(axes.drawn + 1);
+                    let index = start + i * stride(axes.sampled) + j * stride(axes.sampled + 1);
                     let before = slice.sums.last().copied().unwrap_or(0.0);
                     slice.sums.push(before + f64::from(tree.values[index as usize]) * step * step);
                     slice.squares.push([x + f64::from(i) * step, y + f64::from(j) * step, step]);
@@ -201,7 +205,7 @@ impl Slices {
     }
 }
 
-/// Doubles coordinates in [0,1), and says in which halves they were, a bit each.
+/// Doubles coordinates in [0,1), and returns a bit for each that was in the upper half.
 fn half_of(coordinates: &mut [f64]) -> usize {
     let mut half = 0;
     for (bit, coordinate) in coordinates.iter_mut().enumerate() {

@@ -1,13 +1,14 @@
-//! The map between the unit disk and the unit square that keeps areas in proportion, and neighbours.
+//! Area-preserving, continuous map between the unit disk and the unit square.
 //!
-//! Source: Shirley and Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997.
+//! Source: Shirley and Chiu, "A low distortion map between disk and square", Journal of Graphics
+//! Tools 2(3), 1997.
 
 use std::f64::consts::FRAC_PI_4;
 
-/// The largest coordinate: a square's far edges belong to its last cells.
+/// Largest coordinate: the far edges of the square belong to its last cells.
 const LARGEST: f64 = 1.0 - 1e-12;
 
-/// A point of the unit disk in the unit square [0,1)².
+/// Maps a point of the unit disk to the unit square [0,1)².
 pub(crate) fn square_of_disk([x, y]: [f64; 2]) -> [f64; 2] {
     let radius = x.hypot(y);
     let (a, b) = if x.abs() >= y.abs() {
@@ -24,7 +25,7 @@ pub(crate) fn square_of_disk([x, y]: [f64; 2]) -> [f64; 2] {
     [a, b].map(|side| (0.5 * side + 0.5).clamp(0.0, LARGEST))
 }
 
-/// A point of the unit square in the unit disk.
+/// Maps a point of the unit square to the unit disk.
 pub(crate) fn disk_of_square(point: [f64; 2]) -> [f64; 2] {
     let [a, b] = point.map(|side| 2.0 * side - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -44,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_two_maps_undo_each_other() {
+    fn the_two_maps_are_inverse() {
         for i in 0..40 {
             for j in 0..40 {
                 let square = [(f64::from(i) + 0.3) / 40.0, (f64::from(j) + 0.6) / 40.0];

@@ -1,4 +1,4 @@
-//! Scattering from a tensor tree of luminances and, where there is colour, two of chromaticities.
+//! Scattering from a tensor tree of luminances and, with colour, two trees of chromaticities.
 
 use crate::color::{rgb_of_xyz, sharp_of_xyz, xyz_of_sharp, xyz_of_yuv};
 use crate::scattering::{LEAST_TOTAL, Resolution, Way, luminance_worth_splitting};
@@ -8,15 +8,15 @@ use crate::tree::{Point, Rank, Tree, isotropic_coordinate};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Radiance takes nothing away from trees whose smallest value is this or more, 1/sr.
+/// Radiance subtracts nothing from trees whose minimum is this or more, 1/sr.
 const MOST_SPLIT: f64 = 1.5 / PI;
 
-/// Steps a side of the disk, for the one integral that no slice has.
+/// Quadrature steps along each side of the disk, for the one integral without a slice.
 const QUADRATURE_STEPS: u32 = 32;
 
 #[derive(Debug)]
 pub(crate) struct Tensor {
-    /// Without the Lambertian part.
+    /// Luminance without the Lambertian part.
     luminance: Tree,
     /// CIE u′ and v′.
     chromaticity: Option<[Tree; 2]>,
@@ -33,7 +33,7 @@ impl Tensor {
         Tensor { luminance, chromaticity, split_luminance: 0.0, forward, backward }
     }
 
-    /// Takes away what all directions have in common, which is returned as a reflectance in red, green and blue.
+    /// Subtracts the constant part, and returns it as a reflectance in red, green and blue.
     pub(crate) fn split_diffuse(&mut self) -> [f64; 3] {
         let (luminance, color) = match &self.chromaticity {
             None => {
@@ -53,7 +53,7 @@ impl Tensor {
         color.map(|band| PI * band)
     }
 
-    /// The smallest value in each of the Sharp primaries, at the centres of the cells of all three trees.
+    /// Minimum in each of the Sharp primaries, at the centres of the cells of all three trees.
     fn least_sharp(&self, chromaticity: &[Tree; 2]) -> [f64; 3] {
         let mut least = [f64::INFINITY; 3];
         for tree in [&self.luminance, &chromaticity[0], &chromaticity[1]] {
@@ -89,7 +89,7 @@ impl Tensor {
         f64::from(self.luminance.leaf(&self.luminance.point(incident, exit)).value)
     }
 
-    /// Red, green and blue with the Lambertian part; none where all is grey.
+    /// Red, green and blue with the Lambertian part; none if all is grey.
     pub(crate) fn whole_color(&self, incident: [f64; 2], exit: [f64; 2]) -> Option<[f64; 3]> {
         let chromaticity = self.chromaticity.as_ref()?;
         let xyz = self.xyz(chromaticity, &self.luminance.point(incident, exit));
@@ -114,37 +114,38 @@ impl Tensor {
         Some(Resolution { least, largest: slice.largest_cell().max(least) })
     }
 
-    /// The share of light that is scattered, given one direction.
+    /// Scattered fraction of light for one given direction.
     pub(crate) fn total(&self, way: Way, given: [f64; 2]) -> f64 {
         if let Some((slice, _)) = self.slice(way, given) {
             return slice.total();
         }
-        // The midpoints of an even grid over the projected hemisphere.
+        // Midpoints of a uniform grid over the projected hemisphere.
         let step = 1.0 / f64::from(QUADRATURE_STEPS);
         let center = |steps: u32| (f64::from(steps) + 0.5) * step;
         let points = (0..QUADRATURE_STEPS).flat_map(|i| (0..QUADRATURE_STEPS).map(move |j| [center(i), center(j)]));
         PI * step * step * points.map(|point| self.value(disk_of_square(point), given)).sum::<f64>()
     }
 
-    /// Draws the other direction, in proportion to value times projected solid angle.
+    /// Samples the other direction, in proportion to value times projected solid angle.
     ///
-    /// Of an isotropic tree against its way it is drawn uniformly: no cells of the tree lie side by side there.
-    pub(crate) fn draw(&self, way: Way, given: [f64; 2], u: [f64; 2]) -> Option<[f64; 2]> {
+    /// If the exit direction of an isotropic tree is given, sampling is uniform: the tree has no
+    /// slice for it.
+    pub(crate) fn sample(&self, way: Way, given: [f64; 2], u: [f64; 2]) -> Option<[f64; 2]> {
         let Some((slice, _)) = self.slice(way, given) else { return Some(disk_of_square(u)) };
         if slice.total() <= LEAST_TOTAL {
             return None;
         }
-        let drawn = slice.draw(u)?;
+        let point = slice.sample(u)?;
         if self.luminance.rank == Rank::Anisotropic {
-            return Some(drawn);
+            return Some(point);
         }
         let [x, y] = given;
         let sine = x.hypot(y);
         let (cosine_turn, sine_turn) = if sine > 0.0 { (x / sine, y / sine) } else { (1.0, 0.0) };
-        Some([cosine_turn * drawn[0] - sine_turn * drawn[1], sine_turn * drawn[0] + cosine_turn * drawn[1]])
+        Some([cosine_turn * point[0] - sine_turn * point[1], sine_turn * point[0] + cosine_turn * point[1]])
     }
 
-    /// With which density per projected solid angle a direction with some value is drawn, 1/sr.
+    /// Sampling density per projected solid angle of a direction with this value, 1/sr.
     pub(crate) fn density(&self, way: Way, given: [f64; 2], value: f64) -> f64 {
         match self.slice(way, given) {
             None => 1.0 / PI,
@@ -153,7 +154,8 @@ impl Tensor {
         }
     }
 
-    /// The cells of the other direction and how often that of the given one was halved; none of an isotropic tree against its way.
+    /// Slice of the other direction, and the number of halvings of the given one's cell; none if
+    /// the exit direction of an isotropic tree is given.
     fn slice(&self, way: Way, given: [f64; 2]) -> Option<(Held<'_>, u32)> {
         match (self.luminance.rank, way) {
             (Rank::Isotropic, Way::Forward) => {

@@ -1,19 +1,21 @@
-//! Scattering as a tensor tree: cells of a hypercube, halved in all dimensions where the data ask for it.
+//! Scattering as a tensor tree: adaptive cells of a hypercube, halved in all dimensions where the
+//! data require it.
 //!
-//! The dimensions are the incident direction's, then the exit direction's two. Directions are mapped from the disk to the square by
-//! [`crate::square`]. Of an isotropic tree the one incident dimension is (1 − sin θ)/2, so only its first half is in use, and the exit
-//! direction is turned by the azimuth of the incident one.
+//! The first dimensions are those of the incident direction, the last two those of the exit
+//! direction. Directions are mapped from the disk to the square by [`crate::square`]. An isotropic
+//! tree has one incident dimension, (1 − sin θ)/2, of which only the first half is used; the exit
+//! direction is rotated by the azimuth of the incident one.
 
 use crate::square::square_of_disk;
 use std::f64::consts::PI;
 
-/// No tree is halved more often.
+/// Maximum number of halvings.
 pub(crate) const MOST_HALVINGS: u32 = 15;
 
-/// Cells are looked at down to this many halvings for the largest share of scattered light.
+/// Number of halvings of the cells that are used to find the largest scattered fraction.
 const TOTAL_HALVINGS: u32 = 5;
 
-/// Of how many dimensions a tree is.
+/// Number of dimensions of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rank {
     /// Three dimensions.
@@ -30,25 +32,26 @@ impl Rank {
         }
     }
 
-    /// How many dimensions the incident direction has.
+    /// Number of dimensions of the incident direction.
     pub(crate) fn incident(self) -> u32 {
         self.dimensions() - 2
     }
 }
 
-/// A point of the hypercube; an isotropic tree has no use for the last coordinate.
+/// A point of the hypercube; the last coordinate of an isotropic tree is unused.
 pub(crate) type Point = [f64; 4];
 
 /// One node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Node {
-    /// The index of the first of 2^dimensions nodes; bit `i` of the rest says which half of dimension `i`.
+    /// Index of the first of 2^dimensions nodes; bit `i` of the offset selects the half of
+    /// dimension `i`.
     Branch(u32),
-    /// 2^(dimensions·halvings) values from `first` on; the last dimension varies fastest.
+    /// 2^(dimensions·halvings) values starting at `first`; the last dimension varies fastest.
     Grid {
-        /// How often each dimension is halved.
+        /// Number of halvings of each dimension.
         halvings: u32,
-        /// The index of the first value.
+        /// Index of the first value.
         first: u32,
     },
 }
@@ -57,7 +60,7 @@ pub(crate) enum Node {
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(crate) rank: Rank,
-    /// The first is the root.
+    /// Nodes; the first is the root.
     pub(crate) nodes: Vec<Node>,
     pub(crate) values: Vec<f32>,
 }
@@ -65,25 +68,25 @@ pub(crate) struct Tree {
 /// A cell of the hypercube.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
-    /// Its least coordinates.
+    /// Smallest coordinates of the cell.
     pub(crate) corner: Point,
     pub(crate) value: f32,
-    /// Its side is 2^-halvings.
+    /// Number of halvings: the side is 2^-halvings.
     pub(crate) halvings: u32,
 }
 
-/// What a tree has at a point.
+/// Value of a tree at a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaf {
     pub(crate) value: f32,
     /// Index of the value.
     pub(crate) index: u32,
-    /// How often the hypercube was halved.
+    /// Number of halvings of the cell.
     pub(crate) halvings: u32,
 }
 
 impl Tree {
-    /// Where a pair of directions, projected onto the surface, lies in the hypercube.
+    /// Point of the hypercube for a pair of directions that are projected onto the surface.
     pub(crate) fn point(&self, incident: [f64; 2], exit: [f64; 2]) -> Point {
         match self.rank {
             Rank::Isotropic => {
@@ -101,7 +104,7 @@ impl Tree {
         }
     }
 
-    /// The cell that holds a point.
+    /// Cell that contains a point.
     pub(crate) fn leaf(&self, point: &Point) -> Leaf {
         let dimensions = self.rank.dimensions() as usize;
         let mut rest = *point;
@@ -132,14 +135,14 @@ impl Tree {
         }
     }
 
-    /// How often the smallest cell is halved.
+    /// Number of halvings of the smallest cell.
     pub(crate) fn most_halvings(&self) -> u32 {
         let mut most = 0;
         self.for_each_cell(&mut |cell| most = most.max(cell.halvings));
         most
     }
 
-    /// The smallest value that is in use.
+    /// Smallest value in the used part.
     pub(crate) fn least_value(&self) -> f32 {
         let mut least = f32::INFINITY;
         self.for_each_cell(&mut |cell| {
@@ -150,19 +153,20 @@ impl Tree {
         least
     }
 
-    /// Takes an amount away from all values; none falls below zero.
+    /// Subtracts an amount from all values, clamped at zero.
     pub(crate) fn subtract(&mut self, amount: f32) {
         self.values.iter_mut().for_each(|value| *value = (*value - amount).max(0.0));
     }
 
-    /// The largest integral over the exit hemisphere for one incident direction, averaged over 32 cells a dimension.
+    /// Largest integral over the exit hemisphere for one incident direction, averaged over 32 cells
+    /// per dimension.
     pub(crate) fn largest_total(&self) -> f64 {
         let width = 1_usize << TOTAL_HALVINGS;
         let rows = if self.rank == Rank::Anisotropic { width } else { 1 };
         let mut totals = vec![0.0; rows * width];
         self.for_each_cell(&mut |cell| {
             let side = 0.5_f64.powi(cell.halvings as i32);
-            // A smaller cell fills a share of one of the 32, a larger one fills several.
+            // A smaller cell covers part of one of the 32 cells, a larger one covers several.
             let covered = (side * width as f64).min(1.0).powi(self.rank.incident() as i32);
             let first = |dimension: usize| (cell.corner[dimension] * width as f64) as usize;
             let count = (width >> cell.halvings).max(1);
@@ -178,7 +182,7 @@ impl Tree {
         PI * used.map(|(_, total)| *total).fold(0.0, f64::max)
     }
 
-    /// Half of an isotropic tree stands for nothing.
+    /// Whether the cell is in the used part; half of an isotropic tree is unused.
     pub(crate) fn is_used(&self, cell: &Cell) -> bool {
         self.rank == Rank::Anisotropic || cell.corner[0] < 0.5
     }
@@ -216,7 +220,7 @@ impl Tree {
     }
 }
 
-/// The incident coordinate of an isotropic tree; just below one half at normal incidence.
+/// Incident coordinate of an isotropic tree; just below one half at normal incidence.
 pub(crate) fn isotropic_coordinate(sine: f64) -> f64 {
     const TINY: f64 = 1e-6;
     (0.5 - TINY - 0.5 * sine).max(0.0)

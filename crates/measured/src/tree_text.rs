@@ -1,15 +1,16 @@
-//! Reading the braces and numbers of a tensor tree.
+//! Parser of tensor trees: braces and numbers.
 
 use crate::mistake::Mistake;
 use crate::tree::{MOST_HALVINGS, Node, Rank, Tree};
 
-/// Numbers apart from white space and commas, and braces; places are relative to the text.
+/// Splits a text into braces and numbers, separated by white space and commas; positions are
+/// relative to the text.
 pub(crate) struct Numbers<'t> {
     text: &'t str,
     at: usize,
 }
 
-/// What stands next.
+/// Next token.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Token<'t> {
     Open,
@@ -23,7 +24,7 @@ impl<'t> Numbers<'t> {
         Numbers { text, at: 0 }
     }
 
-    /// The next token and where it begins.
+    /// Next token and its position.
     pub(crate) fn next(&mut self) -> (Token<'t>, usize) {
         let is_space = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == 0x0b;
         let bytes = self.text.as_bytes();
@@ -52,7 +53,7 @@ impl<'t> Numbers<'t> {
     }
 }
 
-/// A value of scattering data: finite; a negative one is taken for zero, as Radiance does.
+/// A value of scattering data: finite; a negative one counts as zero, as in Radiance.
 pub(crate) fn scattering_value(word: &str, at: usize) -> Result<f32, Mistake> {
     let value = word.parse::<f64>().ok().map(|value| value as f32).filter(|value| value.is_finite());
     value
@@ -77,7 +78,7 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    /// Reads a node with its braces into a place that is kept for it.
+    /// Reads a node with its braces into a reserved position.
     fn node(&mut self, place: usize, depth: u32) -> Result<(), Mistake> {
         let (token, at) = self.numbers.next();
         if token != Token::Open {

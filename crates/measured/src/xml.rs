@@ -1,17 +1,18 @@
-//! XML as BSDF files use it: elements by name, whatever the name space, and where they stand.
+//! XML of BSDF files: elements by name, in any name space, with their positions.
 
 use crate::mistake::{Mistake, Place};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::borrow::Cow;
 
-/// A file with more elements is no BSDF.
+/// Maximum number of elements of a BSDF file.
 const MOST_NODES: u32 = 1 << 20;
 
-/// A file as text. What is not UTF-8 is taken for Latin-1: makers' names are written in it.
+/// A file as text. Bytes that are not UTF-8 are decoded as Latin-1, which is common in makers'
+/// names.
 pub(crate) struct Text<'b> {
     text: Cow<'b, str>,
-    /// Where the XML begins and ends: a pipeline that made the file may have left its own words
-    /// around it, as `genBSDF` does with its command line, and Radiance reads past them.
+    /// Range of the XML: the pipeline that made the file may have added text around it, as
+    /// `genBSDF` does with its command line. Radiance ignores such text.
     xml: Place,
 }
 
@@ -33,7 +34,7 @@ impl<'b> Text<'b> {
         &self.text[self.xml.clone()]
     }
 
-    /// Makes the place of a mistake in the XML one of the bytes that were decoded.
+    /// Converts the position of an error from the XML to the file's bytes.
     pub(crate) fn in_bytes(&self, mistake: &mut Mistake) {
         let place = mistake.place_mut();
         *place = self.xml.start + place.start..self.xml.start + place.end;
@@ -44,7 +45,7 @@ impl<'b> Text<'b> {
     }
 }
 
-/// Where the first tag stands; the `<` of a command line has a blank or a file name's path after it.
+/// Position of the first tag; the `<` of a command line is followed by a blank or a file name.
 fn first_tag(text: &str) -> Option<usize> {
     let begins_tag = |rest: &str| rest.starts_with(|c: char| c.is_alphabetic() || matches!(c, '?' | '!' | '_'));
     text.find("<?xml").or_else(|| text.match_indices('<').map(|(at, _)| at).find(|at| begins_tag(&text[at + 1..])))
@@ -57,7 +58,7 @@ pub(crate) struct Xml<'t> {
 
 impl<'t> Xml<'t> {
     pub(crate) fn parse(text: &'t Text<'_>) -> Result<Xml<'t>, Mistake> {
-        // A document type is the way to bombs of entities; BSDF files have none.
+        // A document type would permit expanding entities without bound; BSDF files have none.
         let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..ParsingOptions::default() };
         let document = Document::parse_with_options(text.xml(), options).map_err(|error| {
             let at = offset(text.xml(), error.pos());
@@ -72,7 +73,7 @@ impl<'t> Xml<'t> {
     }
 }
 
-/// The byte at a row and column, both from 1.
+/// Byte offset of a row and column, both from 1.
 fn offset(text: &str, position: roxmltree::TextPos) -> usize {
     let row = text.split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
     let line = &text[row..];
@@ -108,7 +109,7 @@ impl<'a, 't: 'a> Element<'a, 't> {
         })
     }
 
-    /// Its own text, without that of elements in it.
+    /// Text of the element, without that of its children.
     pub(crate) fn text(&self) -> Cow<'a, str> {
         let mut texts = self.0.children().filter(Node::is_text).filter_map(|child| child.text());
         let first = texts.next().unwrap_or("");
@@ -118,13 +119,13 @@ impl<'a, 't: 'a> Element<'a, 't> {
         }
     }
 
-    /// Where its opening tag begins, up to its name's end.
+    /// Range of the opening tag up to the end of its name.
     pub(crate) fn tag_place(&self) -> Place {
         let start = self.0.range().start;
         start..start + 1 + self.name().len()
     }
 
-    /// Where its text stands, without the white space around it.
+    /// Range of the text without surrounding white space.
     pub(crate) fn text_place(&self) -> Place {
         let Some(child) = self.0.children().find(Node::is_text) else { return self.tag_place() };
         let (range, text) = (child.range(), child.text().unwrap_or(""));
@@ -136,7 +137,8 @@ impl<'a, 't: 'a> Element<'a, 't> {
         start..start + inner.len()
     }
 
-    /// Moves the place of a mistake from this element's text into the file; where text and file differ it is that of the whole.
+    /// Converts the position of an error from this element's text to the file; if the two differ,
+    /// the position is that of the whole text.
     pub(crate) fn within(&self, mut mistake: Mistake) -> Mistake {
         let place = mistake.place_mut();
         let mut texts = self.0.children().filter(Node::is_text);

@@ -1,4 +1,5 @@
-//! No input makes the reader panic, hang or take memory that its bytes do not justify; and what is wrong is said.
+//! No input makes the reader panic, hang or use more memory than its size justifies; errors are
+//! reported.
 
 use proptest::prelude::*;
 use radsight_measured::{MeasuredBsdf, Mistake};
@@ -8,7 +9,7 @@ fn mistake(text: &str) -> String {
     MeasuredBsdf::read(text.as_bytes()).unwrap_err().to_string()
 }
 
-/// The words that a mistake is about.
+/// The text at an error's position.
 fn pointed_at(text: &str) -> String {
     let mistake = MeasuredBsdf::read(text.as_bytes()).unwrap_err();
     text[mistake.place()].to_owned()
@@ -22,7 +23,7 @@ fn quarter(data: &str) -> String {
 }
 
 #[test]
-fn mistakes_name_what_was_expected_and_where() {
+fn errors_name_what_was_expected_and_where() {
     let numbers = vec!["0.1"; 41 * 41];
     let with = |at: usize, word: &'static str| {
         let mut numbers = numbers.clone();
@@ -54,7 +55,7 @@ fn mistakes_name_what_was_expected_and_where() {
 }
 
 #[test]
-fn words_around_the_xml_are_read_past_and_mistakes_keep_their_places() {
+fn text_around_the_xml_is_ignored_and_errors_keep_their_positions() {
     let numbers = vec!["0.1"; 41 * 41];
     let right = quarter(&numbers.join(","));
     let wrong = quarter(&[&numbers[1..], &["x"]].concat().join(","));
@@ -78,7 +79,7 @@ fn a_basis_is_known_by_its_name_or_from_the_file() {
 }
 
 #[test]
-fn more_numbers_than_pairs_are_passed_over_with_a_warning() {
+fn more_numbers_than_pairs_are_ignored_with_a_warning() {
     let reading = MeasuredBsdf::read(quarter(&vec!["0.1"; 41 * 41 + 3].join(",")).as_bytes()).unwrap();
     assert!(matches!(reading.warnings[..], [Mistake::Count { .. }]));
 }
@@ -92,7 +93,7 @@ fn a_file_without_visible_data_is_black_with_a_warning() {
 }
 
 #[test]
-fn names_in_latin_1_are_read_and_places_after_them_are_right() {
+fn names_in_latin_1_are_read_and_later_positions_are_right() {
     let text = quarter("1, x").replace("nobody", "M\u{fc}ller");
     let bytes: Vec<u8> = text.chars().map(|character| character as u8).collect();
     let mistake = MeasuredBsdf::read(&bytes).unwrap_err();
@@ -123,7 +124,7 @@ fn a_basis_of_a_million_patches_needs_as_many_numbers() {
 }
 
 #[test]
-fn a_tree_with_one_deep_branch_is_drawn_from() {
+fn a_tree_with_one_deep_branch_is_sampled() {
     let mut tree = "{ 3 }".to_owned();
     for depth in 0..14 {
         let beside = format!("{{ {} }} ", 0.1 + 0.02 * f64::from(depth));

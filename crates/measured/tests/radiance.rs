@@ -1,6 +1,8 @@
-//! Values beside real Radiance's: a surface with the BSDF under a small distant light, by `rtrace`, without jitter.
+//! Values beside real Radiance's: a surface with the BSDF under a small distant light, by `rtrace`,
+//! without jitter.
 //!
-//! Skipped where `RADSIGHT_RADIANCE` names no folder with `bin` and `lib` and no `oconv` is on the path.
+//! Skipped where `RADSIGHT_RADIANCE` names no folder with `bin` and `lib` and no `oconv` is on the
+//! path.
 
 use glam::DVec3;
 use radsight_measured::MeasuredBsdf;
@@ -9,16 +11,18 @@ use radsight_test_support::{Radiance, Random};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Radiance marks each cell of a matrix by changing its value by up to 3 parts in 10⁴, and each of a tree by up to 2.
+/// Radiance marks cells by changing values by up to 3 parts in 10⁴ (matrices) or 2 parts in 10⁴
+/// (trees).
 const MARKS: f64 = 4e-4;
 
-/// It keeps the colours of matrices in 16 bits.
+/// Radiance stores the colours of matrices in 16 bits.
 const COLORS: f64 = 0.2;
 
 const LIGHTS: usize = 4;
 const RAYS: usize = 300;
 
-/// Value times cosine for each given direction and each light, up to one factor: π for white plastic.
+/// Value times cosine for each given direction and each light, up to a constant factor: π for white
+/// plastic.
 fn real_values(radiance: &Radiance, folder: &Path, material: &str, light: DVec3, given: &[DVec3]) -> Vec<[f64; 3]> {
     let [x, y, z] = light.to_array();
     let scene = format!(
@@ -39,7 +43,7 @@ fn real_values(radiance: &Radiance, folder: &Path, material: &str, light: DVec3,
     numbers.chunks(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect()
 }
 
-/// The file's values agree, at all but the few pairs of directions that lie on the edge between two cells.
+/// The file's values agree, except for the few pairs of directions on the edge between two cells.
 fn agrees(radiance: &Radiance, name: &str, xml: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("b.xml"), xml).expect("a file is written");
@@ -50,7 +54,7 @@ fn agrees(radiance: &Radiance, name: &str, xml: &[u8]) {
     for _ in 0..LIGHTS {
         let light = random.direction();
         let mut given: Vec<DVec3> = (0..RAYS).map(|_| random.direction()).collect();
-        // Every third near the mirror direction, every third near straight through.
+        // One direction in three is near the mirror direction, one in three near straight-through.
         for (index, direction) in given.iter_mut().enumerate() {
             let peak = [light * DVec3::new(-1.0, -1.0, 1.0), -light][index % 2];
             if index % 3 > 0 {
@@ -78,7 +82,8 @@ fn agrees(radiance: &Radiance, name: &str, xml: &[u8]) {
 #[test]
 fn values_are_those_of_radiance() {
     let Some(radiance) = Radiance::find() else { return };
-    // Radiance loses the colour of isotropic trees when it takes off their Lambertian part, and shows them in red.
+    // Radiance loses the colour of isotropic trees when it subtracts their Lambertian part, and
+    // shows them in red.
     for (name, text) in all_forms().into_iter().filter(|(name, _)| *name != "coloured isotropic tree") {
         agrees(&radiance, name, text.as_bytes());
     }

@@ -1,4 +1,4 @@
-//! Drawing directions: densities, weights and totals agree with each other and with the values.
+//! Sampling: densities, weights and totals agree with each other and with the values.
 
 use glam::DVec3;
 use radsight_measured::{MeasuredBsdf, Scattering, Side};
@@ -17,7 +17,7 @@ fn given() -> Vec<DVec3> {
         .collect()
 }
 
-/// Every scattering function of a file with a given direction that it takes.
+/// Every scattering function of a file, with a given direction that it accepts.
 fn each(bsdf: &MeasuredBsdf) -> Vec<(&Scattering, DVec3, Side)> {
     let mut all = Vec::new();
     for direction in given() {
@@ -28,7 +28,8 @@ fn each(bsdf: &MeasuredBsdf) -> Vec<(&Scattering, DVec3, Side)> {
     all
 }
 
-/// The integral of a function over the projected hemisphere on one side, by the R2 sequence (Roberts, 2018).
+/// Integral of a function over the projected hemisphere of one side, by the R2 sequence (Roberts,
+/// 2018).
 fn over_hemisphere(side: Side, mut integrand: impl FnMut(DVec3) -> f64) -> f64 {
     const POINTS: u32 = 50_000;
     const RATIO: f64 = 1.324_717_957_244_746;
@@ -50,7 +51,7 @@ fn totals_are_integrals_of_the_values() {
         for (scattering, given, side) in each(&bsdf) {
             let total = scattering.total(given);
             let integral = over_hemisphere(side, |other| scattering.luminance(given, other));
-            // An isotropic tree against its way has a coarse quadrature of its own.
+            // An isotropic tree with a given exit direction uses a coarse quadrature.
             let tolerance = if name == "isotropic tree one way" { 0.12 } else { 3e-3 };
             assert!((total - integral).abs() < tolerance * integral + 1e-6, "{name} {given}: {total} {integral}");
         }
@@ -72,7 +73,7 @@ fn densities_integrate_to_one() {
 
 /// Pearson's chi² over cells of 10 by 16, equal in projected solid angle.
 #[test]
-fn directions_are_drawn_with_the_density_that_is_stated() {
+fn samples_have_the_density_of_density() {
     const DRAWS: u32 = 40_000;
     const RINGS: usize = 10;
     const TURNS: usize = 16;
@@ -86,7 +87,7 @@ fn directions_are_drawn_with_the_density_that_is_stated() {
                 let ring = ((squared * RINGS as f64) as usize).min(RINGS - 1);
                 ring * TURNS + ((turn * TURNS as f64) as usize).min(TURNS - 1)
             };
-            let mut drawn = vec![0.0; RINGS * TURNS];
+            let mut counts = vec![0.0; RINGS * TURNS];
             let mut misses = 0;
             for _ in 0..DRAWS {
                 let Some(sample) = scattering.sample(given, [random.number(), random.number()]) else {
@@ -96,7 +97,7 @@ fn directions_are_drawn_with_the_density_that_is_stated() {
                 assert!((sample.direction.length() - 1.0).abs() < 1e-9 && Side::of(sample.direction) == side);
                 let density = scattering.density(given, sample.direction);
                 assert!((sample.density - density).abs() <= 1e-9 * density);
-                drawn[cell(sample.direction)] += 1.0;
+                counts[cell(sample.direction)] += 1.0;
             }
             if scattering.total(given) <= 1e-6 {
                 assert_eq!(misses, DRAWS);
@@ -109,15 +110,15 @@ fn directions_are_drawn_with_the_density_that_is_stated() {
                 0.0
             });
             let sum: f64 = expected.iter().sum();
-            // Cells that hardly anything falls into count together.
+            // Cells with few expected samples are merged.
             let (mut chi_squared, mut cells, mut rest) = (0.0, 0, [0.0; 2]);
-            for (drawn, expected) in drawn.iter().zip(&expected) {
+            for (count, expected) in counts.iter().zip(&expected) {
                 let expected = expected / sum * f64::from(DRAWS);
                 if expected < 10.0 {
-                    rest = [rest[0] + drawn, rest[1] + expected];
+                    rest = [rest[0] + count, rest[1] + expected];
                 } else {
-                    // The quadrature's own error, a part in a hundred, counts beside the counting error.
-                    chi_squared += (drawn - expected).powi(2) / (expected + (0.01 * expected).powi(2));
+                    // The quadrature error of one per cent is added to the counting error.
+                    chi_squared += (count - expected).powi(2) / (expected + (0.01 * expected).powi(2));
                     cells += 1;
                 }
             }
@@ -142,7 +143,7 @@ fn weights_average_to_the_total() {
                 sum += 0.265_105_82 * weight[0] + 0.670_105_82 * weight[1] + 0.064_788_36 * weight[2];
             }
             let mean = sum / f64::from(steps * steps);
-            // Colours that no red, green and blue make are cut off, and so a little luminance with them.
+            // Colours outside the gamut are clipped, which changes the luminance slightly.
             let tolerance = if name.contains("colour") {
                 0.03
             } else if name.contains("one way") {

@@ -1,10 +1,12 @@
-//! Builds the tree of cubes that an octree file holds, as Radiance's `oconv` does.
+//! Builds the octree of a file, as Radiance's `oconv` does.
 //!
-//! A cube is split until it has few surfaces or is small. Every surface that touches a cube is in it: where a test cannot
-//! tell, it says yes, so that no ray of real Radiance misses anything. radsight itself traces rays with another hierarchy and
-//! needs no octree; this one is for writing files that other programs read.
+//! A cube is subdivided until it has few surfaces or is small. Every surface that touches a cube is
+//! listed in it: where a test cannot decide, it assumes so, so that no ray of real Radiance misses
+//! a surface. radsight itself traces rays with another acceleration structure; the octree is for
+//! files that other programs read.
 //!
-//! Knows the forms of the scene, but neither its text nor how rays are traced. The result does not depend on the number of threads.
+//! The crate knows the shapes of the scene, but neither its text nor how rays are traced. The
+//! result does not depend on the number of threads.
 //!
 //! ```
 //! use radsight_formats::Tree;
@@ -27,21 +29,21 @@ use radsight_ir::{Cube, Scene, Shape};
 use rayon::prelude::*;
 use touch::{Form, Touch};
 
-/// Radiance takes lengths below this for zero, scene units.
+/// Radiance treats smaller lengths as zero, scene units.
 const TINY: f64 = 1e-6;
 
-/// Cubes with more surfaces than this have their halves built in parallel.
+/// Number of surfaces above which the halves of a cube are built in parallel.
 const MANY: usize = 2000;
 
-/// Where no more cubes are split even if more surfaces meet there than a file can say.
+/// Depth at which subdivision ends, even if a cube has more surfaces than a file can store.
 const DEEPEST: u32 = 26;
 
-/// How finely space is split.
+/// Resolution of the octree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// A cube with more surfaces is split (`oconv -n`). Default: 6.
+    /// Number of surfaces above which a cube is subdivided (`oconv -n`). Default: 6.
     pub object_limit: usize,
-    /// The whole cube's edge over the smallest one's (`oconv -r`). Default: 16384.
+    /// Edge of the whole cube relative to that of the smallest one (`oconv -r`). Default: 16384.
     pub resolution: u32,
 }
 
@@ -51,16 +53,17 @@ impl Default for BuildOptions {
     }
 }
 
-/// A tree of cubes.
+/// A finished octree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Built {
-    /// The tree, with the numbers of the surfaces.
+    /// The octree, with surface numbers in its leaves.
     pub tree: Tree,
-    /// How many surfaces were left out of a cube since it has more than a file can say.
+    /// Number of surfaces left out of cubes that have more than a file can store.
     pub left_out: usize,
 }
 
-/// Builds the tree for all surfaces of a scene that have a place. `numbers` has what the tree calls each surface, rising.
+/// Builds the octree of all surfaces at a finite distance. `numbers` are the surfaces' numbers in
+/// the file, ascending.
 #[must_use]
 pub fn build(scene: &Scene, numbers: &[u32], cube: Cube, options: &BuildOptions) -> Built {
     let numbered = scene.surfaces.items().iter().zip(numbers);
@@ -80,7 +83,7 @@ pub fn build(scene: &Scene, numbers: &[u32], cube: Cube, options: &BuildOptions)
     Built { tree, left_out }
 }
 
-/// A surface with its number and the box around it.
+/// A surface with its number and its bounding box.
 struct Member<'a> {
     number: u32,
     bounds: [DVec3; 2],
@@ -89,16 +92,16 @@ struct Member<'a> {
 
 struct Builder {
     object_limit: usize,
-    /// Length of an edge below which no cube is split into.
+    /// Smallest edge of a subdivided cube.
     smallest: f64,
 }
 
 impl Builder {
-    /// The tree of a cube, of the surfaces that may touch it, and how many had no room.
+    /// Octree of a cube for the surfaces that may touch it, and the number of surfaces left out.
     fn node(&self, cube: Cube, candidates: &[&Member<'_>], depth: u32) -> (Tree, usize) {
         let (low, high) = (cube.origin - TINY, cube.origin + cube.size + TINY);
         let mut members = Vec::with_capacity(candidates.len());
-        // What fills the whole cube is in all its parts too, and splitting does not help.
+        // A volume that fills the whole cube fills all its parts too, so subdivision does not help.
         let mut crossing = 0;
         for member in candidates {
             if member.bounds[0].cmpgt(high).any() || member.bounds[1].cmplt(low).any() {
@@ -137,7 +140,7 @@ impl Builder {
         let left_out = parts.iter().map(|(_, left_out)| left_out).sum();
         let mut trees = parts.into_iter().map(|(tree, _)| tree);
         let trees: [Tree; 8] = std::array::from_fn(|_| trees.next().unwrap_or(Tree::Empty));
-        // Eight parts with the same in them are one.
+        // Eight equal leaves are merged.
         let is_leaf = !matches!(trees[0], Tree::Split(_));
         if is_leaf && trees.iter().all(|tree| *tree == trees[0]) {
             let [first, ..] = trees;

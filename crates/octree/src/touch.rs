@@ -1,43 +1,43 @@
-//! Whether surfaces touch cubes.
+//! Intersection tests of surfaces and cubes.
 
 use crate::TINY;
 use glam::DVec3;
 use radsight_ir::{Cube, Scene, Shape, Sphere, Transform};
 
-/// How a surface and a cube lie.
+/// Relation of a surface and a cube.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Touch {
-    /// They have no point in common.
+    /// They are disjoint.
     Outside,
-    /// The surface, or the border of a volume, passes through the cube.
+    /// The surface, or the boundary of a volume, crosses the cube.
     Crosses,
     /// The cube is inside the volume.
     Fills,
 }
 
-/// A surface as far as its place goes.
+/// Geometry of a surface.
 #[derive(Clone, Debug)]
 pub(crate) enum Form<'a> {
     Polygon(&'a [DVec3]),
     Sphere(Sphere),
     Revolution(Revolution),
-    /// A cube of a file, placed.
+    /// The cube of an instanced octree, with its transform.
     Volume {
         cube: Cube,
         to_scene: Transform,
         to_file: Transform,
     },
-    /// Without a place.
-    Nowhere,
+    /// A distant source.
+    Distant,
 }
 
-/// A line segment turned about an axis: cones, cylinders and rings.
+/// A surface of revolution of a line segment: cone, cylinder or ring.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Revolution {
     origin: DVec3,
     /// Unit vector.
     axis: DVec3,
-    /// Place along the axis and distance from it, of both ends.
+    /// Position along the axis and distance from it, of both ends.
     ends: [[f64; 2]; 2],
 }
 
@@ -68,7 +68,7 @@ impl<'a> Form<'a> {
                 let placed = &scene.instances[handle];
                 Form::volume(scene.octrees[placed.octree].cube, placed.to_scene)
             }
-            Shape::Source(_) => Form::Nowhere,
+            Shape::Source(_) => Form::Distant,
         }
     }
 
@@ -76,7 +76,7 @@ impl<'a> Form<'a> {
         Form::Volume { cube, to_scene, to_file: to_scene.inverse() }
     }
 
-    /// The corners of a box around it.
+    /// Corners of the bounding box.
     pub(crate) fn bounds(&self) -> [DVec3; 2] {
         match self {
             Form::Polygon(vertices) => bounds(vertices.iter().copied()),
@@ -90,7 +90,7 @@ impl<'a> Form<'a> {
                 }))
             }
             Form::Volume { cube, to_scene, .. } => bounds(corners(cube).map(|corner| to_scene.point(corner))),
-            Form::Nowhere => bounds([]),
+            Form::Distant => bounds([]),
         }
     }
 
@@ -100,7 +100,7 @@ impl<'a> Form<'a> {
             Form::Sphere(sphere) => sphere_crosses(sphere, cube),
             Form::Revolution(form) => form.crosses(cube, 2),
             Form::Volume { cube: inner, to_scene, to_file } => return volume_touch(inner, to_scene, to_file, cube),
-            Form::Nowhere => false,
+            Form::Distant => false,
         };
         if crosses { Touch::Crosses } else { Touch::Outside }
     }
@@ -118,8 +118,9 @@ fn corners(cube: &Cube) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Cuts the polygon by the six faces of the cube, one after the other (Sutherland and Hodgman, "Reentrant polygon clipping",
-/// 1974). What is left may have seams without area where the polygon is not convex, so it says yes too often, never too rarely.
+/// Clips the polygon by the six faces of the cube (Sutherland and Hodgman, "Reentrant polygon
+/// clipping", 1974). A clipped concave polygon may have seams without area, so the test can report
+/// false positives, but no false negatives.
 fn polygon_crosses(vertices: &[DVec3], cube: &Cube) -> bool {
     let (low, high) = (cube.origin - TINY, cube.origin + cube.size + TINY);
     let is_inside = |vertex: &DVec3| vertex.cmpge(low).all() && vertex.cmple(high).all();
@@ -149,7 +150,7 @@ fn polygon_crosses(vertices: &[DVec3], cube: &Cube) -> bool {
     !kept.is_empty()
 }
 
-/// Whether the nearest point of the cube is inside the sphere and the farthest outside it.
+/// Whether the closest point of the cube is inside the sphere and the farthest outside it.
 fn sphere_crosses(sphere: &Sphere, cube: &Cube) -> bool {
     let (low, high) = (cube.origin, cube.origin + cube.size);
     let nearest = sphere.center.clamp(low, high).distance(sphere.center);
@@ -158,8 +159,8 @@ fn sphere_crosses(sphere: &Sphere, cube: &Cube) -> bool {
 }
 
 impl Revolution {
-    /// Compares the distance of the cube's centre with the spheres in and around the cube; where these disagree, looks at
-    /// the eight parts.
+    /// Compares the distance of the cube's centre with the inscribed and the circumscribed sphere
+    /// of the cube; if these disagree, tests the eight parts.
     fn crosses(&self, cube: &Cube, depth: u32) -> bool {
         let half = 0.5 * cube.size;
         let distance = self.distance(cube.origin + half);
@@ -173,7 +174,8 @@ impl Revolution {
             .any(|origin| self.crosses(&Cube { origin, size: half }, depth - 1))
     }
 
-    /// How far a point is from the surface. The nearest point is in the plane of the point and the axis.
+    /// Distance of a point from the surface. The closest point is in the plane of the point and the
+    /// axis.
     fn distance(&self, point: DVec3) -> f64 {
         let offset = point - self.origin;
         let along = offset.dot(self.axis);
@@ -188,8 +190,8 @@ impl Revolution {
     }
 }
 
-/// Two cubes that may be turned against each other: they are apart if some plane along a face of one, or along an edge of each,
-/// has them on two sides (Gottschalk, Lin and Manocha, "OBBTree", 1996).
+/// Tests two cubes of different orientation: they are disjoint if a plane along a face of one, or
+/// along an edge of each, separates them (Gottschalk, Lin and Manocha, "OBBTree", 1996).
 fn volume_touch(inner: &Cube, to_scene: &Transform, to_file: &Transform, cube: &Cube) -> Touch {
     let low = inner.origin;
     let high = inner.origin + inner.size;
@@ -242,7 +244,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_triangle_with_a_point_in_the_cube_touches_it(a in point(-3.0..3.0), b in point(-3.0..3.0), inside in point(0.0..1.0), s in 0.05..0.9_f64, t in 0.05..0.9_f64) {
-            // The third vertex is where it must be for the point to lie on the triangle.
+            // The third vertex is chosen so that the point lies on the triangle.
             let (s, t) = if s + t < 0.95 { (s, t) } else { (0.4 * s, 0.4 * t) };
             let c = (inside - a * s - b * t) / (1.0 - s - t);
             prop_assert!(polygon_crosses(&[a, b, c], &CUBE));

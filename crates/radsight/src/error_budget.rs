@@ -13,7 +13,7 @@ const REACH_SHARE: f64 = 0.5;
 const NEAR_ENOUGH: f64 = 0.1;
 
 /// Where an error is asked for, the whole picture's counts, not what is seen in its corners.
-const EVENNESS: f64 = 0.1;
+const ALLOCATION_FLOOR: f64 = 0.1;
 
 /// For errors below the coarse one cache points have more rays, in proportion to what noise needs, at most so many times: many
 /// points with few rays each come to no less noise, for more time.
@@ -126,7 +126,7 @@ impl ErrorBudget {
         match self.0 {
             Asked::Error(error, most) => {
                 gathering.noise = NOISE_SHARE * error;
-                gathering.evenness = EVENNESS;
+                gathering.allocation_floor = ALLOCATION_FLOOR;
                 if gathering.accuracy > 0.0 && gathering.divisions > 1 {
                     let thoroughness = (COARSE_ERROR / error).powi(2).clamp(1.0, MOST_THOROUGH);
                     gathering.divisions = (f64::from(gathering.divisions) * thoroughness) as u32;

@@ -81,7 +81,7 @@ impl Renderer {
             resolution: 64,
             divisions: 512,
             super_samples: 128,
-            uncached: Uncached::DrawOne,
+            uncached: Uncached::TraceOne,
             ..Gathering::default()
         };
         RenderOptions { mirror_sources: 1, gathering, highlight_threshold: 0.15, ..RenderOptions::default() }
@@ -494,7 +494,7 @@ fn check_budget(budget: SamplingBudget) -> Result<(), Error> {
 }
 
 pub(crate) fn check_materials(plan: &RenderPlan, sources: &SourceMap) -> Result<(), Error> {
-    match plan.unusable_met() {
+    match plan.unusable_hit() {
         Some(error) => Err(Error::Material(Report::new(vec![error], sources.clone()))),
         None => Ok(()),
     }

@@ -395,7 +395,7 @@ impl<const BANDS: usize> Level<BANDS> {
                 }
             }
         }
-        self.allocations = sample_allocation(&served, plan.options.gathering.evenness);
+        self.allocations = sample_allocation(&served, plan.options.gathering.allocation_floor);
     }
 
     /// Looks again from where irradiance rests on too few rays, and says from how many places.
@@ -506,8 +506,8 @@ fn weighed_against<const BANDS: usize>(fit: &Fit<BANDS>, typical: f64) -> f64 {
 /// How many times as many rays as with equal noise everywhere each record deserves that serves so much of the picture. The squared noise of a record falls as one
 /// over its rays; what is seen of it in all is least, for so many rays in all, where these go with the root of what a record serves. They are scaled so that
 /// as much is seen as with equal noise.
-fn sample_allocation(served: &[f64], evenness: f64) -> Vec<f64> {
-    let least = evenness * served.iter().sum::<f64>() / served.len().max(1) as f64;
+fn sample_allocation(served: &[f64], allocation_floor: f64) -> Vec<f64> {
+    let least = allocation_floor * served.iter().sum::<f64>() / served.len().max(1) as f64;
     let roots = || served.iter().map(|served| (served + least).max(f64::MIN_POSITIVE).sqrt());
     let scale = roots().sum::<f64>() / roots().map(|root| root * root).sum::<f64>();
     roots().map(|root| scale * root).collect()

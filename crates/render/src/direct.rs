@@ -112,7 +112,7 @@ impl DirectSampler<'_> {
                 drawn = (set, tracer.sampler.take(DimensionSet::render(set)));
             }
             let half = 2 * (index % 2);
-            let places = self.reception.places_on(light, self.point);
+            let places = self.reception.samples_on(light, self.point);
             if places == 1 {
                 visit(tracer, NumberedLight { index, light, places }, between, [drawn.1[half], drawn.1[half + 1]]);
                 continue;
@@ -165,7 +165,7 @@ impl DirectSampler<'_> {
             if half == 0 {
                 places = tracer.sampler.take(DimensionSet::render(first_set + 1 + draw / 2));
             }
-            let Some(choice) = cut.draw((f64::from(draw) + offset) / f64::from(draws)) else { continue };
+            let Some(choice) = cut.sample((f64::from(draw) + offset) / f64::from(draws)) else { continue };
             let index = choice.light.0 as usize;
             let between = self.between(plan, index);
             if *between == VisibilityClass::Dark {
@@ -211,7 +211,7 @@ impl DirectSampler<'_> {
             Some(sample) => sample,
             None => light.sample(self.point, u, &self.reception.peak)?,
         };
-        (light.share_in_radius(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
+        (light.fraction_in_radius(self.point, sample.direction, sample.distance) > 0.0).then_some(sample)
     }
 
     /// What one place gives to a point that responds to it like this.
@@ -312,7 +312,7 @@ impl DirectSampler<'_> {
         sample: &LightSample,
     ) -> [f64; BANDS] {
         let plan = tracer.plan;
-        let in_range = light.share_in_radius(self.point, sample.direction, sample.distance);
+        let in_range = light.fraction_in_radius(self.point, sample.direction, sample.distance);
         if light.is_redirected() {
             // What arrives is known when it has arrived.
             return [in_range; BANDS];

@@ -44,7 +44,7 @@ pub(crate) fn sample_outward<const BANDS: usize>(
     u: [f64; 4],
 ) -> Option<BsdfSample<BANDS>> {
     let direction = if u[0] < visible_portals.chance {
-        visible_portals.draw([u[0] / visible_portals.chance, u[2], u[3]])?
+        visible_portals.sample([u[0] / visible_portals.chance, u[2], u[3]])?
     } else {
         bsdf.sample_diffuse(u[2], u[3])?.direction
     };
@@ -137,7 +137,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             (0..aims.outward as u64).filter_map(|draw| {
                 let sampler = sampler(OUTWARD_SEED, aims.outward as u64, draw);
                 let [choice, u, v, _] = sampler.take(DimensionSet::CAMERA);
-                let direction = visible_portals.draw([choice, u, v])?;
+                let direction = visible_portals.sample([choice, u, v])?;
                 let local = DVec3::new(x.dot(direction), y.dot(direction), z.dot(direction));
                 (local.z > 0.0).then_some(GatherDirection { local, direction, sampler })
             })

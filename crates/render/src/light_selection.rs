@@ -10,6 +10,6 @@ pub(crate) fn selection_pdf(plan: &RenderPlan, point: DVec3, reception: &Recepti
         Some(tree) if reception.draws > 0 => {
             f64::from(reception.draws) * TreeCut::new(tree, &plan.lights, point, reception).chance(id)
         }
-        _ => f64::from(reception.places_on(&plan.lights[id.0 as usize], point)),
+        _ => f64::from(reception.samples_on(&plan.lights[id.0 as usize], point)),
     }
 }

@@ -176,7 +176,7 @@ impl MisState {
         }
         // Near the surface of a round glow only some of it may be near enough, and none of the rest is found, as in Radiance.
         let is_direct = light.virtual_sources.is_empty();
-        let in_range = if is_direct { light.share_in_radius(self.receiver, self.direction, length) } else { 1.0 };
+        let in_range = if is_direct { light.fraction_in_radius(self.receiver, self.direction, length) } else { 1.0 };
         let focal = focal * in_range;
         if focal <= 0.0 {
             return 0.0;

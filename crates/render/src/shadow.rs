@@ -69,7 +69,7 @@ impl DirectSampler<'_> {
         }
         let straight = !light.is_redirected()
             && tracer.tree.is_none()
-            && (!tracer.plan.shadows_bend || self.is_clear(tracer, between));
+            && (!tracer.plan.shadow_rays_interact || self.is_clear(tracer, between));
         if straight {
             return product(radiance, self.visibility(tracer, light, sample, between));
         }

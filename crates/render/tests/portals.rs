@@ -63,7 +63,7 @@ fn a_skylight_gives_the_irradiance_of_its_form_factor() {
     let expected = 3.0 * square_overhead(0.2, 2.0);
     for panes in [&[2.0][..], &[2.0, 2.001, 1.99], &[2.0, 1.7]] {
         let scene = skylight(panes);
-        let one_by_one = mean(&scene, options(Uncached::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 13);
+        let one_by_one = mean(&scene, options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 13);
         assert_close(one_by_one, expected, 0.01);
         let together = mean(&scene, options(Uncached::Split), DVec3::ZERO, DVec3::Z, 32);
         assert_close(together, expected, 0.01);
@@ -76,9 +76,9 @@ fn a_glow_that_is_no_light_gives_the_irradiance_of_its_form_factor() {
     let glow = scene.glow([5.0; 3], 0.0);
     scene.polygon(glow, &square(0.3, 1.5));
     let expected = 5.0 * square_overhead(0.3, 1.5);
-    assert_close(mean(&scene, options(Uncached::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
+    assert_close(mean(&scene, options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
     assert_close(mean(&scene, options(Uncached::Split), DVec3::ZERO, DVec3::Z, 32), expected, 0.01);
-    let without_bounces = RenderOptions { ambient_bounces: 0, ..options(Uncached::DrawOne) };
+    let without_bounces = RenderOptions { ambient_bounces: 0, ..options(Uncached::TraceOne) };
     assert_eq!(mean(&scene, without_bounces, DVec3::ZERO, DVec3::Z, 16), 0.0);
 }
 
@@ -89,13 +89,13 @@ fn lights_beside_a_skylight_count_once() {
     scene.polygon(light, &square(3.0, 0.5));
     // It hides the skylight; half of a wall of light above is all that is seen.
     let expected = square_overhead(3.0, 0.5);
-    assert_close(mean(&scene, options(Uncached::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
+    assert_close(mean(&scene, options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 13), expected, 0.01);
 }
 
 /// By chance one ray in 300 finds this skylight, which makes a standard deviation of 17 times the mean.
 #[test]
 fn a_skylight_is_found_by_more_rays_than_chance_would_send_there() {
-    let found = values(&skylight(&[2.0]), options(Uncached::DrawOne), DVec3::ZERO, DVec3::Z, 1 << 12);
+    let found = values(&skylight(&[2.0]), options(Uncached::TraceOne), DVec3::ZERO, DVec3::Z, 1 << 12);
     let mean = found.iter().sum::<f64>() / found.len() as f64;
     let variance = found.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / found.len() as f64;
     assert!(variance.sqrt() < 1.5 * mean, "standard deviation {} around {mean}", variance.sqrt());

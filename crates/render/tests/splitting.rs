@@ -106,7 +106,7 @@ fn splitting_finds_what_single_paths_find() {
     scene.polygon(lamp, &panel);
     let (eye, towards) = (DVec3::new(-1.0, 0.2, 1.0), DVec3::new(1.0, 0.0, -0.1));
     let split = values(&scene, options(3, 64, 1e-3), eye, towards, 1 << 9);
-    let alone = Gathering { uncached: Uncached::DrawOne, ..Gathering::default() };
+    let alone = Gathering { uncached: Uncached::TraceOne, ..Gathering::default() };
     let single = RenderOptions { gathering: alone, ..options(3, 64, 1e-3) };
     let paths = values(&scene, single, eye, towards, 1 << 13);
     let ((one, one_error), (other, other_error)) = (mean_and_error(&split), mean_and_error(&paths));

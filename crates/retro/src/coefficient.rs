@@ -1,25 +1,27 @@
-//! The coefficient of retroreflection, and the angles it is told at.
+//! The coefficient of retroreflection, and its measurement geometry.
 //!
-//! `R_A = I/(E⊥ A) = f · cos β · cos ν` in cd/(lx m²): I is the intensity towards the observer, E⊥ the illuminance on a plane
-//! across the light, A the area of the sample, β the entrance angle (from the normal to the light) and ν the viewing angle
-//! (from the normal to the observer). ASTM E808 and E810; CIE 54.2.
+//! `R_A = I/(E⊥ A) = f · cos β · cos ν` in cd/(lx m²), with the intensity I towards the observer,
+//! the illuminance E⊥ on a plane perpendicular to the light, the area A of the sample, the entrance
+//! angle β (from the normal to the light) and the viewing angle ν (from the normal to the
+//! observer). ASTM E808 and E810; CIE 54.2.
 
 use glam::DVec3;
 
-/// Angles of one measurement.
+/// Measurement geometry: the angles of one measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
-    /// α: from the light to the observer, radians.
+    /// Observation angle α, from the light to the observer, radians.
     pub observation: f64,
-    /// β: from the normal to the light, radians, signed as in coplanar geometry: at a positive one the observer is nearer to
-    /// the normal than the light.
+    /// Entrance angle β, from the normal to the light, radians. Its sign is that of coplanar
+    /// geometry: if it is positive, the observer is nearer to the normal than the light.
     pub entrance: f64,
-    /// ε: from the plane of measurement to the datum mark of the sample (the frame's x axis), about the normal, radians.
+    /// Rotation angle ε, about the normal, from the plane of measurement to the datum mark of the
+    /// sample (the frame's x axis), radians.
     pub rotation: f64,
 }
 
 impl Geometry {
-    /// All three angles in degrees.
+    /// Geometry from all three angles in degrees.
     #[must_use]
     pub fn from_degrees(observation: f64, entrance: f64, rotation: f64) -> Geometry {
         Geometry {
@@ -29,7 +31,8 @@ impl Geometry {
         }
     }
 
-    /// Directions to the observer and to the light, unit, in the sample's frame (ASTM E810, coplanar).
+    /// Unit directions to the observer and to the light, in the sample's frame (ASTM E810,
+    /// coplanar).
     #[must_use]
     pub fn directions(self) -> (DVec3, DVec3) {
         let (sin_rotation, cos_rotation) = self.rotation.sin_cos();
@@ -46,13 +49,13 @@ impl Geometry {
         self.entrance.cos() * (self.entrance - self.observation).cos()
     }
 
-    /// R_A in cd/(lx m²) of a BRDF value in 1/sr.
+    /// Coefficient R_A in cd/(lx m²) of a BRDF value in 1/sr.
     #[must_use]
     pub fn coefficient(self, brdf: f64) -> f64 {
         brdf * self.cosines()
     }
 
-    /// BRDF value in 1/sr of R_A in cd/(lx m²).
+    /// BRDF value in 1/sr of a coefficient R_A in cd/(lx m²).
     #[must_use]
     pub fn brdf(self, coefficient: f64) -> f64 {
         coefficient / self.cosines()
@@ -64,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_coefficient_survives_the_way_there_and_back() {
+    fn the_coefficient_survives_a_round_trip() {
         for observation in [0.0, 0.1, 0.2, 0.5, 1.0, 2.0] {
             for entrance in [-60.0, -4.0, 0.0, 5.0, 30.0, 45.0, 75.0] {
                 let at = Geometry::from_degrees(observation, entrance, 0.0);
@@ -77,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_are_at_the_angles_that_were_asked() {
+    fn directions_are_at_the_requested_angles() {
         let at = Geometry::from_degrees(0.33, 30.0, 90.0);
         let (observer, light) = at.directions();
         assert!((crate::observation_angle(observer, light).to_degrees() - 0.33).abs() < 1e-10);

@@ -1,42 +1,44 @@
 //! Least-squares fit of a model to measured coefficients of retroreflection.
 //!
-//! Levenberg and Marquardt's method (Marquardt, J. SIAM 11(2), 1963) on the logarithms of the parameters, which keeps them
-//! positive, with differences for derivatives. Confidence is that of the linear model at the minimum: the covariance is
-//! `s² (JᵀJ)⁻¹` with `s² = Σr²/(n − p)`, and intervals of 95 % take Student's t for n − p degrees of freedom.
+//! Levenberg–Marquardt (Marquardt, J. SIAM 11(2), 1963) on the logarithms of the parameters, which
+//! keeps them positive, with finite differences for derivatives. Confidence is that of the linear
+//! model at the minimum: the covariance is `s² (JᵀJ)⁻¹` with `s² = Σr²/(n − p)`, and 95 % intervals
+//! use Student's t for n − p degrees of freedom.
 
 use crate::native::{ModelError, ModelInfo, model, model_info};
 use crate::table::Row;
 
-/// What is least: the sum of the squares of which residuals.
+/// Residuals whose squares are minimised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
-    /// `(R_model − R)/R`: every row counts alike.
+    /// `(R_model − R)/R`: every row has the same weight.
     #[default]
     Relative,
-    /// `R_model − R`: bright rows count most.
+    /// `R_model − R`: bright rows have the largest weight.
     Absolute,
 }
 
-/// A parameter that was found.
+/// A fitted parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitted {
-    /// As in the model's table.
+    /// Name in the model's table.
     pub name: &'static str,
-    /// In its unit.
+    /// Unit of the value.
     pub unit: &'static str,
-    /// The best.
+    /// Best estimate.
     pub value: f64,
-    /// Bounds of 95 % confidence; none where the data do not tell it: there are no more rows than parameters, it lies at an end
-    /// of its range, or others can stand in for it.
+    /// Bounds of the 95 % confidence interval. None if the data do not determine the parameter:
+    /// there are no more rows than parameters, the estimate is at an end of its range, or other
+    /// parameters can compensate for it.
     pub interval: Option<[f64; 2]>,
 }
 
-/// A fit.
+/// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// The model's name.
+    /// Name of the model.
     pub model: &'static str,
-    /// In the model's order; those with a default are left at it.
+    /// Parameters in the model's order; those with a default keep it.
     pub parameters: Vec<Fitted>,
     /// `R_model` of each row, cd/(lx m²).
     pub predicted: Vec<f64>,
@@ -46,15 +48,15 @@ pub struct Fit {
     pub rms: f64,
 }
 
-/// Why there is no fit.
+/// Why a fit is impossible.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
-    /// There is no such model, or it takes no parameters that could be found.
+    /// The model does not exist, or has no parameters that can be fitted.
     Model(String),
-    /// Fewer rows than parameters: rows, parameters.
+    /// There are fewer rows than parameters: rows, parameters.
     FewRows(usize, usize),
-    /// A row's coefficient is zero, so that it has no relative residual; its index.
+    /// A row's coefficient is zero, so its relative residual is undefined; index of the row.
     Dark(usize),
     /// No parameters give a finite result.
     Diverged,
@@ -65,12 +67,12 @@ impl std::fmt::Display for FitError {
         match self {
             FitError::Model(name) => write!(out, "model \"{name}\" cannot be fitted"),
             FitError::FewRows(rows, parameters) => {
-                write!(out, "{rows} rows cannot tell {parameters} parameters")
+                write!(out, "{rows} rows cannot determine {parameters} parameters")
             }
             FitError::Dark(row) => {
-                write!(out, "row {} has a coefficient of 0, which has no relative residual", row + 1)
+                write!(out, "row {} has a coefficient of 0, for which a relative residual is undefined", row + 1)
             }
-            FitError::Diverged => write!(out, "no parameters of the model come near the data"),
+            FitError::Diverged => write!(out, "no parameters of the model approximate the data"),
         }
     }
 }
@@ -78,20 +80,22 @@ impl std::fmt::Display for FitError {
 impl std::error::Error for FitError {}
 
 const MOST_STEPS: u32 = 200;
-/// Half of an interval, as a logarithm, beyond which the data do not tell the parameter: a factor of 1000.
+/// Half width of an interval, as a logarithm, above which a parameter counts as undetermined: a
+/// factor of 1000.
 const VAGUE: f64 = 6.9;
 
-/// One model, its data and how they count.
+/// A fitting problem: model, data and weights.
 struct Problem<'a> {
     info: &'static ModelInfo,
     words: &'a [String],
     rows: &'a [Row],
     weights: Weights,
-    /// Number of parameters to be found: those without a default.
+    /// Number of fitted parameters: those without a default.
     free: usize,
 }
 
-/// Fits the parameters without a default of the model with this name, with these words, to the rows.
+/// Fits those parameters of a model that have no default to the rows; `words` are the model's
+/// options.
 ///
 /// # Errors
 /// See [`FitError`].
@@ -115,13 +119,13 @@ pub fn fit(name: &str, words: &[String], rows: &[Row], weights: Weights) -> Resu
 }
 
 impl Problem<'_> {
-    /// A logarithm below which a parameter counts as zero, for ranges that begin there.
+    /// Logarithmic range of a parameter; a range that begins at zero begins at a tiny value.
     fn bounds(&self, parameter: usize) -> [f64; 2] {
         let [least, most] = self.info.parameters[parameter].range;
         [least.max(most * 1e-7).ln(), most.ln()]
     }
 
-    /// Combinations of a few places in each range.
+    /// Starting points: combinations of a few values in each range.
     fn starts(&self) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for parameter in 0..self.free {
@@ -135,7 +139,7 @@ impl Problem<'_> {
         starts
     }
 
-    /// R_A of each row; none where the model refuses the parameters.
+    /// R_A of each row; none if the model rejects the parameters.
     fn predict(&self, logarithms: &[f64]) -> Option<Vec<f64>> {
         let numbers: Vec<f64> = logarithms
             .iter()
@@ -164,7 +168,7 @@ impl Problem<'_> {
         Some(predicted.iter().zip(self.rows).map(|(found, row)| (found - row.coefficient) / scale(row)).collect())
     }
 
-    /// Derivatives of the residuals, a row for each parameter.
+    /// Derivatives of the residuals, one row per parameter.
     fn derivatives(&self, at: &[f64], residuals: &[f64]) -> Option<Vec<Vec<f64>>> {
         const STEP: f64 = 1e-5;
         (0..self.free)
@@ -178,7 +182,7 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The minimum that is reached from a start, and the sum of squares there.
+    /// Local minimum from a starting point, and the sum of squares there.
     fn descend(&self, start: Vec<f64>) -> Option<(Vec<f64>, f64)> {
         let square = |residuals: &[f64]| residuals.iter().map(|residual| residual * residual).sum::<f64>();
         let mut at = start;
@@ -216,7 +220,7 @@ impl Problem<'_> {
         Some((at, sum))
     }
 
-    /// Of the damped normal equations.
+    /// Solution of the damped normal equations.
     fn step(&self, derivatives: &[Vec<f64>], residuals: &[f64], damping: f64) -> Option<Vec<f64>> {
         let mut matrix = products(derivatives);
         for (index, row) in matrix.iter_mut().enumerate() {
@@ -263,7 +267,7 @@ fn products(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
     columns.iter().map(|a| columns.iter().map(|b| dot(a, b)).collect()).collect()
 }
 
-/// Gauss and Jordan's, with the largest pivot; none for a singular matrix.
+/// Inverse by Gauss–Jordan elimination with partial pivoting; none for a singular matrix.
 fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     let size = matrix.len();
     for (index, row) in matrix.iter_mut().enumerate() {
@@ -286,7 +290,8 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     Some(matrix.into_iter().map(|row| row[size..].to_vec()).collect())
 }
 
-/// The 97.5 % quantile of Student's t; from 31 degrees of freedom on by Cornish and Fisher's expansion. None for 0.
+/// The 97.5 % quantile of Student's t; from 31 degrees of freedom by the Cornish–Fisher expansion.
+/// None for 0.
 fn student_t(freedom: usize) -> Option<f64> {
     const QUANTILES: [f64; 30] = [
         12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131,
@@ -315,7 +320,7 @@ mod tests {
                 let geometry = Geometry::from_degrees(observation, entrance, 0.0);
                 let (observer, light) = geometry.directions();
                 let coefficient = geometry.coefficient(sheet.value_and_pdf(observer, light).0);
-                // A sum of twelve uniform numbers is normal enough.
+                // A sum of twelve uniform numbers is close enough to normal.
                 let normal: f64 = (0..12).map(|_| random.uniform()).sum::<f64>() - 6.0;
                 rows.push(Row { geometry, coefficient: coefficient * (1.0 + noise * normal) });
             }
@@ -336,7 +341,8 @@ mod tests {
             let rows = made(name, &[], numbers, 0.0, 1);
             let found = fit(name, &[], &rows, Weights::Relative).unwrap();
             assert!(found.rms < 1e-4, "{name}: {found:?}");
-            // F0 and the retroreflecting share of microfacets are known by their product alone.
+            // The data determine only the product of F0 and the retroreflecting fraction of
+            // microfacets.
             let known = if name == "mrm" { 1..2 } else { 0..numbers.len() };
             for index in known {
                 let off = found.parameters[index].value / numbers[index] - 1.0;
@@ -346,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_truth_as_often_as_they_say() {
+    fn intervals_contain_the_truth_with_their_confidence() {
         let truth = [0.2, 0.008];
         let trials = 200;
         let mut held = [0; 2];
@@ -363,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_rows_and_dark_rows_are_refused() {
+    fn too_few_rows_and_dark_rows_are_rejected() {
         let rows = made("glass_bead", &[], &[30.0], 0.0, 1);
         assert_eq!(fit("sharp", &[], &rows[..2], Weights::Relative), Err(FitError::FewRows(2, 3)));
         let dark = [Row { coefficient: 0.0, ..rows[0] }, rows[1]];

@@ -1,7 +1,8 @@
-//! How much light a smooth boundary reflects. Born and Wolf, *Principles of Optics*, §1.5; unpolarised.
+//! Fresnel reflectance of a smooth interface. Born and Wolf, *Principles of Optics*, §1.5;
+//! unpolarised.
 
-/// Reflectance of a boundary to a transparent medium of relative index `index`, at the cosine of the angle of incidence
-/// (0…1). One where the light is totally reflected.
+/// Reflectance of an interface to a dielectric of relative index `index`, at the cosine of the
+/// angle of incidence (0…1). One for total reflection.
 #[inline]
 #[must_use]
 pub fn fresnel_dielectric(cosine: f64, index: f64) -> f64 {
@@ -28,9 +29,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_window_pane_reflects_four_percent_and_nothing_of_one_polarisation_at_brewster() {
+    fn glass_reflects_four_percent_and_one_polarisation_at_brewsters_angle() {
         assert!((fresnel_dielectric(1.0, 1.5) - 0.04).abs() < 1e-15);
-        // At Brewster's angle only the perpendicular half is left: ½ ((1 − n²)/(1 + n²))².
+        // At Brewster's angle only the perpendicular polarisation is reflected: ½ ((1 − n²)/(1 +
+        // n²))².
         let brewster = (1.0f64 / (1.0 + 1.5 * 1.5)).sqrt();
         let expected = 0.5 * ((1.0 - 2.25f64) / 3.25).powi(2);
         assert!((fresnel_dielectric(brewster, 1.5) - expected).abs() < 1e-15);

@@ -1,16 +1,16 @@
-//! The Gaussian lobe of Rushmeier, Parker and Lee, "Physically Accurate Synthetic Images for Computer Vision System Design",
-//! GIT-GVU-91-25, 1991, eq. 6, and its reciprocal sibling.
+//! The Gaussian lobe of Rushmeier, Parker and Lee, "Physically Accurate Synthetic Images for
+//! Computer Vision System Design", GIT-GVU-91-25, 1991, eq. 6, and a reciprocal form of it.
 //!
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
-//! | `reflectance` | ρ_s: share of light that comes back in the lobe, each band | 1 | 0…1 |
+//! | `reflectance` | ρ_s: fraction of the light that the lobe returns, each band | 1 | 0…1 |
 //! | `spread` | α: the lobe falls to 1/e at δ = 2α | rad | above 0 |
 
 use glam::DVec3;
 use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use std::f64::consts::{PI, TAU};
 
-/// Eq. 6 as it stands: `f = ρ_s · exp(−δ²/4α²) / (4πα² cos θ_i)`. It breaks reciprocity.
+/// Eq. 6 verbatim: `f = ρ_s · exp(−δ²/4α²) / (4πα² cos θ_i)`. It is not reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper1991<const BANDS: usize> {
     /// ρ_s.
@@ -19,7 +19,7 @@ pub struct Paper1991<const BANDS: usize> {
     pub spread: f64,
 }
 
-/// The same lobe, made reciprocal: `f = ρ_s · exp(−δ²/4α²) / (4πα² max(cos θ_i, cos θ_o))`.
+/// The same lobe in a reciprocal form: `f = ρ_s · exp(−δ²/4α²) / (4πα² max(cos θ_i, cos θ_o))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReciprocalGaussian<const BANDS: usize> {
     /// ρ_s.
@@ -28,28 +28,29 @@ pub struct ReciprocalGaussian<const BANDS: usize> {
     pub spread: f64,
 }
 
-/// δ: the angle between two unit directions, radians, exact for small ones.
+/// δ: the angle between two unit directions, radians, accurate for small angles.
 #[inline]
 #[must_use]
 pub fn observation_angle(outgoing: DVec3, incident: DVec3) -> f64 {
     2.0 * (0.5 * outgoing.distance(incident)).min(1.0).asin()
 }
 
-/// `exp(−δ²/4α²)/(4πα²)`: the lobe in 1/sr for ρ_s = 1, times the cosine that eq. 6 divides by.
+/// `exp(−δ²/4α²)/(4πα²)`: the lobe in 1/sr for ρ_s = 1, times the cosine in eq. 6's denominator.
 #[inline]
 fn lobe(spread: f64, angle: f64) -> f64 {
     let width = 4.0 * spread * spread;
     (-angle * angle / width).exp() / (PI * width)
 }
 
-/// Density of [`draw`] per solid angle: that of δ, `δ/(2α²)·exp(−δ²/4α²)`, over the circumference `2π sin δ`.
+/// Density of [`sample_lobe`] by solid angle: the density of δ, `δ/(2α²)·exp(−δ²/4α²)`, over the
+/// circumference `2π sin δ`.
 #[inline]
 fn density(spread: f64, angle: f64) -> f64 {
     lobe(spread, angle) * if angle > 1e-4 { angle / angle.sin() } else { 1.0 + angle * angle / 6.0 }
 }
 
-/// A direction at angle δ from `outgoing`, δ² exponential with mean 4α².
-pub(crate) fn draw(spread: f64, outgoing: DVec3, u: f64, v: f64) -> Option<(DVec3, f64)> {
+/// Samples a direction at angle δ from `outgoing`, with δ² exponential of mean 4α².
+pub(crate) fn sample_lobe(spread: f64, outgoing: DVec3, u: f64, v: f64) -> Option<(DVec3, f64)> {
     let angle = 2.0 * spread * (-(1.0 - u).ln()).sqrt();
     if angle >= PI {
         return None;
@@ -68,7 +69,7 @@ impl<const BANDS: usize> Paper1991<BANDS> {
         lobe(self.spread, observation_angle)
     }
 
-    /// The sampling density at observation angle δ, 1/sr.
+    /// Sampling density at observation angle δ, 1/sr.
     #[inline]
     #[must_use]
     pub fn sampling_density(&self, observation_angle: f64) -> f64 {
@@ -97,7 +98,7 @@ macro_rules! gaussian_brdf {
             }
 
             fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Option<BrdfSample> {
-                let (incident, angle) = draw(self.spread, outgoing, u[0], u[1])?;
+                let (incident, angle) = sample_lobe(self.spread, outgoing, u[0], u[1])?;
                 if outgoing.z <= 0.0 || incident.z <= 0.0 {
                     return None;
                 }
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn all_of_rho_comes_back() {
+    fn the_lobe_returns_rho() {
         // ∫ f cos θ_i dω over the lobe, by quadrature in δ.
         for spread in [0.0005, 0.00612, 0.05] {
             let (steps, widest) = (200_000, 16.0 * spread);
@@ -186,14 +187,14 @@ mod tests {
     }
 
     #[test]
-    fn observation_angles_keep_their_digits() {
+    fn small_observation_angles_are_accurate() {
         let tiny = 1e-7;
         let angle = observation_angle(tilted(0.7), tilted(0.7 + tiny));
         assert!((angle / tiny - 1.0).abs() < 1e-8, "{angle}");
     }
 
     #[test]
-    fn drawn_weights_agree_with_value_and_density() {
+    fn sample_weights_agree_with_value_and_density() {
         let sheet = Paper1991 { reflectance: [0.086], spread: 0.00612 };
         let outgoing = tilted(0.8);
         for step in 0..50 {
@@ -203,7 +204,7 @@ mod tests {
             let (mut f, mut pdf) = ([0.0], [0.0]);
             sheet.eval_pdf(outgoing, &[sample.incident], &mut f, &mut pdf);
             let Density::Continuous(density) = sample.density else { panic!("not a delta lobe") };
-            // The angle of a drawn direction is known to its rounding, 1e-16 over δ.
+            // The angle of a sampled direction has the rounding error 1e-16 over δ.
             assert!((density / pdf[0] - 1.0).abs() < 1e-6);
             assert!((weight[0] / (f[0] * sample.incident.z / pdf[0]) - 1.0).abs() < 1e-6);
         }

@@ -1,26 +1,28 @@
-//! `glass_bead`: G. Ward's fit to a ray simulation of glass beads, which Radiance distributes as `retrorefl.cal` (2002).
+//! `glass_bead`: G. Ward's fit to a ray simulation of glass beads, distributed with Radiance as
+//! `retrorefl.cal` (2002).
 //!
 //! `f = R · m(δ) · e(θ_i) / max(cos θ_i, cos 89.5°)`
 //!
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
 //! | R | coefficient of retroreflection at normal incidence and an observation angle of 0.5° | cd/(lx m²) | 0…5000 |
-//! | binder | `sheet`: e falls with the entrance angle as a measured sheet's; `paint`: e = 1 | | |
+//! | binder | `sheet`: e falls with the entrance angle as measured on a sheet; `paint`: e = 1 | | |
 //!
-//! With δ and θ_i in degrees, `m = 1 + 3 cos(180° δ)` below 0.5°, `0.07/sin(7.6 δ) + 0.02` up to 20°, `0.157/(δ − 19)`
-//! beyond, and `e = exp(−θ_i²/2220)`. The value is that of a `metfunc` with the file, digit for digit: so it is not
-//! reciprocal, and since the tail is as wide as the hemisphere it does not keep energy when R is large ([`GlassBead::albedo`]).
+//! With δ and θ_i in degrees, `m = 1 + 3 cos(180° δ)` below 0.5°, `0.07/sin(7.6 δ) + 0.02` up to
+//! 20°, `0.157/(δ − 19)` above, and `e = exp(−θ_i²/2220)`. The values equal those of a `metfunc`
+//! with the file to all digits. The model is therefore not reciprocal, and since its tail spans the
+//! hemisphere it does not conserve energy for large R ([`GlassBead::albedo`]).
 
 use crate::radial::{RadialDensity, logarithmic_angles};
 use std::f64::consts::{PI, TAU};
 
-/// Whether the brightness falls with the entrance angle.
+/// Dependence of the coefficient on the entrance angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Binder {
-    /// As 3M's sheet does.
+    /// Falls as measured on 3M's sheet.
     #[default]
     Sheet,
-    /// Not at all: beads on paint.
+    /// None: beads on paint.
     Paint,
 }
 
@@ -32,10 +34,10 @@ pub(crate) struct GlassBead {
     density: RadialDensity,
 }
 
-/// The fit's parts meet there, degrees.
+/// Angles at which the parts of the fit meet, degrees.
 const JOINTS_DEG: [f64; 2] = [0.5, 20.0];
 
-/// `m`: the coefficient at observation angle δ (radians), relative to the one at 0.5°.
+/// `m`: coefficient at observation angle δ (radians), relative to the one at 0.5°.
 #[must_use]
 pub fn observation_factor(angle: f64) -> f64 {
     let degrees = angle.to_degrees();
@@ -48,7 +50,7 @@ pub fn observation_factor(angle: f64) -> f64 {
     }
 }
 
-/// `e`: the coefficient at entrance angle θ (radians), relative to normal incidence.
+/// `e`: coefficient at entrance angle θ (radians), relative to normal incidence.
 #[must_use]
 pub fn entrance_factor(angle: f64) -> f64 {
     let degrees = angle.to_degrees();
@@ -61,9 +63,9 @@ impl GlassBead {
         GlassBead { coefficient, binder, density: RadialDensity::new(&angles, observation_factor) }
     }
 
-    /// f in 1/sr at observation angle δ (radians) for light at the cosine of the entrance angle.
+    /// f in 1/sr at observation angle δ (radians), for the cosine of the entrance angle.
     pub(crate) fn value(&self, angle: f64, incident_cosine: f64) -> f64 {
-        // Radiance's floor: cos 89.5°.
+        // Radiance's lower limit: cos 89.5°.
         let cosine = incident_cosine.max((89.5 * PI / 180.0).cos());
         let entrance = match self.binder {
             Binder::Sheet => entrance_factor(cosine.min(1.0).acos()),
@@ -72,7 +74,7 @@ impl GlassBead {
         self.coefficient * observation_factor(angle) * entrance / cosine
     }
 
-    /// Share of the light that comes back at normal incidence.
+    /// Albedo at normal incidence.
     pub(crate) fn albedo(&self) -> f64 {
         let steps = 20_000;
         let width = 0.5 * PI / f64::from(steps);

@@ -1,10 +1,12 @@
 //! Retroreflector models: surfaces that send light back to where it comes from.
 //!
-//! δ is always the angle between the outgoing and the incident direction (the *observation angle* of retroreflectometry), taken
-//! from the chord, never from the cosine: a lobe is a fraction of a degree wide.
+//! δ is always the angle between the outgoing and the incident direction (the *observation angle*
+//! of retroreflectometry). It is computed from the chord, never from the cosine, since lobes are a
+//! fraction of a degree wide.
 //!
-//! Guarantees: every model draws directions with exactly the density that it tells. Those that [`MODELS`] calls reciprocal are.
-//! Knows neither scenes nor renderers, and reads no files.
+//! Guarantees: every model samples directions with exactly the density that it returns; models that
+//! [`MODELS`] lists as reciprocal are reciprocal. The crate knows neither scenes nor renderers, and
+//! reads no files.
 //!
 //! ```
 //! use radsight_retro::{Geometry, model};

@@ -1,32 +1,35 @@
 //! Minimum coefficients of retroreflection of common types of sheeting.
 //!
-//! Types I to III are those of ASTM D4956-01, "Standard Specification for Retroreflective Sheeting for Traffic Control", as
-//! reprinted at angelfire.com/trek/cityton/american.htm. That reprint ends within type III; what US law (49 CFR 571.131) repeats
-//! of the type is filled in, the rest is missing. Prismatic sheeting stands here as US law states it: `III-prismatic` for school
-//! buses (49 CFR 571.131), `FRA-224` for railway cars (49 CFR 224.103), `DOT-C2`, `DOT-C3` and `DOT-C4` for trailers (49 CFR
-//! 571.108). Types IV and VI to XI of ASTM D4956 are left out: no public source of their numbers was at hand.
+//! Types I to III are those of ASTM D4956-01, "Standard Specification for Retroreflective Sheeting
+//! for Traffic Control", as reprinted at angelfire.com/trek/cityton/american.htm. The reprint ends
+//! within type III; values that US law (49 CFR 571.131) repeats are filled in, the others are
+//! missing. Prismatic sheeting is listed as in US law: `III-prismatic` for school buses (49 CFR
+//! 571.131), `FRA-224` for railway cars (49 CFR 224.103), `DOT-C2`, `DOT-C3` and `DOT-C4` for
+//! trailers (49 CFR 571.108). Types IV and VI to XI of ASTM D4956 are left out: no public source of
+//! their values was found.
 
-/// A row: cd/(lx m²) of white, yellow, orange, green, red, blue, brown; none where the source has no number.
+/// A row of coefficients in cd/(lx m²) for white, yellow, orange, green, red, blue, brown; none if
+/// the source has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MinimumRow {
-    /// Degrees.
+    /// Observation angle, degrees.
     pub observation_deg: f64,
-    /// Degrees.
+    /// Entrance angle, degrees.
     pub entrance_deg: f64,
-    /// In the order of [`MinimumTable::COLOURS`].
+    /// Coefficients in the order of [`MinimumTable::COLOURS`], cd/(lx m²).
     pub coefficients: [Option<f64>; 7],
 }
 
-/// The minimum coefficients of a type.
+/// Minimum coefficients of a type of sheeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MinimumTable {
-    /// "I", "FRA-224"…
+    /// Name of the type, such as "I" or "FRA-224".
     pub name: &'static str,
-    /// What it usually is.
+    /// Usual construction.
     pub construction: &'static str,
-    /// Where the numbers are from.
+    /// Source of the values.
     pub source: &'static str,
-    /// By observation angle, then entrance angle.
+    /// Rows by observation angle, then entrance angle.
     pub rows: &'static [MinimumRow],
 }
 
@@ -61,7 +64,7 @@ const fn trailer(name: &'static str, rows: &'static [MinimumRow]) -> MinimumTabl
     MinimumTable { name, construction: PRISMS, source: TRAILER, rows }
 }
 
-/// All that are known.
+/// All known types.
 pub const MINIMUM_TABLES: [MinimumTable; 8] = [
     MinimumTable {
         name: "I",
@@ -157,11 +160,11 @@ pub const MINIMUM_TABLES: [MinimumTable; 8] = [
 ];
 
 impl MinimumTable {
-    /// The columns.
+    /// Colours of the columns.
     pub const COLOURS: [&'static str; 7] = ["white", "yellow", "orange", "green", "red", "blue", "brown"];
 }
 
-/// The table of a type, such as "III".
+/// Table of a type, such as "III".
 #[must_use]
 pub fn minimum_table(name: &str) -> Option<&'static MinimumTable> {
     MINIMUM_TABLES.iter().find(|table| table.name.eq_ignore_ascii_case(name))

@@ -1,8 +1,9 @@
 //! `mrm`: the minimal retroreflective microfacet model.
 //!
-//! Portsmouth, Raab, Belcour and Liu, "The Minimal Retroreflective Microfacet Model", JCGT 15(1), 2026; the model of glTF's
-//! `KHR_materials_retroreflection` and of OpenPBR's `specular_retroreflectivity`. A microfacet BRDF is evaluated with the
-//! outgoing direction mirrored about the normal ("back vector"), so that its peak points back:
+//! Portsmouth, Raab, Belcour and Liu, "The Minimal Retroreflective Microfacet Model", JCGT 15(1),
+//! 2026; the model of glTF's `KHR_materials_retroreflection` and of OpenPBR's
+//! `specular_retroreflectivity`. A microfacet BRDF is evaluated with the outgoing direction
+//! mirrored about the normal ("back vector"), so that its peak is in the retroreflection direction:
 //!
 //! `f(o, i) = (1 − r) · f_GGX(o, i) + r · f_GGX(o', i)`, `o' = (−o_x, −o_y, o_z)`
 //!
@@ -10,15 +11,15 @@
 //! |---|---|---|---|
 //! | F₀ | reflectance of a facet at normal incidence (Schlick) | 1 | 0…1 |
 //! | α | roughness of the GGX distribution | 1 | 0.0005…1 |
-//! | r | share of facets that retroreflect | 1 | 0…1 |
+//! | r | fraction of the facets that retroreflect | 1 | 0…1 |
 //!
-//! Reciprocal, since the distribution is symmetric; keeps energy.
+//! Reciprocal, since the distribution is symmetric; conserves energy.
 
 use crate::fresnel::fresnel_schlick;
 use crate::ggx::Ggx;
 use glam::DVec3;
 
-/// The lobes.
+/// Both lobes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mrm {
     pub(crate) normal_reflectance: f64,
@@ -45,7 +46,7 @@ impl Mrm {
         sum
     }
 
-    /// `choice` is uniform in [0, 1).
+    /// Samples an incident direction; `choice` is uniform in [0, 1).
     pub(crate) fn sample(&self, outgoing: DVec3, u: [f64; 2], choice: f64) -> DVec3 {
         let seen_from = if choice < self.retro_share { mirrored(outgoing) } else { outgoing };
         Ggx { roughness: self.roughness }.sample(seen_from, u)
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_peak_is_at_the_retro_direction_and_as_high_as_the_mirror_peak_was() {
+    fn the_retro_peak_is_as_high_as_the_mirror_peak() {
         let retro = Mrm { normal_reflectance: 0.5, roughness: 0.1, retro_share: 1.0 };
         let mirror = Mrm { retro_share: 0.0, ..retro };
         let outgoing = DVec3::new(0.5, 0.2, 0.8).normalize();

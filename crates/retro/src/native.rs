@@ -1,6 +1,7 @@
-//! The models by name, as a scene writes them: `brdfplugin NAME  n retro MODEL words…  0  m numbers…`.
+//! Models by name, as in a scene: `brdfplugin NAME  n retro MODEL words…  0  m numbers…`.
 //!
-//! The library name `retro` is the program's own: no file is loaded and no call crosses the plugin interface.
+//! The library name `retro` refers to the built-in models: no file is loaded and no call crosses
+//! the plugin interface.
 
 use crate::coefficient::Geometry;
 use crate::fresnel::fresnel_dielectric;
@@ -12,63 +13,63 @@ use crate::sharp::SharpLobe;
 use crate::sheeting::{Core, Sheeting, Surroundings};
 use crate::table::{RetroTable, Row, TableError};
 
-/// The library name that means this crate.
+/// Library name of the built-in models.
 pub const LIBRARY: &str = "retro";
 
-/// A number that a model takes.
+/// A numeric parameter of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// For messages and manuals.
+    /// Name, for messages and manuals.
     pub name: &'static str,
-    /// Such as "rad".
+    /// Unit, such as "rad".
     pub unit: &'static str,
-    /// Least and largest.
+    /// Minimum and maximum.
     pub range: [f64; 2],
-    /// Where it may be left out.
+    /// Default; none if the parameter is required.
     pub default: Option<f64>,
-    /// One line.
+    /// Description in one line.
     pub doc: &'static str,
 }
 
-/// A model.
+/// Description of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelInfo {
-    /// As a scene writes it.
+    /// Name in a scene.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line.
     pub summary: &'static str,
-    /// The words that may follow; the first is the default. Empty where none may.
+    /// Options (words) of the model; the first is the default. Empty if there are none.
     pub words: &'static [&'static str],
-    /// In the order in which a scene writes them.
+    /// Parameters in the order of a scene's numbers.
     pub parameters: &'static [Parameter],
     /// Whether `f(o, i) = f(i, o)`.
     pub reciprocal: bool,
 }
 
-/// What is wrong with a request, at which token.
+/// The error of a request, with its token.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no such model.
+    /// The model does not exist.
     Unknown {
-        /// What was asked.
+        /// Requested name.
         name: String,
     },
-    /// The word with this index, after the model's name.
+    /// The word with this index after the model's name is wrong.
     Word {
-        /// From 0.
+        /// Index from 0.
         index: usize,
         /// What was expected.
         message: String,
     },
-    /// The number with this index.
+    /// The number with this index is wrong.
     Number {
-        /// From 0.
+        /// Index from 0.
         index: usize,
         /// What was expected.
         message: String,
     },
-    /// Numbers are missing, or do not fit together.
+    /// Numbers are missing, or contradict each other.
     Numbers(String),
 }
 
@@ -89,18 +90,20 @@ const fn number(name: &'static str, unit: &'static str, range: [f64; 2], doc: &'
     Parameter { name, unit, range, default: None, doc }
 }
 
-const RHO_S: Parameter = number("rho_s", "1", [0.0, 1.0], "share of light that comes back at normal incidence");
+const RHO_S: Parameter = number("rho_s", "1", [0.0, 1.0], "fraction of the light returned at normal incidence");
 const ALPHA: Parameter = number("alpha", "rad", [1e-5, 0.2], "width: the lobe falls to 1/e at an angle of 2 alpha");
 const RHO_D: Parameter =
-    Parameter { default: Some(0.0), ..number("rho_d", "1", [0.0, 1.0], "matte reflectance of the base") };
-const INDEX: Parameter =
-    Parameter { default: Some(1.0), ..number("film_index", "1", [1.0, 2.5], "refraction of the top film, 1 for none") };
+    Parameter { default: Some(0.0), ..number("rho_d", "1", [0.0, 1.0], "diffuse reflectance of the base") };
+const INDEX: Parameter = Parameter {
+    default: Some(1.0),
+    ..number("film_index", "1", [1.0, 2.5], "refractive index of the top film, 1 for none")
+};
 const ROUGHNESS: Parameter = Parameter {
     default: Some(0.1),
     ..number("film_roughness", "1", [5e-4, 1.0], "roughness of the top film, for its sheen")
 };
 
-/// All models.
+/// All built-in models.
 pub const MODELS: [ModelInfo; 7] = [
     ModelInfo {
         name: "paper1991",
@@ -137,7 +140,7 @@ pub const MODELS: [ModelInfo; 7] = [
         parameters: &[
             number("f0", "1", [0.0, 1.0], "reflectance of a facet at normal incidence"),
             number("roughness", "1", [5e-4, 1.0], "roughness of the facets"),
-            number("retro_share", "1", [0.0, 1.0], "share of the facets that retroreflect"),
+            number("retro_share", "1", [0.0, 1.0], "fraction of the facets that retroreflect"),
             RHO_D,
             INDEX,
             ROUGHNESS,
@@ -161,10 +164,13 @@ pub const MODELS: [ModelInfo; 7] = [
         summary: "sheeting of corner prisms, by ray optics",
         words: &["air", "metal"],
         parameters: &[
-            number("index", "1", [1.3, 2.2], "refraction of the prisms"),
-            number("dihedral_error", "rad", [-0.002, 0.002], "by which the angles between faces are above 90 degrees"),
+            number("index", "1", [1.3, 2.2], "refractive index of the prisms"),
+            number("dihedral_error", "rad", [-0.002, 0.002], "excess of the angles between faces over 90 degrees"),
             number("spread", "rad", [5e-4, 0.05], "rms width of a spot"),
-            Parameter { default: Some(0.85), ..number("metal_reflectance", "1", [0.0, 1.0], "of a coated face") },
+            Parameter {
+                default: Some(0.85),
+                ..number("metal_reflectance", "1", [0.0, 1.0], "reflectance of a coated face")
+            },
             RHO_D,
             INDEX,
             ROUGHNESS,
@@ -173,7 +179,7 @@ pub const MODELS: [ModelInfo; 7] = [
     },
     ModelInfo {
         name: "table",
-        summary: "measured R_A: after these, rows of observation, entrance, [rotation,] R_A (degrees, cd/(lx m2))",
+        summary: "measured R_A: after these numbers, rows of observation, entrance, [rotation,] R_A (degrees, cd/(lx m2))",
         words: &["two_angles", "three_angles"],
         parameters: &[
             Parameter { default: None, ..RHO_D },
@@ -184,16 +190,16 @@ pub const MODELS: [ModelInfo; 7] = [
     },
 ];
 
-/// The model of this name.
+/// Description of the model of this name.
 #[must_use]
 pub fn model_info(name: &str) -> Option<&'static ModelInfo> {
     MODELS.iter().find(|model| model.name == name)
 }
 
-/// Makes a model of a scene's words and numbers.
+/// Makes a model from a scene's words and numbers.
 ///
 /// # Errors
-/// The first word or number that does not fit.
+/// The first word or number that is wrong.
 pub fn model(name: &str, words: &[String], numbers: &[f64]) -> Result<Sheeting, ModelError> {
     let info = model_info(name).ok_or_else(|| ModelError::Unknown { name: name.to_owned() })?;
     let word = checked_word(info, words)?;
@@ -294,25 +300,25 @@ fn table(has_rotation: bool, numbers: &[f64], before: usize) -> Result<RetroTabl
     })
 }
 
-/// Models whose parts can be added up may not reflect more than everything.
+/// Rejects models whose parts together reflect more than all light.
 fn check_energy(core: &Core, around: Surroundings) -> Result<(), ModelError> {
     let film = fresnel_dielectric(1.0, around.index);
     let retro = match core {
         Core::Paper(lobe) => lobe.reflectance[0],
         Core::Gaussian(lobe) => lobe.reflectance[0],
         Core::Sharp { reflectance, .. } => *reflectance,
-        // Schlick's formula tends to 1 at grazing facets, and the base has none of that.
+        // Schlick's reflectance tends to 1 at grazing facets, which leaves nothing for the base.
         Core::Mrm(lobe) if around.matte > 0.0 || around.index > 1.0 => lobe.normal_reflectance,
         Core::Mrm(_) => 0.0,
         Core::CubeCorner(_) => 2.0 / 3.0,
         Core::Table(table) => table.albedo(0.0),
-        // Radiance's function is taken as it is.
+        // Radiance's function is used unchanged.
         Core::Bead(_) => 0.0,
     };
     let total = retro + around.matte + film;
     if total > 1.0 + 1e-9 {
         let message = format!(
-            "the sheeting reflects {:.1} % of the light: {retro:.4} back, {} matte, {film:.4} from the film, expected at most 100 %",
+            "the sheeting reflects {:.1} % of the light: {retro:.4} retroreflected, {} diffuse, {film:.4} by the film, expected at most 100 %",
             total * 100.0,
             around.matte
         );
@@ -331,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_at_their_tokens() {
+    fn errors_are_reported_at_their_tokens() {
         assert!(matches!(error("sharpp", &[], &[]), ModelError::Unknown { .. }));
         assert!(matches!(error("sharp", &[], &[0.1, 0.01]), ModelError::Numbers(_)));
         assert!(matches!(error("sharp", &[], &[0.1, 0.01, 0.5]), ModelError::Number { index: 2, .. }));

@@ -1,23 +1,24 @@
 //! Sampling of a lobe that depends on the observation angle alone.
 //!
-//! The density is piecewise linear in `1 − cos δ`, in which solid angle is uniform: `dω = 2π d(1 − cos δ)`. Its integral is
-//! then quadratic in each cell and is inverted in closed form, so that the density of what is drawn is known exactly.
+//! The density is piecewise linear in `1 − cos δ`, in which solid angle is uniform:
+//! `dω = 2π d(1 − cos δ)`. Its integral is quadratic in each cell and inverted in closed form, so
+//! that the density of the samples is exact.
 
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// A density about the retro direction, 1/sr, whose integral over the sphere is one.
+/// A density about the retroreflection direction, 1/sr, with integral one over the sphere.
 #[derive(Clone, Debug)]
 pub(crate) struct RadialDensity {
-    /// `1 − cos δ` of the knots, rising from 0.
+    /// `1 − cos δ` of the knots, ascending from 0.
     falls: Vec<f64>,
     /// Density at the knots, 1/sr.
     densities: Vec<f64>,
-    /// Probability of all cells before each knot.
+    /// Cumulative probability before each knot.
     cumulative: Vec<f64>,
 }
 
-/// `1 − cos δ`, exact for small angles.
+/// `1 − cos δ`, accurate for small angles.
 #[inline]
 pub(crate) fn fall_of(angle: f64) -> f64 {
     let sin = (0.5 * angle).sin();
@@ -25,8 +26,9 @@ pub(crate) fn fall_of(angle: f64) -> f64 {
 }
 
 impl RadialDensity {
-    /// In proportion to `shape`, which is sampled at the rising `angles` (radians, from 0 to at most π). A jump of the shape
-    /// takes two knots next to each other. There must be two different angles at least, and light at one of them.
+    /// Density proportional to `shape`, which is evaluated at the ascending `angles` (radians, from
+    /// 0 to at most π). A jump of the shape takes two adjacent knots. At least two angles must
+    /// differ, and the shape must be positive at one of them.
     pub(crate) fn new(angles: &[f64], shape: impl Fn(f64) -> f64) -> RadialDensity {
         let falls: Vec<f64> = angles.iter().map(|angle| fall_of(*angle)).collect();
         let mut densities: Vec<f64> = angles.iter().map(|angle| shape(*angle).max(0.0)).collect();
@@ -53,7 +55,7 @@ impl RadialDensity {
         self.densities[after - 1] + share * (self.densities[after] - self.densities[after - 1])
     }
 
-    /// A direction about `axis`.
+    /// Samples a direction about `axis`.
     pub(crate) fn sample(&self, axis: DVec3, u: [f64; 2]) -> DVec3 {
         let last = self.cumulative.len() - 1;
         let after = self.cumulative.partition_point(|below| *below <= u[0]).clamp(1, last);
@@ -67,14 +69,15 @@ impl RadialDensity {
     }
 }
 
-/// The unit vector at `angle` radians from the unit vector `axis`.
+/// Unit vector at `angle` radians from the unit vector `axis`.
 pub(crate) fn direction_near(axis: DVec3, angle: f64, azimuth: f64) -> DVec3 {
     let (x, y) = axis.any_orthonormal_pair();
     let ((sin, cos), (sin_azimuth, cos_azimuth)) = (angle.sin_cos(), azimuth.sin_cos());
     ((x * cos_azimuth + y * sin_azimuth) * sin + axis * cos).normalize()
 }
 
-/// Angles from 0 to π: evenly in the logarithm above `least` (radians), `per_decade` of them, and beside each of the `jumps`.
+/// Angles from 0 to π: `per_decade` of them per decade above `least` (radians), and one on either
+/// side of each jump.
 pub(crate) fn logarithmic_angles(least: f64, per_decade: u32, jumps: &[f64]) -> Vec<f64> {
     let step = (10f64).powf(1.0 / f64::from(per_decade));
     let rising = std::iter::successors(Some(least), |angle| Some(angle * step)).take_while(|angle| *angle < PI);
@@ -89,8 +92,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_density_of_what_is_drawn_is_the_one_that_is_told() {
-        // Equal parts of u hold equal parts of the integral, whatever the shape.
+    fn samples_have_the_density_of_at_chord() {
+        // Equal intervals of u have equal probability, whatever the shape.
         let lobe = RadialDensity::new(&[0.0, 0.01, 0.02, 0.3, PI], |angle| if angle < 0.05 { 2.0 } else { 0.1 });
         let axis = DVec3::Z;
         let angle = |u: f64| lobe.sample(axis, [u, 0.3]).distance(axis);
@@ -98,8 +101,12 @@ mod tests {
             let u = f64::from(step) / 100.0;
             let (low, high) = (angle(u - 1e-4), angle(u + 1e-4));
             let solid_angle = PI * (high * high - low * low);
-            let told = lobe.at_chord(angle(u).powi(2));
-            assert!((2e-4 / solid_angle / told - 1.0).abs() < 2e-3, "u = {u}: {} against {told}", 2e-4 / solid_angle);
+            let density = lobe.at_chord(angle(u).powi(2));
+            assert!(
+                (2e-4 / solid_angle / density - 1.0).abs() < 2e-3,
+                "u = {u}: {} against {density}",
+                2e-4 / solid_angle
+            );
         }
     }
 }

@@ -1,17 +1,19 @@
 //! `sharp`: a flat top and a steep fall-off.
 //!
-//! The paper's comparison with photographs ends with "a Gaussian does not adequately model the sharp fall-off in the
-//! retroreflectance, and … another function should be used" (section 4). A super-Gaussian is the smallest step from it:
+//! The paper's comparison with photographs ends with "a Gaussian does not adequately model the
+//! sharp fall-off in the retroreflectance, and … another function should be used" (section 4). A
+//! super-Gaussian is the smallest generalisation:
 //!
 //! `f = ρ_s · C · exp(−ln 2 · (δ/δ_h)ⁿ) / max(cos θ_i, cos θ_o)`
 //!
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
-//! | ρ_s | share of light that comes back at normal incidence | 1 | 0…1 |
+//! | ρ_s | fraction of the light returned at normal incidence | 1 | 0…1 |
 //! | δ_h | observation angle at which the lobe has half its peak | rad | 1e-5…0.5 |
-//! | n | order: 2 is the Gaussian of `gauss_reciprocal`, with α = δ_h/√(4 ln 2); a large one is a disk | 1 | 1…64 |
+//! | n | order: 2 is the Gaussian of `gauss_reciprocal`, with α = δ_h/√(4 ln 2); a large one approaches a disk | 1 | 1…64 |
 //!
-//! C makes the integral of `f cos θ_i` ρ_s at normal incidence. Reciprocal; keeps energy.
+//! C normalises the integral of `f cos θ_i` to ρ_s at normal incidence. The model is reciprocal and
+//! conserves energy.
 
 use crate::radial::RadialDensity;
 use std::f64::consts::{LN_2, PI, TAU};
@@ -21,16 +23,16 @@ use std::f64::consts::{LN_2, PI, TAU};
 pub(crate) struct SharpLobe {
     half_width: f64,
     order: f64,
-    /// C, 1/sr.
+    /// Normalisation C, 1/sr.
     peak: f64,
-    /// The lobe has ended there, radians: it is 1e-16 of its peak.
+    /// Angle at which the lobe ends, radians: it is 1e-16 of its peak there.
     end: f64,
     density: RadialDensity,
 }
 
-/// Cells of the tabulated density.
+/// Number of cells of the tabulated density.
 const CELLS: u32 = 512;
-/// `−ln` of what is left of the peak where the lobe ends.
+/// `−ln` of the lobe relative to its peak, at its end.
 const END: f64 = 36.8;
 
 impl SharpLobe {

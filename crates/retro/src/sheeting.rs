@@ -1,19 +1,20 @@
-//! A retroreflecting lobe with what stands around it: a matte base and a clear top film.
+//! Sheeting: a retroreflecting lobe on a diffuse base, under a clear top film.
 //!
 //! `f = T(θ_o) T(θ_i) (f_retro + ρ_d/π) + F · D G/(4 cos θ_i cos θ_o)`
 //!
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
-//! | ρ_d | matte reflectance of the base at normal incidence | 1 | 0…1, default 0 |
-//! | index | refraction of the film; 1: there is none | 1 | 1…2.5, default 1 |
+//! | ρ_d | diffuse reflectance of the base at normal incidence | 1 | 0…1, default 0 |
+//! | index | refractive index of the film; 1 means no film | 1 | 1…2.5, default 1 |
 //! | roughness | α of the film's facets (GGX), for its sheen | 1 | 0.0005…1, default 0.1 |
 //!
-//! T is Fresnel's transmittance relative to normal incidence. It is not applied to lobes that were measured, or traced, with
-//! their front: `glass_bead`, `table` and `cube_corner`. Patterns and textures of the scene do the rest: a pattern multiplies
-//! the whole, a texture bends the normal.
+//! T is Fresnel's transmittance relative to normal incidence. It is not applied to lobes that were
+//! measured, or traced, with their front: `glass_bead`, `table` and `cube_corner`. Patterns and
+//! textures of the scene apply as usual: a pattern multiplies the whole value, a texture perturbs
+//! the normal.
 
 use crate::fresnel::fresnel_dielectric;
-use crate::gaussian::{Paper1991, ReciprocalGaussian, draw, observation_angle};
+use crate::gaussian::{Paper1991, ReciprocalGaussian, observation_angle, sample_lobe};
 use crate::ggx::Ggx;
 use crate::glass_bead::GlassBead;
 use crate::mrm::Mrm;
@@ -25,7 +26,7 @@ use radsight_brdf::{Brdf, BrdfSample, Density, Lobes};
 use std::cell::OnceCell;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// The part that sends light back.
+/// The retroreflecting lobe.
 #[derive(Clone, Debug)]
 pub(crate) enum Core {
     Paper(Paper1991<1>),
@@ -37,14 +38,14 @@ pub(crate) enum Core {
     Table(RetroTable),
 }
 
-/// What is around the lobe.
+/// Base and film around the lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
-    /// ρ_d.
+    /// Diffuse reflectance ρ_d of the base.
     pub matte: f64,
-    /// Of the film; 1 is none.
+    /// Refractive index of the film; 1 means no film.
     pub index: f64,
-    /// Of the film's facets.
+    /// Roughness of the film's facets.
     pub roughness: f64,
 }
 
@@ -54,18 +55,19 @@ impl Default for Surroundings {
     }
 }
 
-/// Retroreflecting sheeting, the same in every band.
+/// Retroreflecting sheeting, with the same value in every band.
 #[derive(Clone, Debug)]
 pub struct Sheeting {
     core: Core,
     matte: f64,
-    /// Index and facets.
+    /// Refractive index and facets of the film.
     film: Option<(f64, Ggx)>,
-    /// Probabilities of drawing the core and the film; the rest is matte.
+    /// Probabilities of sampling the lobe and the film; otherwise the diffuse base is sampled.
     choice: [f64; 2],
 }
 
-/// A core seen from one direction, unit. What that direction decides is found once, where it is needed.
+/// The lobe seen from one unit direction. Terms of that direction alone are computed once, if they
+/// are needed.
 struct CoreFrom<'a> {
     core: &'a Core,
     outgoing: DVec3,
@@ -77,7 +79,7 @@ impl Core {
         CoreFrom { core: self, outgoing, spots: OnceCell::new() }
     }
 
-    /// Roughly, for the choice of a lobe.
+    /// Estimated albedo, for choosing a lobe.
     fn strength(&self) -> f64 {
         match self {
             Core::Paper(lobe) => lobe.reflectance[0],
@@ -90,7 +92,7 @@ impl Core {
         }
     }
 
-    /// Whether the film takes its part of the light of the lobe.
+    /// Whether the film attenuates the lobe.
     fn is_below_film(&self) -> bool {
         matches!(self, Core::Paper(_) | Core::Gaussian(_) | Core::Sharp { .. } | Core::Mrm(_))
     }
@@ -135,7 +137,7 @@ impl CoreFrom<'_> {
         let place = [u[0], u[1]];
         match self.core {
             Core::Paper(Paper1991 { spread, .. }) | Core::Gaussian(ReciprocalGaussian { spread, .. }) => {
-                draw(*spread, outgoing, u[0], u[1]).map(|(direction, _)| direction)
+                sample_lobe(*spread, outgoing, u[0], u[1]).map(|(direction, _)| direction)
             }
             Core::Sharp { lobe, .. } => Some(lobe.density().sample(outgoing, place)),
             Core::Bead(lobe) => Some(lobe.density().sample(outgoing, place)),
@@ -151,7 +153,8 @@ impl Sheeting {
         let film = (around.index > 1.0).then_some((around.index, Ggx { roughness: around.roughness }));
         let sheen = film.map_or(0.0, |(index, _)| fresnel_dielectric(1.0, index));
         let strength = core.strength();
-        // Every lobe that exists is drawn at least now and then, since the film's grows towards grazing light.
+        // Every existing lobe keeps a minimum probability, since the film's reflectance grows
+        // towards grazing incidence.
         let total = (strength + sheen + around.matte).max(1e-9);
         let share = |part: f64| if part > 0.0 { 0.1 + 0.7 * part / total } else { 0.0 };
         let shares = [share(strength.max(1e-6)), share(sheen), share(around.matte)];
@@ -160,7 +163,7 @@ impl Sheeting {
         Sheeting { core, matte: around.matte, film, choice }
     }
 
-    /// f and density in 1/sr; both are zero where a direction is not above the surface.
+    /// f and density in 1/sr; both are zero if a direction is below the surface.
     #[must_use]
     pub fn value_and_pdf(&self, outgoing: DVec3, incident: DVec3) -> (f64, f64) {
         self.value_and_pdf_of(&self.core.seen_from(outgoing), incident)

@@ -1,11 +1,12 @@
-//! `table`: measured coefficients of retroreflection, as data sheets and ASTM D4956 give them.
+//! `table`: measured coefficients of retroreflection, as in data sheets and ASTM D4956.
 //!
-//! R_A stands at every combination of some observation, entrance and rotation angles. Between them `ln R_A` is linear in each
-//! angle. Below the least observation angle R_A keeps its value there; beyond the largest it goes on falling as in the last
-//! interval, and not slower than by half for each of its widths. Entrance angles count without their sign; beyond the
-//! largest R_A falls linearly to zero at 90°. Rotation angles are periodic in 360°.
+//! R_A is given on a grid of observation, entrance and rotation angles. Between grid points
+//! `ln R_A` is linear in each angle. Below the smallest observation angle R_A is constant; above
+//! the largest it falls as in the last interval, and by at least a half per width of that interval.
+//! Entrance angles are taken without their sign; above the largest R_A falls linearly to zero at
+//! 90°. Rotation angles are periodic in 360°.
 //!
-//! `f = R_A/(cos β · cos ν)`. What is measured is not made reciprocal.
+//! `f = R_A/(cos β · cos ν)`. Measured data are not made reciprocal.
 
 use crate::coefficient::Geometry;
 use crate::radial::{RadialDensity, logarithmic_angles};
@@ -15,23 +16,23 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// A row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Where.
+    /// Measurement geometry.
     pub geometry: Geometry,
     /// R_A, cd/(lx m²).
     pub coefficient: f64,
 }
 
-/// Why rows make no table.
+/// Why rows do not form a table.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum TableError {
-    /// There is none.
+    /// There are no rows.
     Empty,
-    /// An angle or a coefficient is out of its range; the row's index and what was expected.
+    /// An angle or a coefficient is out of range: index of the row, and what was expected.
     Row(usize, &'static str),
-    /// Two rows are at the same angles; their indices.
+    /// Two rows have the same angles; their indices.
     Twice(usize, usize),
-    /// No row is at this combination of angles that others have.
+    /// A combination of angles is missing.
     Missing(Geometry),
     /// Every coefficient is zero.
     Black,
@@ -43,7 +44,7 @@ impl std::fmt::Display for TableError {
             TableError::Empty => write!(out, "the table has no rows"),
             TableError::Row(row, expected) => write!(out, "row {} of the table: expected {expected}", row + 1),
             TableError::Twice(first, second) => {
-                write!(out, "rows {} and {} of the table are at the same angles", first + 1, second + 1)
+                write!(out, "rows {} and {} of the table have the same angles", first + 1, second + 1)
             }
             TableError::Missing(at) => write!(
                 out,
@@ -62,26 +63,29 @@ impl std::error::Error for TableError {}
 /// A complete table.
 #[derive(Clone, Debug)]
 pub struct RetroTable {
-    /// Rising, radians.
+    /// Observation angles, ascending, radians.
     observations: Vec<f64>,
-    /// Rising, without sign, radians.
+    /// Entrance angles, ascending, without sign, radians.
     entrances: Vec<f64>,
-    /// Rising, within 0…2π.
+    /// Rotation angles, ascending, 0…2π.
     rotations: Vec<f64>,
-    /// `ln R_A`; the observation angle changes fastest, then the entrance angle.
+    /// `ln R_A`; the observation angle varies fastest, then the entrance angle.
     logarithms: Vec<f64>,
-    /// For each entrance angle, over all rotations.
+    /// Sampling density for each entrance angle, over all rotations.
     densities: Vec<RadialDensity>,
 }
 
-/// Angles that are nearer than this are the same, radians.
+/// Angles closer than this are equal, radians.
 const SAME: f64 = 1e-9;
-/// `ln R_A` of zero.
+/// Substitute for `ln R_A` of zero.
 const DARK: f64 = -60.0;
 
 impl RetroTable {
+    /// Makes a table of rows.
+    ///
     /// # Errors
-    /// Rows that are no full grid, or out of range: observation 0…90°, entrance −89…89°, R_A 0…1e6.
+    /// If the rows are not a full grid, or out of range: observation 0…90°, entrance −89…89°, R_A
+    /// 0…1e6.
     pub fn new(rows: &[Row]) -> Result<RetroTable, TableError> {
         check_rows(rows)?;
         let axis = |angle: fn(&Geometry) -> f64| {
@@ -136,11 +140,11 @@ impl RetroTable {
                 }
             }
         }
-        let beyond = if entrance > last { ((FRAC_PI_2 - entrance) / (FRAC_PI_2 - last)).max(0.0) } else { 1.0 };
-        if logarithm <= 0.5 * DARK { 0.0 } else { beyond * logarithm.exp() }
+        let falloff = if entrance > last { ((FRAC_PI_2 - entrance) / (FRAC_PI_2 - last)).max(0.0) } else { 1.0 };
+        if logarithm <= 0.5 * DARK { 0.0 } else { falloff * logarithm.exp() }
     }
 
-    /// f, 1/sr. Zero where a direction is not above the surface.
+    /// f, 1/sr. Zero if a direction is below the surface.
     #[must_use]
     pub fn value(&self, outgoing: DVec3, incident: DVec3) -> f64 {
         let cosines = outgoing.z * incident.z;
@@ -162,14 +166,14 @@ impl RetroTable {
         self.density_of(outgoing).at_chord(outgoing.distance_squared(incident))
     }
 
-    /// An incident direction; it may point below the horizon.
+    /// Samples an incident direction; it may be below the horizon.
     #[must_use]
     pub fn sample(&self, outgoing: DVec3, u: [f64; 2]) -> DVec3 {
         self.density_of(outgoing).sample(outgoing, u)
     }
 
-    /// Share of the light that comes back to all observers, of light at this entrance angle (radians): `∫ R_A/cos β dω`.
-    /// The measured plane of observation stands for all others.
+    /// Fraction of the light from this entrance angle (radians) that is returned to all observers:
+    /// `∫ R_A/cos β dω`. The measured plane of observation represents all others.
     #[must_use]
     pub fn albedo(&self, entrance: f64) -> f64 {
         let angles = logarithmic_angles(1e-5, 200, &[]);
@@ -195,7 +199,7 @@ impl RetroTable {
         &self.densities[nearest.unwrap_or(0)]
     }
 
-    /// All rotations together; where the table is dark at this angle, evenly.
+    /// Density over all rotations; constant if the table is zero at this angle.
     fn density_at(&self, entrance: f64) -> RadialDensity {
         let jumps: Vec<f64> = self.observations.iter().copied().filter(|angle| *angle > 0.0 && *angle < PI).collect();
         let angles = logarithmic_angles(2e-5, 60, &jumps);
@@ -206,7 +210,8 @@ impl RetroTable {
                 .map(|rotation| self.coefficient(Geometry { observation, entrance, rotation: *rotation }));
             all.sum::<f64>()
         };
-        // A little everywhere: rays at other entrance angles than the row's find their light too.
+        // The density is positive everywhere, since samples at other entrance angles than the row's
+        // must find light too.
         let peak = angles.iter().map(|angle| shape(*angle)).fold(1e-30, f64::max);
         RadialDensity::new(&angles, |observation| shape(observation) + 1e-6 * peak)
     }
@@ -220,7 +225,7 @@ impl RetroTable {
             let (knot, share) = cell(&self.observations, observation);
             return if share > 0.0 { row[knot] + share * (row[knot + 1] - row[knot]) } else { row[knot] };
         }
-        // A table of one observation angle falls by half for each such angle.
+        // A table with a single observation angle falls by a half per such angle.
         let width = if count > 1 { last - self.observations[count - 2] } else { last.max(1e-4) };
         let slope = if count > 1 { (row[count - 1] - row[count - 2]) / width } else { f64::NEG_INFINITY };
         let slowest = -std::f64::consts::LN_2 / width;
@@ -228,7 +233,7 @@ impl RetroTable {
         (row[count - 1] + slope * (observation - last)).max(DARK)
     }
 
-    /// The knots around a rotation angle, over the end of the circle, and the share of the second.
+    /// The knots around a rotation angle, periodic, and the weight of the second.
     fn rotation_cell(&self, rotation: f64) -> (usize, usize, f64) {
         let count = self.rotations.len();
         let after = self.rotations.partition_point(|knot| *knot <= rotation);
@@ -239,7 +244,7 @@ impl RetroTable {
     }
 }
 
-/// The knot before `at`, and the share of the one after it. Below the first knot: the first alone.
+/// The knot before `at`, and the weight of the one after it. Below the first knot: the first alone.
 fn cell(axis: &[f64], at: f64) -> (usize, f64) {
     let after = axis.partition_point(|knot| *knot <= at);
     match after {
@@ -278,7 +283,8 @@ fn check_rows(rows: &[Row]) -> Result<(), TableError> {
 mod tests {
     use super::*;
 
-    /// Typical values of white 3M Diamond Grade conspicuity markings, series 983 (product bulletin 983, June 2009).
+    /// Typical values of white 3M Diamond Grade conspicuity markings, series 983 (product bulletin
+    /// 983, June 2009).
     pub(crate) const SERIES_983: [(f64, f64, f64); 6] = [
         (0.2, -4.0, 800.0),
         (0.2, 30.0, 550.0),
@@ -297,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_gives_back_its_rows_by_way_of_the_brdf() {
+    fn the_brdf_of_a_table_returns_its_rows() {
         let rows = rows(&SERIES_983);
         let table = RetroTable::new(&rows).unwrap();
         for row in &rows {
@@ -308,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn rotation_turns_the_pattern_with_the_sample() {
+    fn the_pattern_rotates_with_the_sample() {
         let at = |rotation: f64, coefficient: f64| Row {
             geometry: Geometry::from_degrees(0.2, 20.0, rotation),
             coefficient,
@@ -325,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_in_the_grid_is_named() {
+    fn a_missing_combination_of_angles_is_reported() {
         let error = RetroTable::new(&rows(&SERIES_983[..5])).unwrap_err();
         assert!(error.to_string().contains("observation 0.500000°, entrance 45.000000°"), "{error}");
         let twice = RetroTable::new(&rows(&[SERIES_983[0], SERIES_983[0]])).unwrap_err();
@@ -335,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_its_rows_a_table_falls() {
+    fn a_table_falls_outside_its_range() {
         let table = RetroTable::new(&rows(&SERIES_983)).unwrap();
         let at = |observation, entrance| table.coefficient(Geometry::from_degrees(observation, entrance, 0.0));
         assert_eq!(at(0.0, -4.0), at(0.2, -4.0));

@@ -1,5 +1,6 @@
-//! Every model passes the checks that plugins pass: finite values down to grazing, isotropy, reciprocity and energy where they
-//! are claimed, chi² of the sampling in cells of log-angle about the retro and the mirror direction.
+//! Every model passes the checks of plugins: finite values down to grazing incidence, isotropy,
+//! reciprocity and energy conservation where the model declares them, and chi² of the sampling in
+//! cells of log-angle about the retro and the mirror direction.
 
 use glam::DVec3;
 use radsight_brdf::check::{self, CheckOptions};
@@ -49,9 +50,9 @@ fn cube_corners_are_sound() {
     assert_sound("cube_corner", &["air"], &[1.5, -0.001, 0.003, 0.85, 0.1, 1.3, 0.1]);
 }
 
-/// Of what is taken as it was measured only the sampling is ours.
+/// For measured models only the sampling is checked.
 #[test]
-fn measured_models_are_drawn_from_as_they_say() {
+fn measured_models_are_sampled_with_their_density() {
     let series_983 =
         [0.2, 4.0, 800.0, 0.2, 30.0, 550.0, 0.2, 45.0, 345.0, 0.5, 4.0, 460.0, 0.5, 30.0, 215.0, 0.5, 45.0, 85.0];
     let table: Vec<f64> = [0.0, 1.0, 0.1].into_iter().chain(series_983).collect();
@@ -105,9 +106,9 @@ fn of_each_kind() -> Vec<(&'static str, Sheeting)> {
     kinds
 }
 
-/// What a batch finds once for all its directions changes none of them.
+/// Terms shared by a batch do not change the values of its directions.
 #[test]
-fn a_batch_is_its_directions_one_by_one() {
+fn a_batch_equals_single_evaluations() {
     for (name, sheet) in of_each_kind() {
         let outgoing = Geometry::from_degrees(0.0, 20.0, 35.0).directions().0;
         let near = [(0.1, 35.0), (0.7, 30.0), (3.0, 0.0), (60.0, 90.0)];
@@ -121,9 +122,9 @@ fn a_batch_is_its_directions_one_by_one() {
     }
 }
 
-/// Coefficients of a model, made a table, come back out of the table's BRDF.
+/// The BRDF of a table of a model's coefficients returns these coefficients.
 #[test]
-fn the_coefficients_of_each_model_survive_the_way_by_a_brdf() {
+fn the_coefficients_of_each_model_survive_a_round_trip() {
     for (name, sheet) in of_each_kind() {
         let coefficient = |sheet: &Sheeting, at: Geometry| {
             let (observer, light) = at.directions();
@@ -157,9 +158,10 @@ fn the_coefficients_of_each_model_survive_the_way_by_a_brdf() {
     }
 }
 
-/// A white furnace: microfacets that reflect everything lose only what leaves them below the horizon.
+/// A white furnace: perfectly reflecting microfacets lose only the light reflected below the
+/// horizon.
 #[test]
-fn smooth_white_microfacets_return_everything() {
+fn smooth_white_microfacets_conserve_energy() {
     let sheet = sheet("mrm", &[], &[1.0, 0.001, 1.0]);
     for degrees in [0.0f64, 30.0, 60.0] {
         let outgoing = DVec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
@@ -169,7 +171,7 @@ fn smooth_white_microfacets_return_everything() {
 }
 
 #[test]
-fn sharp_sends_back_its_share_at_normal_incidence() {
+fn sharp_returns_rho_at_normal_incidence() {
     for order in [1.0, 2.0, 6.0, 64.0] {
         let sheet = sheet("sharp", &[], &[0.7, 0.01, order]);
         let albedo = check::albedo(&sheet, DVec3::Z, &options("sharp")).total(0);

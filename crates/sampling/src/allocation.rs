@@ -1,34 +1,37 @@
-//! Which pixels get more samples, so that the error of the whole picture is lowest for all samples together.
+//! Adaptive sample allocation: which pixels get more samples, for the lowest error of the whole
+//! picture.
 //!
-//! The squared error of a pixel's mean falls by a factor [`PixelError::gain`] with each doubling of its samples N. What a doubling takes
-//! from the picture's squared error for each of its samples is e²·(1 − gain)/N. The sum of errors is least for all samples where no pixel has more
-//! of that than another: pixels are doubled where it is above a bound, and the bound is lowered as far as the asked error needs.
+//! Each doubling of a pixel's samples N multiplies the squared error e² of its mean by
+//! [`PixelError::gain`]. A doubling thus lowers the picture's squared error by e²·(1 − gain)/N per
+//! added sample. The total error is lowest if this benefit is equal in all pixels: pixels are
+//! doubled where it exceeds a bound, and the bound is lowered until the target error is reached.
 
-/// What is known of a pixel.
+/// Error estimate of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelError {
-    /// Squared error of its mean, estimated, in the unit of the asked one.
+    /// Estimated squared error of the mean, in the unit of the target.
     pub squared: f64,
-    /// What doubling its samples leaves of that, between 0 and 1: ½ for independent samples.
+    /// Factor of the squared error per doubling of the samples, between 0 and 1: ½ for independent
+    /// samples.
     pub gain: f64,
-    /// Its samples so far.
+    /// Number of samples so far.
     pub samples: u32,
 }
 
-/// A pixel with what it can still do.
+/// A pixel whose error can still be lowered.
 struct Open {
     error: PixelError,
-    /// What a doubling takes from the squared error, for each sample.
-    worth: f64,
-    /// How often its samples can be doubled.
+    /// Benefit of a doubling: reduction of the squared error per added sample.
+    benefit: f64,
+    /// Maximum number of doublings.
     room: f64,
 }
 
-/// How often the samples of each pixel are to be doubled, a fraction among pixels that are as good as each other; all 0 where the mean of the squared
-/// errors is `target` or less, or no sample can lower it.
+/// Number of doublings of each pixel's samples; a fraction among pixels of equal benefit. All are 0
+/// if the mean of the squared errors is at most `target`, or if no sample can lower it.
 ///
-/// A pixel gets no more than about `most` samples, and others do not make up for it: it counts as one that is as exact as asked, if
-/// it is not.
+/// A pixel gets at most about `most` samples. Other pixels do not compensate for it: it counts as
+/// if it had reached the target.
 ///
 /// ```
 /// use radsight_sampling::{PixelError, doublings};
@@ -42,7 +45,7 @@ pub fn doublings(pixels: &[PixelError], target: f64, most: u32) -> Vec<f64> {
         .iter()
         .map(|&error| {
             let room = (f64::from(most) / f64::from(error.samples)).log2().ceil().max(0.0);
-            Open { error, worth: error.squared * (1.0 - error.gain) / f64::from(error.samples), room }
+            Open { error, benefit: error.squared * (1.0 - error.gain) / f64::from(error.samples), room }
         })
         .collect();
     let allowed = target * open.len() as f64;
@@ -50,7 +53,7 @@ pub fn doublings(pixels: &[PixelError], target: f64, most: u32) -> Vec<f64> {
     if open.iter().map(now).sum::<f64>() <= allowed {
         return vec![0.0; pixels.len()];
     }
-    let highest = open.iter().map(|pixel| pixel.worth).fold(0.0, f64::max);
+    let highest = open.iter().map(|pixel| pixel.benefit).fold(0.0, f64::max);
     let [mut low, mut high] = [-HALVINGS, 0.0];
     for _ in 0..STEPS {
         let middle = 0.5 * (low + high);
@@ -62,19 +65,19 @@ pub fn doublings(pixels: &[PixelError], target: f64, most: u32) -> Vec<f64> {
     open.iter().map(|pixel| pixel.doublings(bound).min(pixel.room)).collect()
 }
 
-/// The bound is no lower than the highest worth by so many halvings, and is found in so many steps.
+/// The search interval below the highest benefit, in halvings, which is also the number of steps.
 const HALVINGS: f64 = 60.0;
 const STEPS: u32 = 24;
 
 impl Open {
-    /// How often it is doubled as long as that is worth more than the bound: a doubling lowers the error by the gain and has twice the
-    /// samples.
+    /// Number of doublings while the benefit exceeds the bound: each doubling multiplies the error
+    /// by the gain and doubles the samples.
     fn doublings(&self, bound: f64) -> f64 {
-        if self.worth <= bound { 0.0 } else { (self.worth / bound).log2() / (2.0 / self.error.gain).log2() }
+        if self.benefit <= bound { 0.0 } else { (self.benefit / bound).log2() / (2.0 / self.error.gain).log2() }
     }
 }
 
-/// The squared error of a pixel after that.
+/// Squared error of a pixel after these doublings.
 fn left_over(pixel: &Open, bound: f64, target: f64) -> f64 {
     let doublings = pixel.doublings(bound);
     let left = pixel.error.squared * pixel.error.gain.powf(doublings.min(pixel.room));
@@ -85,7 +88,7 @@ fn left_over(pixel: &Open, bound: f64, target: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Doubles pixels with known noise until nothing is chosen; gives their samples.
+    /// Doubles pixels of known noise until none is chosen; returns their samples.
     fn spend(noise: &[f64], gain: f64, wanted: f64, most: u32) -> Vec<u32> {
         let mut samples = vec![4; noise.len()];
         loop {
@@ -108,7 +111,7 @@ mod tests {
         (squares.sum::<f64>() / noise.len() as f64).sqrt()
     }
 
-    /// Mostly calm, one in ten noisy, one in a hundred very noisy.
+    /// Mostly low noise, one pixel in ten noisy, one in a hundred very noisy.
     fn noise() -> Vec<f64> {
         (0..1000)
             .map(|index| {
@@ -124,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn the_asked_error_is_met_with_fewer_samples_than_evenly_spread() {
+    fn the_target_error_takes_fewer_samples_than_uniform_sampling() {
         let noise = noise();
         for (gain, wanted) in [(0.5, 0.1), (0.5, 0.03), (0.35, 0.03)] {
             let samples = spend(&noise, gain, wanted, 1 << 16);
@@ -135,14 +138,14 @@ mod tests {
                 even.iter_mut().for_each(|samples| *samples += 1);
             }
             let [own, even] = [&samples, &even].map(|samples| samples.iter().sum::<u32>());
-            assert!(2 * own < even, "{own} and evenly {even} samples");
+            assert!(2 * own < even, "{own} adaptive and {even} uniform samples");
         }
     }
 
     #[test]
-    fn samples_go_with_the_root_of_the_variance() {
+    fn samples_are_proportional_to_the_standard_deviation() {
         let samples = spend(&noise(), 0.5, 0.02, 1 << 16);
-        // 25 times the variance has five times the samples, as far as doublings allow.
+        // 25 times the variance gets five times the samples, up to the rounding to doublings.
         let ratio = f64::from(samples[0]) / f64::from(samples[1]);
         assert!((2.0..=10.0).contains(&ratio), "{ratio}");
     }
@@ -166,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn others_do_not_make_up_for_pixels_that_may_get_no_more() {
+    fn other_pixels_do_not_compensate_for_pixels_at_their_limit() {
         let noise = noise();
         let limited = spend(&noise, 0.5, 0.03, 64);
         let calm: u32 =

@@ -1,13 +1,16 @@
-//! Low-discrepancy sample points that are a function of seed, ray number and dimension only.
+//! Low-discrepancy sample points, as a function of seed, ray number and dimension only.
 //!
-//! All rays of a picture walk along one Owen-scrambled Sobol' sequence in stream order: ray `pixel·N + s` takes point
-//! `pixel·N + s`. With `N` a power of two the points of a pixel are then a net in each set of four dimensions, those that the
-//! pinhole uses and those that the renderer uses, although neither knows of the other: a ray stream through a pipe and
-//! the fused command draw the same numbers. After 2¹⁶ points a new, independent scramble begins.
+//! All rays of a picture use one Owen-scrambled Sobol' sequence in stream order: ray `pixel·N + s`
+//! takes point `pixel·N + s`. With `N` a power of two, the points of a pixel form a net in each set
+//! of four dimensions: those of the camera and those of the renderer, although neither knows of the
+//! other. A ray stream through a pipe therefore uses the same numbers as the single command. After
+//! 2¹⁶ points a new, independent scramble begins.
 //!
-//! Owen scrambling by hashing: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020 (crate `sobol_burley`).
+//! Owen scrambling by hashing: Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020
+//! (crate `sobol_burley`).
 //!
-//! Guarantees: no state, so results do not depend on threads or on the order of evaluation. Values are in [0, 1).
+//! Guarantees: no state, so results do not depend on threads or on the order of evaluation. Values
+//! are in [0, 1).
 //!
 //! ```
 //! use radsight_sampling::{DimensionSet, RaySampler};
@@ -23,31 +26,31 @@ mod warp;
 pub use allocation::{PixelError, doublings};
 pub use warp::{choose, cosine_hemisphere, unit_disk};
 
-/// Rays after which the sequence is scrambled anew: what `sobol_burley` has points for.
+/// Number of points after which the sequence is scrambled anew; `sobol_burley` has no more.
 const SEQUENCE_LENGTH_LOG2: u32 = 16;
 
-/// Tells the sequences of branches from those of rays.
+/// Distinguishes the sequences of branches from those of rays.
 const BRANCH_SEED: u64 = 0x6272_616e_6368;
 
-/// Four dimensions of the sequence that are used together.
+/// A set of four dimensions that are used together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DimensionSet(u32);
 
 impl DimensionSet {
-    /// Pixel x, pixel y, and two for the pinhole.
+    /// Pixel x, pixel y, and two dimensions of the camera's aperture.
     pub const CAMERA: DimensionSet = DimensionSet(0);
 
-    /// The time within an exposure, and the place along the axis in an aperture that has a depth.
+    /// Time within the exposure, and position along the axis in an aperture of finite depth.
     pub const SHUTTER: DimensionSet = DimensionSet(u32::MAX);
 
-    /// The renderer's `index`-th set.
+    /// The renderer's set number `index`.
     #[must_use]
     pub const fn render(index: u32) -> DimensionSet {
         DimensionSet(index + 1)
     }
 }
 
-/// The sample point of one ray.
+/// Sampler of one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct RaySampler {
     seed: u64,
@@ -57,7 +60,7 @@ pub struct RaySampler {
 }
 
 impl RaySampler {
-    /// The point of ray number `ray` (from 0, in stream order) under `seed`.
+    /// Sampler of ray number `ray` (from 0, in stream order) for a seed.
     #[inline]
     #[must_use]
     pub fn new(seed: u64, ray: u64) -> Self {
@@ -66,10 +69,10 @@ impl RaySampler {
         RaySampler { seed, ray, index, scramble: (mix(seed ^ mix(block)) >> 32) as u32 }
     }
 
-    /// The point of one of `branches` rays into which this ray splits where it would take `set`.
+    /// Sampler of one of `branches` rays into which this ray splits where it would take `set`.
     ///
-    /// Branches walk along a sequence of their own, a block of a power of two for each ray, as the
-    /// rays of a pixel do: the branches of one ray are evenly spread, and so are those of
+    /// Branches use a sequence of their own, with an aligned block of a power of two for each ray,
+    /// like the rays of a pixel. The branches of one ray are stratified, and so are those of
     /// neighbouring rays together.
     #[must_use]
     pub fn branch(&self, set: DimensionSet, branch: u32, branches: u32) -> Self {
@@ -80,11 +83,11 @@ impl RaySampler {
         )
     }
 
-    /// Four coordinates of the point.
+    /// Four coordinates of the ray's point.
     ///
-    /// Every set is the first four dimensions of the sequence under a scramble and a shuffle of its own. Higher dimensions would give nets
-    /// over several sets at once, but their projections are poor until there are thousands of points: errors then stall between 16 and
-    /// 256 points a pixel.
+    /// Every set uses the first four dimensions of the sequence, under a scramble and a shuffle of
+    /// its own. Higher dimensions would form nets over several sets at once, but their projections
+    /// are poor up to thousands of points: errors then stall between 16 and 256 points per pixel.
     #[inline]
     #[must_use]
     pub fn take(&self, set: DimensionSet) -> [f64; 4] {
@@ -93,7 +96,8 @@ impl RaySampler {
     }
 }
 
-/// The finaliser of SplitMix64: a bijection that spreads every input bit (Steele, Lea, Flood, OOPSLA 2014).
+/// The finaliser of SplitMix64: a bijection in which every input bit affects all output bits
+/// (Steele, Lea, Flood, OOPSLA 2014).
 fn mix(value: u64) -> u64 {
     let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -134,13 +138,13 @@ mod tests {
                 own[(u * 32.0) as usize] = true;
                 all[(u * 256.0) as usize] = true;
             }
-            assert!(own.iter().all(|&met| met), "ray {ray} misses a strip");
+            assert!(own.iter().all(|&filled| filled), "ray {ray} misses a strip");
         }
-        assert!(all.iter().all(|&met| met));
+        assert!(all.iter().all(|&filled| filled));
     }
 
     #[test]
-    fn rays_that_split_elsewhere_take_other_points() {
+    fn branches_at_another_set_take_other_points() {
         let of = |set| {
             let points =
                 (0..8).map(|branch| RaySampler::new(5, 7).branch(set, branch, 8).take(DimensionSet::CAMERA)[0]);
@@ -150,12 +154,12 @@ mod tests {
     }
 
     #[test]
-    fn another_seed_is_another_sequence() {
+    fn each_seed_has_its_own_sequence() {
         let of = |seed| (0..8).map(|ray| RaySampler::new(seed, ray).take(DimensionSet::CAMERA)[0]).collect::<Vec<_>>();
         assert_ne!(of(0), of(1));
     }
 
-    /// Two sets are independent: no correlation between their coordinates beyond chance.
+    /// Two sets are independent: their coordinates are not significantly correlated.
     #[test]
     fn two_sets_are_not_correlated() {
         let n = 4096;
@@ -170,7 +174,8 @@ mod tests {
         assert!((mean * 12.0).abs() < 0.06, "correlation {}", mean * 12.0);
     }
 
-    /// Within a set the points are a net: the mean of a smooth product converges faster than with random points.
+    /// Within a set the points form a net: the mean of a smooth product converges faster than with
+    /// random points.
     #[test]
     fn a_set_is_jointly_stratified() {
         let n = 1024;

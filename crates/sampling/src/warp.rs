@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// A point in the unit disk, uniform by area, from a point of the unit square.
+/// Maps a point of the unit square to the unit disk, uniform by area.
 ///
-/// Concentric map: Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997. It keeps strata compact.
+/// Concentric map of Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3),
+/// 1997. It preserves stratification with low distortion.
 #[inline]
 #[must_use]
 pub fn unit_disk(u: f64, v: f64) -> (f64, f64) {
@@ -18,7 +19,7 @@ pub fn unit_disk(u: f64, v: f64) -> (f64, f64) {
     (radius * cos, radius * sin)
 }
 
-/// A unit direction about +z with density cos θ / π, from a point of the unit square.
+/// Maps a point of the unit square to a unit direction about +z, with density cos θ / π.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(u: f64, v: f64) -> [f64; 3] {
@@ -26,7 +27,8 @@ pub fn cosine_hemisphere(u: f64, v: f64) -> [f64; 3] {
     [x, y, (1.0 - x * x - y * y).max(0.0).sqrt()]
 }
 
-/// Chooses by chances that add up to 1: the index of one, and where in its share `u` lies, between 0 and 1. `None` of none.
+/// Chooses an index by probabilities that sum to 1; returns it with the position of `u` within its
+/// interval, 0…1. `None` if there are none.
 ///
 /// ```
 /// use radsight_sampling::choose;
@@ -42,7 +44,7 @@ pub fn choose(chances: impl IntoIterator<Item = f64>, u: f64) -> Option<(usize, 
         }
         rest -= chance;
     }
-    // By rounding the chances may add up to less.
+    // By rounding the probabilities may sum to less than 1.
     last
 }
 

@@ -1,74 +1,77 @@
 //! Fits Eq. 5 of the paper to measured (exposure, grey) pairs.
 //!
-//! The model is `G = min(K·E^γ + G₀, G_max)`. For a given γ and a given set of saturated points it is linear in K and G₀, so only
-//! γ is searched (variable projection, Golub and Pereyra, SIAM J. Numer. Anal. 10(2), 1973), from several
-//! guesses of where saturation begins; the begin then moves to where the curve meets the plateau, and the best fit is taken.
+//! The model is `G = min(K·E^γ + G₀, G_max)`. For a given γ and a given set of saturated points it
+//! is linear in K and G₀, so only γ is searched (variable projection, Golub and Pereyra, SIAM J.
+//! Numer. Anal. 10(2), 1973). The search starts from several guesses of the onset of saturation.
+//! Each onset moves to the intersection of curve and plateau until it is stable, and the best fit
+//! is kept.
 
 use crate::ExposureUnit;
 use crate::interval::Estimate;
 use crate::plot::{Curve, Mark, Plot, Scale};
 
-/// γ is searched between these.
+/// Search range of γ.
 const GAMMA_RANGE: [f64; 2] = [0.02, 10.0];
-/// Steps of the first, geometric scan over γ.
+/// Steps of the initial geometric scan over γ.
 const GAMMA_STEPS: i32 = 48;
-/// First guesses of where saturation begins.
+/// Number of initial guesses of the onset of saturation.
 const GUESSES: usize = 24;
-/// Points that are enough to judge a guess.
+/// Number of points that suffice to compare guesses.
 const POINTS_FOR_GUESSES: usize = 1024;
-/// Moves of the begin of saturation after which a guess is given up.
+/// Maximum number of moves of the onset of saturation.
 const ROUNDS: usize = 32;
-/// Fewest points below saturation: one more than K, γ and G₀.
+/// Minimum number of points below saturation: one more than K, γ and G₀.
 const FEWEST_POINTS: usize = 4;
-/// Fewest points that make a plateau.
+/// Minimum number of points on a plateau.
 const FEWEST_SATURATED: usize = 2;
 
 /// A measured pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Exposure, in the unit in which K is wanted.
+    /// Exposure, in the unit of K.
     pub exposure: f64,
-    /// Grey level, whole or a mean over pixels.
+    /// Grey level of a pixel, or a mean over pixels.
     pub grey: f64,
 }
 
-/// The fitted sensor.
+/// A fitted sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     /// K, grey levels at 1 unit of exposure.
     pub k: f64,
     /// γ.
     pub gamma: f64,
-    /// G₀, grey levels. May come out slightly negative from noisy data.
+    /// G₀, grey levels. Noisy data may give a slightly negative value.
     pub grey_background: f64,
-    /// G_max, grey levels; `None` where the data do not reach saturation.
+    /// G_max, grey levels; `None` if the data do not reach saturation.
     pub grey_max: Option<f64>,
     /// Root mean square of the residuals, grey levels.
     pub rms_residual: f64,
-    /// Points taken as saturated.
+    /// Number of points on the plateau.
     pub saturated: usize,
-    /// Intervals of the four numbers.
+    /// Confidence intervals of the four parameters.
     pub intervals: CalibrationIntervals,
-    /// The unit of exposure to which K belongs.
+    /// Unit of exposure of K.
     pub exposure_unit: ExposureUnit,
 }
 
-/// Intervals of confidence 99 % of the numbers of Eq. 5, as far as the scatter of the data about the fit tells. They are those of the
-/// linearised model (Seber and Wild, Nonlinear Regression, 1989, section 5.1), for K in its logarithm, with which it is nearly linear.
+/// 99 % confidence intervals of the parameters of Eq. 5, from the scatter of the data about the
+/// fit. They are those of the linearised model (Seber and Wild, Nonlinear Regression, 1989, section
+/// 5.1), with K by its logarithm, in which the model is nearly linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CalibrationIntervals {
-    /// Of K.
+    /// Interval of K.
     pub k: Estimate,
-    /// Of γ.
+    /// Interval of γ.
     pub gamma: Estimate,
-    /// Of G₀.
+    /// Interval of G₀.
     pub grey_background: Estimate,
-    /// Of G_max, where the data reach saturation.
+    /// Interval of G_max, if the data reach saturation.
     pub grey_max: Option<Estimate>,
 }
 
 impl Calibration {
-    /// The data, and the fit with its saturation, as a plot.
+    /// Plot of the data and of the fit with its saturation.
     #[must_use]
     pub fn plot(&self, pairs: &[Measurement]) -> Plot {
         let largest = pairs.iter().map(|pair| pair.exposure).fold(0.0, f64::max);
@@ -84,7 +87,7 @@ impl Calibration {
         }
     }
 
-    /// The fitted grey level, not rounded, at an exposure in the calibration's unit.
+    /// Fitted grey level without rounding, at an exposure in the calibration's unit.
     #[must_use]
     pub fn grey(&self, exposure: f64) -> f64 {
         let rising = self.k * exposure.max(0.0).powf(self.gamma) + self.grey_background;
@@ -92,37 +95,38 @@ impl Calibration {
     }
 }
 
-/// Why nothing could be fitted.
+/// Why the data cannot be fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// Too little data for K, γ and G₀.
-    #[error("{found} different exposure(s) below saturation, at least {FEWEST_POINTS} are needed")]
+    /// There are too few points for K, γ and G₀.
+    #[error("{found} different exposures below saturation, expected at least {FEWEST_POINTS}")]
     TooFewPoints {
-        /// Different exposures found.
+        /// Number of different exposures.
         found: usize,
     },
-    /// A value that no measurement gives.
+    /// A value is impossible for a measurement.
     #[error(
         "pair {index} (from 0) is ({exposure}, {grey}): expected an exposure of at least 0 and a finite grey level"
     )]
     BadMeasurement {
-        /// Its place in the list, from 0.
+        /// Index of the pair, from 0.
         index: usize,
-        /// Its exposure.
+        /// Exposure of the pair.
         exposure: f64,
-        /// Its grey level.
+        /// Grey level of the pair.
         grey: f64,
     },
-    /// Grey does not rise with exposure.
+    /// Grey levels do not increase with exposure.
     #[error("grey levels do not rise with exposure")]
     NotRising,
 }
 
-/// Fits the pairs, in any order.
+/// Fits pairs in any order.
 ///
 /// # Errors
-/// When there are too few different exposures, a value is not finite, or grey does not rise with exposure.
+/// If there are too few different exposures, a value is impossible, or grey levels do not increase
+/// with exposure.
 pub fn calibrate(pairs: &[Measurement], exposure_unit: ExposureUnit) -> Result<Calibration, CalibrationError> {
     let bad = |pair: &Measurement| !(pair.exposure.is_finite() && pair.exposure >= 0.0 && pair.grey.is_finite());
     if let Some(index) = pairs.iter().position(bad) {
@@ -135,7 +139,7 @@ pub fn calibrate(pairs: &[Measurement], exposure_unit: ExposureUnit) -> Result<C
     if found < FEWEST_POINTS {
         return Err(CalibrationError::TooFewPoints { found });
     }
-    // Exposures are scaled to at most 1, so that no power of them can overflow.
+    // Exposures are scaled to at most 1, so that no power of them overflows.
     let largest = sorted[sorted.len() - 1].exposure;
     sorted.iter_mut().for_each(|pair| pair.exposure /= largest);
     let fit = best_split(&sorted).ok_or(CalibrationError::NotRising)?;
@@ -152,7 +156,7 @@ pub fn calibrate(pairs: &[Measurement], exposure_unit: ExposureUnit) -> Result<C
     })
 }
 
-/// A fit with its sum of squares over all points.
+/// A fit, with its sum of squared residuals over all points.
 #[derive(Clone, Copy, Debug)]
 struct Fit {
     k: f64,
@@ -163,14 +167,16 @@ struct Fit {
     squares: f64,
 }
 
-/// Intervals from the Jacobian of the fit at its best, over (ln K, γ, G₀); exposures were divided by `largest`.
+/// Confidence intervals from the Jacobian over (ln K, γ, G₀) at the best fit; exposures were
+/// divided by `largest`.
 fn intervals(sorted: &[Measurement], fit: &Fit, largest: f64) -> CalibrationIntervals {
     let (rising, flat) = sorted.split_at(sorted.len() - fit.saturated);
     let mut normal = [[0.0; 3]; 3];
     let mut squares = 0.0;
     for pair in rising {
         let power = fit.k * pair.exposure.powf(fit.gamma);
-        // Of exposures in their own unit, to which K belongs; at exposure 0 the power is 0 whatever γ is.
+        // Derivative by γ in the exposure's own unit, that of K; at exposure 0 the power is 0 for
+        // every γ.
         let by_gamma = if pair.exposure > 0.0 { power * (pair.exposure * largest).ln() } else { 0.0 };
         let slopes = [power, by_gamma, 1.0];
         for (row, slope) in normal.iter_mut().zip(slopes) {
@@ -183,7 +189,7 @@ fn intervals(sorted: &[Measurement], fit: &Fit, largest: f64) -> CalibrationInte
     let log_k = Estimate::student(fit.k.ln() - fit.gamma * largest.ln(), errors[0], degrees);
     let grey_max = (fit.saturated > 0).then(|| {
         let scatter: f64 = flat.iter().map(|pair| (pair.grey - fit.plateau).powi(2)).sum();
-        // The scatter of all points is that of the plateau, too, and is better known.
+        // The plateau has the scatter of all points, which is known more precisely.
         let degrees = degrees + flat.len() as f64 - 1.0;
         Estimate::student(fit.plateau, ((scatter + squares) / degrees / flat.len() as f64).sqrt(), degrees)
     });
@@ -195,8 +201,8 @@ fn intervals(sorted: &[Measurement], fit: &Fit, largest: f64) -> CalibrationInte
     }
 }
 
-/// The diagonal of the inverse of a symmetric matrix, by cofactors after the rows are scaled to a diagonal of 1. Infinite where
-/// there is no inverse.
+/// Diagonal of the inverse of a symmetric matrix, by cofactors after scaling to a unit diagonal.
+/// Infinite for a singular matrix.
 fn inverse_diagonal(matrix: [[f64; 3]; 3]) -> [f64; 3] {
     let scale: [f64; 3] = std::array::from_fn(|i| matrix[i][i].sqrt());
     let scaled = |i: usize, j: usize| matrix[i][j] / (scale[i] * scale[j]);
@@ -216,7 +222,8 @@ fn distinct(sorted: &[Measurement]) -> usize {
     1 + sorted.windows(2).filter(|pair| pair[0].exposure < pair[1].exposure).count() - usize::from(sorted.is_empty())
 }
 
-/// The best fit over many first guesses of where saturation begins. Many points are thinned for the guesses.
+/// Best fit over many guesses of the onset of saturation. With many points, a subset is used to
+/// compare the guesses.
 fn best_split(sorted: &[Measurement]) -> Option<Fit> {
     let thinned: Vec<Measurement> = sorted.iter().step_by(sorted.len().div_ceil(POINTS_FOR_GUESSES)).copied().collect();
     let mut best: Option<Fit> = None;
@@ -232,8 +239,8 @@ fn best_split(sorted: &[Measurement]) -> Option<Fit> {
     settle(sorted, guess).or_else(|| fit_split(sorted, guess))
 }
 
-/// Moves the begin of saturation to where the rising curve meets the plateau, until it stays. Noise at the knee can keep it moving
-/// between a few places: then the best fit with a plateau among them is taken.
+/// Moves the onset of saturation to the intersection of curve and plateau, until it is stable.
+/// Noise at the knee can make it cycle: then the best of these fits is taken.
 fn settle(sorted: &[Measurement], mut saturated: usize) -> Option<Fit> {
     let mut best: Option<Fit> = None;
     for round in 0..ROUNDS {
@@ -251,7 +258,7 @@ fn settle(sorted: &[Measurement], mut saturated: usize) -> Option<Fit> {
     best
 }
 
-/// Fits with the last `saturated` points on the plateau.
+/// Fit with the last `saturated` points on the plateau.
 fn fit_split(sorted: &[Measurement], saturated: usize) -> Option<Fit> {
     let (rising, flat) = sorted.split_at(sorted.len().checked_sub(saturated)?);
     if rising.is_empty() || distinct(rising) < FEWEST_POINTS {
@@ -266,7 +273,7 @@ fn fit_split(sorted: &[Measurement], saturated: usize) -> Option<Fit> {
     Some(fit)
 }
 
-/// The best γ for points that all rise: a geometric scan, then golden sections around its best.
+/// Best γ for unsaturated points: a geometric scan, then golden-section search around its minimum.
 fn fit_gamma(rising: &[Measurement]) -> Option<Fit> {
     let ratio = (GAMMA_RANGE[1] / GAMMA_RANGE[0]).powf(1.0 / f64::from(GAMMA_STEPS));
     let scanned = (0..=GAMMA_STEPS).map(|step| fit_linear(rising, GAMMA_RANGE[0] * ratio.powi(step)));
@@ -285,7 +292,7 @@ fn fit_gamma(rising: &[Measurement]) -> Option<Fit> {
     (fit.k > 0.0 && fit.squares.is_finite()).then_some(fit)
 }
 
-/// Least squares in K and G₀ at one γ.
+/// Least squares in K and G₀ for one γ.
 fn fit_linear(rising: &[Measurement], gamma: f64) -> Fit {
     let count = rising.len() as f64;
     let powers: Vec<f64> = rising.iter().map(|pair| pair.exposure.powf(gamma)).collect();
@@ -313,7 +320,8 @@ mod tests {
 
     const UNIT: ExposureUnit = ExposureUnit::MicrojoulePerSquareCentimetre;
 
-    /// Data of the paper's sensor with exposures up to `largest` µJ/cm² and Gaussian noise on the grey level.
+    /// Data of the paper's sensor with exposures up to `largest` µJ/cm² and Gaussian noise on the
+    /// grey level.
     fn measured(count: u32, largest: f64, noise: f64, seed: u64) -> Vec<Measurement> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let pair = |index: u32| {
@@ -344,7 +352,7 @@ mod tests {
             assert!((fit.grey_background - 12.0).abs() < 1.5, "seed {seed}: {fit:?}");
             assert!((fit.grey_max.unwrap() - 161.0).abs() < 0.5, "seed {seed}: {fit:?}");
             assert!((0.3..0.8).contains(&fit.rms_residual), "seed {seed}: {fit:?}");
-            // What counts is the curve: K and γ trade off against each other.
+            // The curve is compared, because K and γ are correlated.
             for pair in measured(50, 2.5e-3, 0.0, 0) {
                 assert!((fit.grey(pair.exposure) - pair.grey).abs() < 1.5, "seed {seed} at {}", pair.exposure);
             }
@@ -376,12 +384,12 @@ mod tests {
             }
         }
         assert!(within.iter().all(|&count| count >= 95), "{within:?}");
-        // Intervals that are twice too wide would hold all.
+        // Intervals twice as wide as they should be would contain all values.
         assert!(within_half.iter().all(|&count| count < 95), "{within_half:?}");
     }
 
     #[test]
-    fn data_below_saturation_leave_grey_max_open() {
+    fn data_below_saturation_give_no_grey_max() {
         for seed in 0..20 {
             let fit = calibrate(&measured(40, 1.2e-3, 0.3, seed), UNIT).unwrap();
             assert!(fit.saturated <= 2, "seed {seed}: {fit:?}");
@@ -398,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn data_that_say_nothing_are_refused() {
+    fn degenerate_data_are_rejected() {
         let flat: Vec<_> = (0..9).map(|i| Measurement { exposure: f64::from(i), grey: 50.0 - f64::from(i) }).collect();
         assert_eq!(calibrate(&flat, UNIT), Err(CalibrationError::NotRising));
         let same = [Measurement { exposure: 1.0, grey: 5.0 }; 9];

@@ -1,13 +1,15 @@
-//! The photon transfer method of EMVA Standard 1288, release 4.0 (linear): what a sensor is, from its pictures alone.
+//! The photon transfer method of EMVA Standard 1288, release 4.0 (linear), which characterises a
+//! sensor by its pictures alone.
 //!
-//! [`measure`] takes the standard's series from a [`Device`]: pairs of pictures in the dark and in steps of even light up to and
-//! over saturation, pictures in the dark with growing exposure times, and stacks of pictures in the dark and at half of saturation.
-//! [`evaluate`] finds from their statistics the quantities of the standard, each with an interval of confidence 99 %. It knows of
-//! the device only the pictures, the photons that fell on a pixel and the exposure time.
+//! [`measure`] takes the standard's series from a [`Device`]: pairs of pictures in the dark and in
+//! steps of uniform illumination up to and beyond saturation, dark pictures of increasing exposure
+//! times, and stacks of pictures in the dark and at half of saturation. [`evaluate`] estimates the
+//! standard's quantities from their statistics, each with a 99 % confidence interval. Of the device
+//! it uses only the pictures, the photons per pixel and the exposure time.
 //!
-//! Two estimators differ from the standard's, and estimate the same with less noise: lines are fitted with weights by the known
-//! variance of each point instead of none; PRNU is the spread of the difference of the two stacks, where the standard subtracts
-//! their variances.
+//! Two estimators differ from the standard's, with the same expectation and less noise. Lines are
+//! fitted with weights by the known variance of each point instead of equal weights. PRNU is the
+//! spread of the difference of the two stacks, where the standard subtracts their variances.
 //!
 //! ```
 //! use radsight_sensor::characterise::{Series, evaluate, measure};

@@ -1,51 +1,51 @@
-//! What is wrong with a sensor's description.
+//! Errors in a sensor's description.
 
-/// A sensor that cannot be.
+/// Why a sensor is impossible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorError {
-    /// A quantity outside its range.
+    /// A quantity is out of range.
     #[error("{quantity} must be {expected}, not {value}")]
     OutOfRange {
-        /// Which, as the camera file calls it.
+        /// Name of the quantity in a camera file.
         quantity: &'static str,
-        /// The range in words.
+        /// The valid range, as text.
         expected: &'static str,
-        /// The value found.
+        /// The given value.
         value: f64,
     },
-    /// A saturation level that the bits cannot hold.
+    /// The saturation level does not fit in the bits.
     #[error("grey_max {grey_max} does not fit in {bits} bits: the largest grey value is {largest}")]
     TooBright {
-        /// The level.
+        /// The saturation level.
         grey_max: f64,
-        /// The width.
+        /// The bit depth.
         bits: u8,
-        /// The largest grey value of that width.
+        /// The largest grey value of that bit depth.
         largest: u16,
     },
-    /// A picture without contrast.
+    /// The saturation level is not above the background.
     #[error("grey_max {grey_max} must be above grey_background {grey_background}")]
     NoRange {
         /// The saturation level.
         grey_max: f64,
-        /// The level without light.
+        /// The grey level without light.
         grey_background: f64,
     },
-    /// A wavelength that a table does not reach.
+    /// The wavelength is outside the table.
     #[error("the quantum efficiency is known from {first_nm} to {last_nm} nm, not at {wavelength_nm} nm")]
     OutsideTable {
-        /// The wavelength asked for.
+        /// The wavelength.
         wavelength_nm: f64,
-        /// The first of the table.
+        /// First wavelength of the table.
         first_nm: f64,
-        /// The last of the table.
+        /// Last wavelength of the table.
         last_nm: f64,
     },
-    /// A width that no picture has.
+    /// The bit depth is not supported.
     #[error("bits must be 8, 10, 12, 14 or 16, not {bits}")]
     Bits {
-        /// The width found.
+        /// The given number of bits.
         bits: i64,
     },
 }

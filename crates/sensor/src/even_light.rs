@@ -1,9 +1,9 @@
-//! A simulated sensor before an even light.
+//! A simulated sensor under uniform illumination.
 
 use crate::characterise::Device;
 use crate::{Emva1288, emva1288::FixedPattern};
 
-/// A specimen of a simulated sensor in even light, as the photon transfer method needs it.
+/// A specimen of a simulated sensor under uniform illumination, as a [`Device`].
 #[derive(Clone, Debug)]
 pub struct EvenLight {
     sensor: Emva1288,
@@ -12,7 +12,7 @@ pub struct EvenLight {
 }
 
 impl EvenLight {
-    /// A sensor of so many columns and rows.
+    /// A sensor with this number of columns and rows.
     #[must_use]
     pub fn new(sensor: Emva1288, pixels: [u32; 2]) -> EvenLight {
         let pattern = sensor.fixed_pattern(u64::from(pixels[0]) * u64::from(pixels[1]));
@@ -34,7 +34,8 @@ impl Device for EvenLight {
     }
 
     fn picture(&self, photons: f64, exposure_s: f64, seed: u64) -> Vec<u16> {
-        // A time that is not positive is none that a camera has; the method asks for none.
+        // The method never uses a time that is not positive, and such a time would leave the sensor
+        // unchanged.
         let sensor = self.sensor.with_exposure_s(exposure_s).unwrap_or(self.sensor);
         sensor.even_picture(photons / sensor.photons_per_exposure(), seed, &self.pattern)
     }

@@ -39,7 +39,7 @@ impl ExposureUnit {
         NanojoulePerSquareCentimetre,
     ];
 
-    /// As a camera file writes it: `uJ/cm2`, `J/m2`, ….
+    /// Name in a camera file: `uJ/cm2`, `J/m2`, ….
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -54,14 +54,14 @@ impl ExposureUnit {
         }
     }
 
-    /// The unit of a name; `µ` and `²` are understood too.
+    /// Unit of a name; `µ` and `²` are accepted too.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let plain = name.replace(['µ', 'μ'], "u").replace('²', "2");
         ExposureUnit::ALL.into_iter().find(|unit| unit.name() == plain)
     }
 
-    /// How many of this unit make 1 J/m².
+    /// Number of this unit in 1 J/m².
     #[must_use]
     pub fn per_joule_per_square_metre(self) -> f64 {
         match self {
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn every_name_leads_back_to_its_unit_and_prefixes_are_thousands() {
+    fn names_round_trip_and_prefixes_are_thousands() {
         for unit in ExposureUnit::ALL {
             assert_eq!(ExposureUnit::from_name(unit.name()), Some(unit));
         }

@@ -1,39 +1,40 @@
 //! Confidence intervals.
 
-/// The confidence of every interval that this crate gives.
+/// Confidence level of every interval in this crate.
 pub const CONFIDENCE: f64 = 0.99;
 
-/// The standard normal quantile of (1 + [`CONFIDENCE`])/2.
+/// Standard normal quantile of (1 + [`CONFIDENCE`])/2.
 pub(crate) const NORMAL_QUANTILE: f64 = 2.575_829_303_548_901;
 
-/// A value with its interval of confidence 99 %.
+/// A value with its 99 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The best value.
+    /// Best value.
     pub value: f64,
-    /// The lower end.
+    /// Lower end of the interval.
     pub low: f64,
-    /// The upper end.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
 impl Estimate {
-    /// From a standard error, for what is normally distributed.
+    /// Interval from a standard error, for a normal distribution.
     #[must_use]
     pub fn normal(value: f64, standard_error: f64) -> Estimate {
         let half = NORMAL_QUANTILE * standard_error;
         Estimate { value, low: value - half, high: value + half }
     }
 
-    /// From a standard error that was itself estimated with so many degrees of freedom.
+    /// Interval from a standard error that was estimated with `degrees` degrees of freedom.
     #[must_use]
     pub fn student(value: f64, standard_error: f64, degrees: f64) -> Estimate {
         let half = student_quantile(degrees) * standard_error;
         Estimate { value, low: value - half, high: value + half }
     }
 
-    /// Of a standard deviation whose square was found as `scale·(mean_square − excess)`, where `mean_square` is chi-squared with
-    /// so many degrees of freedom and `excess` is known much better. Clamped at 0.
+    /// Interval of a standard deviation whose square is `scale·(mean_square − excess)`, where
+    /// `mean_square` is chi-squared with `degrees` degrees of freedom and `excess` is known much
+    /// more precisely. Clamped at 0.
     #[must_use]
     pub fn deviation(mean_square: f64, degrees: f64, excess: f64, scale: f64) -> Estimate {
         let root = |square: f64| (scale * (square - excess)).max(0.0).sqrt();
@@ -44,7 +45,7 @@ impl Estimate {
         }
     }
 
-    /// Whether a value lies within.
+    /// Whether the interval contains a value.
     #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -56,7 +57,7 @@ impl Estimate {
         Estimate { value: self.value * factor, low: self.low * factor, high: self.high * factor }
     }
 
-    /// The same where the factor of a change of unit has a relative standard error of its own.
+    /// The same in another unit, for a conversion factor with a relative standard error of its own.
     #[must_use]
     pub(crate) fn scaled_by(&self, factor: f64, relative_error: f64) -> Estimate {
         let scaled = self.scaled(factor);
@@ -64,14 +65,15 @@ impl Estimate {
         let low = scaled.value - (scaled.value - scaled.low).hypot(further);
         Estimate {
             value: scaled.value,
-            // What could be 0 before, and not less, still can.
+            // An interval that cannot be negative stays non-negative.
             low: if self.low >= 0.0 { low.max(0.0) } else { low },
             high: scaled.value + (scaled.high - scaled.value).hypot(further),
         }
     }
 }
 
-/// Quantile of the chi-squared distribution at the normal quantile `z` (Wilson and Hilferty, PNAS 17, 1931).
+/// Quantile of the chi-squared distribution at the normal quantile `z` (Wilson and Hilferty, PNAS
+/// 17, 1931).
 fn chi_squared_quantile(degrees: f64, z: f64) -> f64 {
     let part = 2.0 / (9.0 * degrees);
     degrees * (1.0 - part + z * part.sqrt()).max(0.05).powi(3)

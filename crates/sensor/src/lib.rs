@@ -1,10 +1,13 @@
-//! From exposure to grey values: the paper's power law, a linear sensor after EMVA 1288, its characterisation, and calibration.
+//! Conversion of exposure to grey values: the paper's power law, a linear sensor after EMVA 1288,
+//! its characterisation, and calibration.
 //!
-//! Exposure is energy per area on a pixel, J/m². A [`Sensor`] turns it into a grey value, saturated and rounded once, at the
-//! end: half away from zero, never below 0, never above what the bits can hold.
+//! Exposure is energy per area on a pixel, J/m². A [`Sensor`] converts it to a grey value, which is
+//! saturated and then rounded once: half away from zero, between 0 and the largest value of the bit
+//! depth.
 //!
-//! Guarantees: a [`PowerLaw`] or [`Emva1288`] holds only finite values within their ranges; the grey value is a function of
-//! (exposure, seed, pixel) only. May not know where the exposure came from; does no input or output.
+//! Guarantees: a [`PowerLaw`] or [`Emva1288`] holds only finite values within their ranges; the
+//! grey value is a function of (exposure, seed, pixel) only. The crate does not know where the
+//! exposure came from, and does no input or output.
 //!
 //! ```
 //! use radsight_sensor::{BitDepth, ExposureUnit, PowerLaw, PowerLawDescription};
@@ -50,7 +53,7 @@ pub use power_law::{PowerLaw, PowerLawDescription};
 pub use preset::Preset;
 pub use quantum_efficiency::{QuantumEfficiencyTable, dark_current_at};
 
-/// Any sensor that a camera file can ask for.
+/// A sensor of a camera file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Sensor {
@@ -61,7 +64,8 @@ pub enum Sensor {
 }
 
 impl Sensor {
-    /// The grey value of pixel number `pixel` at `exposure` J/m². `seed` matters only to a sensor with noise.
+    /// Grey value of pixel number `pixel` at `exposure` J/m². `seed` matters only for a sensor with
+    /// noise.
     #[must_use]
     pub fn grey(&self, exposure: f64, seed: u64, pixel: u64) -> u16 {
         match self {
@@ -70,13 +74,13 @@ impl Sensor {
         }
     }
 
-    /// The grey values of a picture's exposures (J/m²), pixel 0 first.
+    /// Grey values of a picture's exposures (J/m²), from pixel 0.
     #[must_use]
     pub fn greys(&self, exposures: &[f64], seed: u64) -> Vec<u16> {
         (0..).zip(exposures).map(|(pixel, &exposure)| self.grey(exposure, seed, pixel)).collect()
     }
 
-    /// The width of the grey values.
+    /// Bit depth of the grey values.
     #[must_use]
     pub fn bits(&self) -> BitDepth {
         match self {

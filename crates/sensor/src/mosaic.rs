@@ -1,6 +1,7 @@
-//! Colour filters before the pixels of a sensor, and a picture's colours from what lies behind them.
+//! Colour filter mosaics, and demosaicing.
 
-/// A Bayer mosaic: the colours of the first two rows' first two pixels (Bayer, US patent 3971065, 1976).
+/// A Bayer mosaic, named by the colours of the first two pixels of the first two rows (Bayer, US
+/// patent 3971065, 1976).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bayer {
     /// Red first, blue in the second row.
@@ -13,13 +14,13 @@ pub enum Bayer {
     Gbrg,
 }
 
-/// How colours between the filters are found.
+/// Demosaicing method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Demosaic {
-    /// Means of the nearest pixels of a colour.
+    /// Mean of the nearest pixels of each colour.
     Bilinear,
-    /// Linear filters over 5 x 5 pixels that carry the detail of one colour over to the others (Malvar, He, Cutler,
-    /// ICASSP 2004).
+    /// Linear filters over 5 x 5 pixels that transfer the detail of one colour to the others
+    /// (Malvar, He, Cutler, ICASSP 2004).
     GradientCorrected,
 }
 
@@ -31,7 +32,7 @@ impl Bayer {
     /// All of them, for messages.
     pub const ALL: [Bayer; 4] = [Bayer::Rggb, Bayer::Bggr, Bayer::Grbg, Bayer::Gbrg];
 
-    /// As a camera file writes it.
+    /// Name in a camera file.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,13 +43,13 @@ impl Bayer {
         }
     }
 
-    /// The mosaic of a name.
+    /// Mosaic of a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Bayer> {
         Bayer::ALL.into_iter().find(|mosaic| mosaic.name().eq_ignore_ascii_case(name))
     }
 
-    /// The colours (0 red, 1 green, 2 blue) of the cell of 2 x 2 pixels, row by row.
+    /// Colours (0 red, 1 green, 2 blue) of the cell of 2 x 2 pixels, row by row.
     #[must_use]
     pub fn cell(self) -> [usize; 4] {
         match self {
@@ -59,15 +60,16 @@ impl Bayer {
         }
     }
 
-    /// The colour before a pixel.
+    /// Colour of a pixel's filter.
     #[must_use]
     pub fn color(self, column: usize, row: usize) -> usize {
         self.cell()[2 * (row % 2) + column % 2]
     }
 
-    /// Red, green and blue of every pixel, row by row, from grey values behind the mosaic; none above `largest`.
+    /// Demosaics grey values: red, green and blue of every pixel, row by row, at most `largest`.
     ///
-    /// The picture is mirrored at its edges about the middle of its outermost pixels, which keeps the order of the filters.
+    /// The picture is mirrored at the centres of its outermost pixels, which preserves the order of
+    /// the filters.
     #[must_use]
     pub fn demosaic(self, greys: &[u16], columns: usize, method: Demosaic, largest: u16) -> Vec<u16> {
         let rows = greys.len() / columns.max(1);
@@ -85,7 +87,7 @@ impl Bayer {
     }
 }
 
-/// Grey values behind a mosaic.
+/// Grey values of a mosaic.
 struct Raw<'a> {
     mosaic: Bayer,
     greys: &'a [u16],
@@ -115,7 +117,7 @@ impl Raw<'_> {
             let plain = 0.25 * diagonal();
             return if corrects { plain + 0.75 * middle - 0.1875 * (far_beside() + far_above()) } else { plain };
         }
-        // A green pixel has the colour beside it in one direction.
+        // A green pixel has a red neighbour in one direction and a blue one in the other.
         let is_beside = self.mosaic.color(column + 1, row) == color;
         let plain = 0.5 * sum(if is_beside { &beside } else { &above });
         if !corrects {
@@ -132,7 +134,7 @@ impl Raw<'_> {
     }
 }
 
-/// A place inside, mirrored about the middle of the first and of the last pixel.
+/// An index inside the picture, mirrored at the centres of the first and last pixel.
 fn mirrored(at: i64, count: usize) -> usize {
     if count < 2 {
         return 0;
@@ -152,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_colour_comes_back_in_every_mosaic_by_every_method() {
+    fn a_uniform_colour_is_reconstructed_from_every_mosaic() {
         for mosaic in Bayer::ALL {
             for method in [Demosaic::Bilinear, Demosaic::GradientCorrected] {
                 let greys = raw(mosaic, 7, 6, |_, _| [900, 500, 120]);
@@ -160,7 +162,7 @@ mod tests {
                 if method == Demosaic::Bilinear {
                     assert!(colors.chunks(3).all(|color| color == [900, 500, 120]), "{mosaic:?}");
                 }
-                // The corrected filters assume equal detail, not equal level: an even colour has no detail.
+                // The corrected filters preserve a uniform colour, since it has no detail.
                 let sum: Vec<u32> =
                     (0..3).map(|c| colors.iter().skip(c).step_by(3).map(|&v| u32::from(v)).sum()).collect();
                 assert_eq!(sum, [900 * 42, 500 * 42, 120 * 42], "{mosaic:?} {method:?}");
@@ -189,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn one_pixel_and_one_row_are_no_trouble() {
+    fn one_pixel_and_one_row_are_demosaiced() {
         assert_eq!(Bayer::Rggb.demosaic(&[7], 1, Demosaic::GradientCorrected, 255).len(), 3);
         assert_eq!(Bayer::Rggb.demosaic(&[7, 8, 9], 3, Demosaic::Bilinear, 255).len(), 9);
         assert!(Bayer::Rggb.demosaic(&[], 0, Demosaic::Bilinear, 255).is_empty());

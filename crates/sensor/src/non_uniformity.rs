@@ -1,8 +1,11 @@
-//! Differences between pixels: dark signal and photo response, each with pixel, row and column parts.
+//! Spatial non-uniformity: dark signal (DSNU) and photo response (PRNU), each with pixel, row and
+//! column components.
 //!
-//! EMVA Standard 1288, release 4.0, splits the spatial variance of the dark image (DSNU) and of the response (PRNU) into parts that
-//! are constant along columns, along rows, and neither. Here each part is Gaussian with the stated standard deviation. The
-//! pattern is that of one specimen: a function of its seed and the pixel's place, the same in every picture.
+//! EMVA Standard 1288, release 4.0, splits the spatial variance of the dark image (DSNU) and of the
+//! response (PRNU) into components that are constant along columns, along rows, or along neither.
+//! Here each component is Gaussian with the given standard deviation. The pattern belongs to one
+//! specimen: it is a function of the specimen's seed and the pixel's position, the same in every
+//! picture.
 
 use crate::SensorError;
 use crate::error::within;
@@ -10,39 +13,40 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Standard deviations of the parts of a spatial non-uniformity. The total is the root of the sum of their squares.
+/// Standard deviations of the components of a spatial non-uniformity. The total is the root of the
+/// sum of their squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpatialDeviation {
-    /// Of what differs from pixel to pixel.
+    /// Pixel component.
     pub pixel: f64,
-    /// Of what is the same along a row.
+    /// Row component: constant along a row.
     pub row: f64,
-    /// Of what is the same along a column.
+    /// Column component: constant along a column.
     pub column: f64,
 }
 
 impl SpatialDeviation {
-    /// The standard deviation over all pixels.
+    /// Standard deviation over all pixels.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.pixel.hypot(self.row).hypot(self.column)
     }
 }
 
-/// Differences between the pixels of one specimen.
+/// Spatial non-uniformity of one specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonUniformity {
     /// DSNU, electrons; an offset that does not depend on the exposure time.
     pub dsnu_e: SpatialDeviation,
-    /// PRNU, as a share of the response (0.01 is 1 %).
+    /// PRNU, relative to the response (0.01 is 1 %).
     pub prnu: SpatialDeviation,
-    /// Pixels in a row.
+    /// Number of pixels per row.
     pub columns: u32,
-    /// Which specimen of the type.
+    /// Number of the specimen, a seed.
     pub specimen: u64,
 }
 
-/// The patterns that are drawn, each from a stream of its own.
+/// Components with independent random streams.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     DarkPixel,
@@ -54,10 +58,11 @@ enum Part {
 }
 
 impl NonUniformity {
-    /// Checks the standard deviations; keys are named as in the camera file.
+    /// Checks the standard deviations; errors use the names of camera files.
     ///
     /// # Errors
-    /// The first that is negative, not finite, or a PRNU of more than 0.3, where a Gaussian would make pixels blind.
+    /// The first value that is negative, not finite, or a PRNU above 0.3, for which a Gaussian
+    /// would give negative responses.
     pub fn checked(self) -> Result<Self, SensorError> {
         for value in [self.dsnu_e.pixel, self.dsnu_e.row, self.dsnu_e.column] {
             within("dsnu_e", value, "at least 0 and finite", |value| value >= 0.0)?;
@@ -68,7 +73,7 @@ impl NonUniformity {
         Ok(self)
     }
 
-    /// The dark offset of a pixel, electrons.
+    /// Dark offset of a pixel, electrons.
     #[must_use]
     pub fn dark_offset_e(&self, pixel: u64) -> f64 {
         let [row, column] = self.place(pixel);
@@ -78,7 +83,7 @@ impl NonUniformity {
             + self.part(dsnu.column, Part::DarkColumn, column)
     }
 
-    /// The response of a pixel over that of the mean pixel, at least 0.
+    /// Response of a pixel relative to the mean, at least 0.
     #[must_use]
     pub fn response(&self, pixel: u64) -> f64 {
         let [row, column] = self.place(pixel);
@@ -123,18 +128,18 @@ mod tests {
     }
 
     #[test]
-    fn the_spread_is_the_stated_one_and_another_specimen_differs() {
+    fn the_deviation_is_the_given_one_and_specimens_differ() {
         let offsets: Vec<f64> = (0..40_000).map(|pixel| PARTS.dark_offset_e(pixel)).collect();
         let mean = offsets.iter().sum::<f64>() / offsets.len() as f64;
         let variance = offsets.iter().map(|offset| (offset - mean).powi(2)).sum::<f64>() / offsets.len() as f64;
-        // 200 columns tell the column part to 5 %.
+        // 200 columns determine the column component to 5 %.
         assert!((variance / PARTS.dsnu_e.total().powi(2) - 1.0).abs() < 0.12, "{variance}");
         let other = NonUniformity { specimen: 6, ..PARTS };
         assert_ne!(other.dark_offset_e(17), PARTS.dark_offset_e(17));
     }
 
     #[test]
-    fn impossible_spreads_are_refused() {
+    fn impossible_deviations_are_rejected() {
         let prnu = SpatialDeviation { pixel: 0.5, ..SpatialDeviation::default() };
         let message = NonUniformity { prnu, ..PARTS }.checked().unwrap_err().to_string();
         assert_eq!(message, "prnu_percent must be from 0 to 30, not 50");

@@ -1,4 +1,4 @@
-//! Plots as SVG: points, lines and bands on two linear or logarithmic axes.
+//! Plots as SVG: points and lines on linear or logarithmic axes.
 
 use std::fmt::Write;
 
@@ -9,16 +9,16 @@ const RIGHT: f64 = 16.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 48.0;
 
-/// How an axis is divided.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal steps.
+    /// Linear scale.
     Linear,
-    /// Equal factors; values of 0 and below are left out.
+    /// Logarithmic scale; values of 0 and below are left out.
     Logarithmic,
 }
 
-/// What is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// Dots.
@@ -29,27 +29,27 @@ pub enum Mark {
     Dashes,
 }
 
-/// One row of values (x, y) with its legend.
+/// A series of values (x, y) with its legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// For the legend.
+    /// Text of the legend.
     pub name: String,
-    /// How it is drawn.
+    /// Style of the curve.
     pub mark: Mark,
-    /// Values; what is not finite is left out.
+    /// Values; those that are not finite are left out.
     pub values: Vec<[f64; 2]>,
 }
 
-/// A plot that stands on its own.
+/// A plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// Above it.
+    /// Title above the plot.
     pub title: String,
-    /// Names of the axes with their units.
+    /// Labels of the axes, with units.
     pub axes: [String; 2],
-    /// Of both axes.
+    /// Scales of both axes.
     pub scales: [Scale; 2],
-    /// What is drawn, the first below the others.
+    /// Curves; later ones are drawn above earlier ones.
     pub curves: Vec<Curve>,
 }
 
@@ -148,7 +148,7 @@ fn legend(curve: &Curve, index: usize, out: &mut String) {
     );
 }
 
-/// One axis: its range and where it lies on the page.
+/// An axis: its range and its position on the page.
 struct Axis {
     scale: Scale,
     low: f64,
@@ -189,7 +189,7 @@ impl Axis {
         self.page[0] + share * (self.page[1] - self.page[0])
     }
 
-    /// About six round numbers, or the powers of ten.
+    /// Tick values: about six round numbers, or the powers of ten.
     fn ticks(&self) -> Vec<f64> {
         if self.scale == Scale::Logarithmic {
             let powers = self.low.log10().ceil() as i32..=self.high.log10().floor() as i32;
@@ -204,7 +204,7 @@ impl Axis {
     }
 }
 
-/// A number for people.
+/// A number in short form.
 fn short(number: f64) -> String {
     let size = number.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -236,7 +236,7 @@ mod tests {
         };
         let svg = plot.svg();
         assert!(svg.contains("a &lt; b"));
-        // What cannot be shown is left out: NaN, and 0 on a logarithmic axis.
+        // Values that cannot be shown are left out: NaN, and 0 on a logarithmic axis.
         assert_eq!(svg.matches("<circle").count(), 2);
         assert!(svg.contains("<circle cx=\"74.0\""), "0 stands at the left edge: {svg}");
     }

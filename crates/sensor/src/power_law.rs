@@ -3,10 +3,10 @@
 use crate::error::{not_negative, positive};
 use crate::{BitDepth, ExposureUnit, SensorError};
 
-/// A power-law sensor as it was asked for; [`PowerLaw::new`] checks it.
+/// Parameters of a power-law sensor; [`PowerLaw::new`] checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLawDescription {
-    /// K, grey levels at an exposure of 1 `exposure_unit`, above the background.
+    /// K: grey levels above the background at an exposure of 1 `exposure_unit`.
     pub k: f64,
     /// γ, dimensionless.
     pub gamma: f64,
@@ -14,9 +14,9 @@ pub struct PowerLawDescription {
     pub grey_background: f64,
     /// G_max, the grey level at saturation.
     pub grey_max: f64,
-    /// The unit of E.
+    /// Unit of E.
     pub exposure_unit: ExposureUnit,
-    /// Width of the grey values.
+    /// Bit depth of the grey values.
     pub bits: BitDepth,
 }
 
@@ -25,43 +25,44 @@ pub struct PowerLawDescription {
 pub struct PowerLaw(PowerLawDescription);
 
 impl PowerLaw {
-    /// Checks a description.
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// The first quantity that is out of its range.
-    pub fn new(asked: &PowerLawDescription) -> Result<Self, SensorError> {
-        positive("k", asked.k)?;
-        positive("gamma", asked.gamma)?;
-        let grey_background = not_negative("grey_background", asked.grey_background)?;
-        let grey_max = positive("grey_max", asked.grey_max)?;
+    /// The first quantity that is out of range.
+    pub fn new(description: &PowerLawDescription) -> Result<Self, SensorError> {
+        positive("k", description.k)?;
+        positive("gamma", description.gamma)?;
+        let grey_background = not_negative("grey_background", description.grey_background)?;
+        let grey_max = positive("grey_max", description.grey_max)?;
         if grey_max <= grey_background {
             return Err(SensorError::NoRange { grey_max, grey_background });
         }
-        let largest = asked.bits.largest();
+        let largest = description.bits.largest();
         if grey_max > f64::from(largest) {
-            return Err(SensorError::TooBright { grey_max, bits: asked.bits.bits(), largest });
+            return Err(SensorError::TooBright { grey_max, bits: description.bits.bits(), largest });
         }
-        Ok(PowerLaw(*asked))
+        Ok(PowerLaw(*description))
     }
 
-    /// The quantities of the sensor.
+    /// Parameters of the sensor.
     #[must_use]
     pub fn description(&self) -> &PowerLawDescription {
         &self.0
     }
 
-    /// The width of the grey values.
+    /// Bit depth of the grey values.
     #[must_use]
     pub fn bits(&self) -> BitDepth {
         self.0.bits
     }
 
-    /// Eq. 5 before rounding, saturated. An exposure (J/m²) of 0 or less, or NaN, gives the background.
+    /// Eq. 5, saturated, before rounding. An exposure (J/m²) of 0 or less, or NaN, gives the
+    /// background.
     #[must_use]
     pub fn exact_grey(&self, exposure: f64) -> f64 {
-        let asked = &self.0;
-        let energy = (exposure * asked.exposure_unit.per_joule_per_square_metre()).max(0.0);
-        (asked.k * energy.powf(asked.gamma) + asked.grey_background).min(asked.grey_max)
+        let description = &self.0;
+        let energy = (exposure * description.exposure_unit.per_joule_per_square_metre()).max(0.0);
+        (description.k * energy.powf(description.gamma) + description.grey_background).min(description.grey_max)
     }
 
     /// Eq. 5, saturated and rounded.
@@ -70,12 +71,13 @@ impl PowerLaw {
         self.0.bits.quantise(self.exact_grey(exposure))
     }
 
-    /// The exposure (J/m²) at which the sensor saturates: `E_sat = ((G_max − G₀)/K)^(1/γ)`.
+    /// Exposure (J/m²) at which the sensor saturates: `E_sat = ((G_max − G₀)/K)^(1/γ)`.
     #[must_use]
     pub fn saturation_exposure(&self) -> f64 {
-        let asked = &self.0;
-        let energy = ((asked.grey_max - asked.grey_background) / asked.k).powf(asked.gamma.recip());
-        energy / asked.exposure_unit.per_joule_per_square_metre()
+        let description = &self.0;
+        let energy =
+            ((description.grey_max - description.grey_background) / description.k).powf(description.gamma.recip());
+        energy / description.exposure_unit.per_joule_per_square_metre()
     }
 }
 
@@ -105,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn saturation_begins_where_it_says() {
+    fn saturation_begins_at_the_saturation_exposure() {
         let sensor = PowerLaw::new(&paper()).unwrap();
         let edge = sensor.saturation_exposure();
         assert!((sensor.exact_grey(edge * 0.999) - 161.0).abs() < 0.2);
@@ -114,8 +116,8 @@ mod tests {
     }
 
     #[test]
-    fn impossible_sensors_are_refused() {
-        let message = |asked: PowerLawDescription| PowerLaw::new(&asked).unwrap_err().to_string();
+    fn impossible_sensors_are_rejected() {
+        let message = |description: PowerLawDescription| PowerLaw::new(&description).unwrap_err().to_string();
         assert_eq!(message(PowerLawDescription { k: -1.0, ..paper() }), "k must be positive and finite, not -1");
         assert_eq!(
             message(PowerLawDescription { gamma: f64::NAN, ..paper() }),

@@ -1,28 +1,29 @@
-//! Sensors whose data have been published.
+//! Sensors with published data.
 //!
-//! Only what a source states is filled in, or follows from it by the standard's own definitions; a camera file gives the rest.
+//! A preset contains only values that its source states, or that follow from them by the standard's
+//! definitions; a camera file gives the rest.
 
-/// What is known of a type of sensor.
+/// Published data of a sensor type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
-    /// As a camera file writes it.
+    /// Name in a camera file.
     pub name: &'static str,
-    /// Where the numbers come from.
+    /// Source of the values.
     pub source: &'static str,
-    /// From pixel to pixel along a row and along a column, metres.
+    /// Pixel pitch along a row and along a column, metres.
     pub pixel_pitch_m: [f64; 2],
-    /// Electrons a photon, and the wavelength (metres) for which that is stated.
+    /// Quantum efficiency in electrons per photon, and its wavelength in metres.
     pub quantum_efficiency: Option<(f64, f64)>,
-    /// Depth of the well, electrons.
+    /// Full-well capacity, electrons.
     pub full_well_e: f64,
-    /// Noise in the dark, electrons.
+    /// Read noise, electrons.
     pub read_noise_e: f64,
-    /// Electrons a grey level of a picture of 16 bits.
+    /// Electrons per grey level of a 16-bit picture.
     pub electrons_per_16_bit_grey: Option<f64>,
 }
 
 impl Preset {
-    /// All of them.
+    /// All presets.
     pub const ALL: [Preset; 3] = [
         Preset {
             name: "imx174",
@@ -56,7 +57,7 @@ impl Preset {
         },
     ];
 
-    /// The preset of a name.
+    /// Preset of a name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Preset> {
         Preset::ALL.into_iter().find(|preset| preset.name.eq_ignore_ascii_case(name))
@@ -73,7 +74,7 @@ mod tests {
         let decibels = |ratio: f64| 20.0 * ratio.log10();
         assert!((decibels(sony.full_well_e.sqrt()) - 40.3).abs() < 0.05);
         assert!((decibels(sony.full_well_e / (sony.read_noise_e + 0.5)) - 71.2).abs() < 0.05);
-        // 45.12 dB and 73 dB stand beside the figures of the other.
+        // The source of the other sensor states 45.12 dB and 73 dB.
         let other = Preset::from_name("imx174").unwrap();
         assert!((decibels(other.full_well_e.sqrt()) - 45.12).abs() < 0.05);
         assert!((decibels(other.full_well_e / (other.read_noise_e + 0.5)) - 73.0).abs() < 0.1);

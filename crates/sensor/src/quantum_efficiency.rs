@@ -1,20 +1,21 @@
-//! Quantum efficiency against wavelength.
+//! Quantum efficiency by wavelength.
 
 use crate::SensorError;
 use crate::error::within;
 
-/// Electrons a photon over wavelength, linear between rows; nothing is known outside of them.
+/// Quantum efficiency in electrons per photon by wavelength, linear between rows and undefined
+/// outside of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantumEfficiencyTable {
-    /// (wavelength in metres, electrons a photon), wavelengths ascending.
+    /// (wavelength in metres, electrons per photon), by ascending wavelength.
     rows: Vec<[f64; 2]>,
 }
 
 impl QuantumEfficiencyTable {
-    /// Checks rows of (wavelength in metres, electrons a photon), in any order.
+    /// Checks rows of (wavelength in metres, electrons per photon), in any order.
     ///
     /// # Errors
-    /// When there are none, a value is outside its range, or two rows have the same wavelength.
+    /// If there are none, a value is out of range, or two rows have the same wavelength.
     pub fn new(rows: &[[f64; 2]]) -> Result<Self, SensorError> {
         let mut rows = rows.to_vec();
         for [wavelength, efficiency] in &rows {
@@ -33,10 +34,10 @@ impl QuantumEfficiencyTable {
         Ok(QuantumEfficiencyTable { rows })
     }
 
-    /// Electrons a photon at a wavelength in metres.
+    /// Quantum efficiency at a wavelength in metres, electrons per photon.
     ///
     /// # Errors
-    /// Outside of the table.
+    /// If the wavelength is outside the table.
     pub fn at(&self, wavelength_m: f64) -> Result<f64, SensorError> {
         let after = self.rows.partition_point(|row| row[0] < wavelength_m);
         match (after.checked_sub(1).map(|before| self.rows[before]), self.rows.get(after)) {
@@ -51,13 +52,13 @@ impl QuantumEfficiencyTable {
     }
 }
 
-/// For people: metres as nanometres, without the digits that the change of unit makes up.
+/// Metres as nanometres for messages, rounded to remove the digits that the conversion adds.
 fn nanometres(metres: f64) -> f64 {
     (metres * 1e15).round() / 1e6
 }
 
-/// Dark current at a temperature: it doubles with every `doubling_k` kelvin (EMVA Standard 1288, release 4.0, section on dark
-/// current; about 8 K for silicon).
+/// Dark current at a temperature: it doubles every `doubling_k` kelvin (EMVA Standard 1288, release
+/// 4.0, section on dark current; about 8 K for silicon).
 #[must_use]
 pub fn dark_current_at(temperature_c: f64, reference: f64, reference_c: f64, doubling_k: f64) -> f64 {
     reference * ((temperature_c - reference_c) / doubling_k).exp2()

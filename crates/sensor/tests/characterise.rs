@@ -1,9 +1,10 @@
-//! The photon transfer method finds the sensor that made the pictures, as often as its intervals promise.
+//! The photon transfer method recovers the simulated sensor's parameters, with the confidence of
+//! its intervals.
 
 use radsight_sensor::characterise::{Characterisation, Series, evaluate, measure};
 use radsight_sensor::{BitDepth, Emva1288, Emva1288Description, Estimate, EvenLight, NonUniformity, SpatialDeviation};
 
-/// One of the quantities that were found.
+/// One of the estimated quantities.
 type Quantity = fn(&Characterisation) -> Estimate;
 
 const PIXELS: [u32; 2] = [48, 40];
@@ -39,13 +40,13 @@ fn half(estimate: Estimate) -> Estimate {
 }
 
 #[test]
-fn what_is_recovered_lies_in_its_interval_in_95_of_100_seeds() {
-    let asked = description();
+fn intervals_contain_the_parameters_for_95_of_100_seeds() {
+    let description = description();
     let quantities: [(&str, f64, Quantity); 12] = [
-        ("K", asked.gain_dn_per_e, |found| found.gain_dn_per_e),
-        ("QE", asked.quantum_efficiency, |found| found.quantum_efficiency),
+        ("K", description.gain_dn_per_e, |found| found.gain_dn_per_e),
+        ("QE", description.quantum_efficiency, |found| found.quantum_efficiency),
         ("dark noise", 9f64.hypot(3.0), |found| found.dark_noise_e),
-        ("dark current", asked.dark_current_e_per_s, |found| found.dark_current_e_per_s),
+        ("dark current", description.dark_current_e_per_s, |found| found.dark_current_e_per_s),
         ("DSNU", DSNU.total(), |found| found.dsnu_e.total),
         ("DSNU pixel", DSNU.pixel, |found| found.dsnu_e.pixel),
         ("DSNU row", DSNU.row, |found| found.dsnu_e.row),
@@ -53,22 +54,22 @@ fn what_is_recovered_lies_in_its_interval_in_95_of_100_seeds() {
         ("PRNU", PRNU.total(), |found| found.prnu.total),
         ("PRNU row", PRNU.row, |found| found.prnu.row),
         ("PRNU column", PRNU.column, |found| found.prnu.column),
-        ("full well", asked.full_well_e, |found| found.full_well_e.unwrap()),
+        ("full well", description.full_well_e, |found| found.full_well_e.unwrap()),
     ];
-    let all: Vec<Characterisation> = (0..100).map(|seed| found(asked, seed)).collect();
+    let all: Vec<Characterisation> = (0..100).map(|seed| found(description, seed)).collect();
     for (name, truth, of) in quantities {
         let within = all.iter().filter(|found| of(found).contains(truth)).count();
         let within_half = all.iter().filter(|found| half(of(found)).contains(truth)).count();
         let mean = all.iter().map(|found| of(found).value).sum::<f64>() / 100.0;
         println!("{name}: {within} of 100, {within_half} in the half interval, mean {mean} for {truth}");
         assert!(within >= 95, "{name}: {within} of 100 within the interval, mean {mean} for {truth}");
-        // An interval that is twice too wide would hold all of them.
+        // Intervals twice as wide as they should be would contain all values.
         assert!(within_half < 95, "{name}: {within_half} of 100 within half of the interval");
     }
 }
 
 #[test]
-fn a_converter_that_is_full_before_the_well_leaves_the_well_open() {
+fn a_converter_that_saturates_first_gives_no_full_well() {
     let found = found(Emva1288Description { full_well_e: 90_000.0, ..description() }, 3);
     assert_eq!(found.full_well_e, None);
     let reachable = (4095.0 - 70.0) / 0.27;
@@ -76,7 +77,7 @@ fn a_converter_that_is_full_before_the_well_leaves_the_well_open() {
 }
 
 #[test]
-fn even_pixels_are_found_even() {
+fn uniform_pixels_are_found_uniform() {
     let sensor = Emva1288::new(&description()).unwrap();
     let series = measure(&EvenLight::new(sensor, PIXELS), &Series { steps: 24, stack: 12 }, 5).unwrap();
     let found = evaluate(&series).unwrap();
@@ -84,9 +85,9 @@ fn even_pixels_are_found_even() {
     assert!(found.prnu.total.high < 2e-3, "{:?}", found.prnu.total);
 }
 
-/// Without an offset half of the noise in the dark is below 0, and the noise comes out too small.
+/// Without an offset half of the dark noise is below 0, and the noise is underestimated.
 #[test]
-fn a_dark_level_that_cuts_the_noise_is_noticed() {
+fn a_dark_level_that_clips_the_noise_is_detected() {
     let at = |dark_offset_dn: f64| found(Emva1288Description { dark_offset_dn, ..description() }, 3);
     let cut = at(0.0);
     assert!(cut.is_cut_in_the_dark() && cut.dark_at_zero > 0.2, "{}", cut.dark_at_zero);

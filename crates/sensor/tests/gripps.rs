@@ -1,9 +1,10 @@
-//! Eq. 5 on the truth pictures of the paper's experiment, against the figures that came with them.
+//! Eq. 5 applied to the reference pictures of the paper's experiment, against the values published
+//! with them.
 
 use radsight_sensor::{BitDepth, ExposureUnit, PowerLaw, PowerLawDescription};
 use std::path::Path;
 
-/// Grey mean, least and largest, from `noise.txt`.
+/// Mean, minimum and maximum grey value, from `noise.txt`.
 const EXPECTED: [(&str, f64, f64, f64); 6] = [
     ("t8", 13.647, 12.00, 31.76),
     ("t9", 20.893, 12.00, 118.52),
@@ -13,7 +14,7 @@ const EXPECTED: [(&str, f64, f64, f64); 6] = [
     ("t14", 28.947, 14.52, 110.11),
 ];
 
-/// The values of a little-endian grey PFM of 192 × 165.
+/// Values of a little-endian grey PFM of 192 × 165 pixels.
 fn exposures(name: &str) -> Vec<f64> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/gripps/truth").join(format!("{name}.pfm"));
     let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -23,7 +24,7 @@ fn exposures(name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn grey_values_of_the_truth_pictures_are_those_stated() {
+fn grey_values_of_the_reference_pictures_are_the_published_ones() {
     let sensor = PowerLaw::new(&PowerLawDescription {
         k: 33844.0,
         gamma: 0.85,

@@ -1,10 +1,12 @@
-//! The sky in patches, as Tregenza and Reinhart divide the hemisphere.
+//! Division of the sky into patches by Tregenza and Reinhart.
 //!
-//! Tregenza (Lighting Research and Technology 19, 1987) has seven rings of patches and the zenith, 145 in all; Reinhart divides each ring in as many rows
-//! as each of its patches in columns. Rows have the same height in altitude, the zenith half of it all around.
+//! Tregenza (Lighting Research and Technology 19, 1987) divides the sky into seven rings and the
+//! zenith, 145 patches in all. Reinhart subdivides each of these patches into rows and columns. All
+//! rows have the same height in altitude, except for the zenith patch, which has half of it.
 //!
-//! Guarantees: patches are numbered from 0, rows from the horizon up, as Radiance's `reinhart.cal` numbers them without the ground; no input makes
-//! anything panic. Knows neither where north is nor what shines.
+//! Guarantees: patches are numbered from 0, with rows from the horizon up, as in Radiance's
+//! `reinhart.cal` without the ground; no input makes a function panic. The crate knows neither the
+//! orientation nor the radiance of the sky.
 //!
 //! ```
 //! use radsight_sky::SkyDivision;
@@ -17,7 +19,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Patches of Tregenza's rings, from the horizon up; the zenith has one.
+/// Number of patches in Tregenza's rings, from the horizon up; the zenith has one.
 const TREGENZA: [u32; 7] = [30, 30, 24, 24, 18, 12, 6];
 
 /// A division of the sky.
@@ -27,39 +29,41 @@ pub struct SkyDivision {
 }
 
 impl SkyDivision {
-    /// Each of Tregenza's patches divided so often along each side, once at least.
+    /// Division of each of Tregenza's patches into `subdivision` parts along each side, at least
+    /// one.
     #[must_use]
     pub fn new(subdivision: u32) -> SkyDivision {
         SkyDivision { subdivision: subdivision.max(1) }
     }
 
-    /// Rows without the zenith.
+    /// Number of rows, without the zenith.
     #[must_use]
     pub fn rows(self) -> u32 {
         (TREGENZA.len() as u32).saturating_mul(self.subdivision)
     }
 
-    /// How high a row is, radians of altitude.
+    /// Height of a row in altitude, radians.
     #[must_use]
     pub fn row_height(self) -> f64 {
         FRAC_PI_2 / (f64::from(self.rows()) + 0.5)
     }
 
-    /// Patches of a row; 1 from the zenith on.
+    /// Number of patches in a row; 1 from the zenith on.
     #[must_use]
     pub fn columns(self, row: u32) -> u64 {
         let ring = TREGENZA.get((row / self.subdivision) as usize);
         ring.map_or(1, |patches| u64::from(*patches) * u64::from(self.subdivision))
     }
 
-    /// All patches, the zenith with them.
+    /// Number of patches, including the zenith.
     #[must_use]
     pub fn patches(self) -> u64 {
         let subdivision = u64::from(self.subdivision);
         (u64::from(TREGENZA.iter().sum::<u32>()) * subdivision).saturating_mul(subdivision).saturating_add(1)
     }
 
-    /// Where a patch is; the zenith, and what is beyond it, is in the row after the last one.
+    /// Row and column of a patch; the zenith, and every larger number, is in the row after the last
+    /// one.
     #[must_use]
     pub fn row_and_column(self, patch: u64) -> (u32, u64) {
         let mut column = patch;

@@ -1,22 +1,24 @@
-//! Spectra of one sampling in another.
+//! Conversion between spectral samplings.
 
 use crate::rgb::{band_weights, xyz_to_rgb};
 use crate::sampling::Sampling;
 
-/// Takes spectra of a fixed form to the bands of a [`Sampling`]; red, green and blue are found by way of the standard observer.
+/// Converts spectra of a fixed form to the bands of a [`Sampling`]; red, green and blue use the
+/// standard observer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {
-    /// For each value what it gives to each band of the result, or to X, Y and Z for red, green and blue.
+    /// For each value its weight in each band of the result; for red, green and blue its weights in
+    /// X, Y and Z.
     weights: Vec<Box<[f64]>>,
     through_xyz: bool,
 }
 
-/// Two ranges of wavelengths are the same below this sum of squared differences, nm².
+/// Two ranges of wavelengths are equal below this sum of squared differences, nm².
 const SAME_RANGE: f64 = 0.5;
 
 impl Conversion {
-    /// For spectra of `count` values in equal bands from a first wavelength to a last, nm, rising or falling. Where they say nothing,
-    /// they are zero.
+    /// Conversion of spectra of `count` values in equal bands between two wavelengths, nm,
+    /// ascending or descending. Outside that range a spectrum is zero.
     #[must_use]
     pub fn new(to: &Sampling, count: usize, [first_nm, last_nm]: [f64; 2]) -> Conversion {
         let [longest, .., shortest] = to.splits_nm();
@@ -24,7 +26,7 @@ impl Conversion {
             let weights = overlaps(to.bands(), [longest, shortest], count, [first_nm, last_nm]);
             return Conversion { weights, through_xyz: false };
         }
-        // Radiance takes a long or rising spectrum to the range of its colours first.
+        // Radiance first converts a long or ascending spectrum to the range of its colours.
         if count <= Sampling::MOST_BANDS && first_nm > last_nm {
             if count == 3 {
                 return Conversion { weights: unit(), through_xyz: false };
@@ -50,10 +52,10 @@ impl Conversion {
         Conversion { weights, through_xyz: true }
     }
 
-    /// The value in each band of the result; `bands` holds as many as the sampling has.
+    /// Computes the value in each band of the result; `bands` has the length of the sampling.
     ///
     /// # Panics
-    /// If `bands` holds less than three.
+    /// If `bands` has fewer than three elements.
     pub fn apply(&self, values: impl IntoIterator<Item = f64>, bands: &mut [f64]) {
         bands.fill(0.0);
         for (value, weights) in values.into_iter().zip(&self.weights) {
@@ -68,12 +70,12 @@ impl Conversion {
     }
 }
 
-/// Three values are red, green and blue to Radiance, whatever their wavelengths.
+/// Three values are red, green and blue in Radiance, whatever their wavelengths.
 fn unit() -> Vec<Box<[f64]>> {
     (0..3).map(|value| (0..3).map(|band| f64::from(u8::from(band == value))).collect()).collect()
 }
 
-/// For each value the share of each band that it covers.
+/// For each value, the fraction of each band that it covers.
 fn overlaps(bands: usize, to_nm: [f64; 2], count: usize, from_nm: [f64; 2]) -> Vec<Box<[f64]>> {
     let is_same = bands == count && (0..2).map(|i| (to_nm[i] - from_nm[i]).powi(2)).sum::<f64>() <= SAME_RANGE;
     let edges = |[first, last]: [f64; 2], count: usize, index: usize| {
@@ -109,12 +111,12 @@ mod tests {
     }
 
     #[test]
-    fn a_rising_spectrum_is_the_falling_one_turned() {
+    fn an_ascending_spectrum_is_the_reversed_descending_one() {
         let sampling = Sampling::new(12, [780.0, 380.0]).unwrap();
         let (mut rising, mut falling) = ([0.0; 12], [0.0; 12]);
         Conversion::new(&sampling, 3, [400.0, 700.0]).apply([1.0, 2.0, 3.0], &mut rising);
         Conversion::new(&sampling, 3, [700.0, 400.0]).apply([3.0, 2.0, 1.0], &mut falling);
         assert!(rising.iter().zip(&falling).all(|(a, b)| (a - b).abs() < 1e-12), "{rising:?} {falling:?}");
-        assert!(rising[0] < 1.0 && rising[11] < 1.0, "what is said nothing of is zero");
+        assert!(rising[0] < 1.0 && rising[11] < 1.0, "the spectrum is zero outside its range");
     }
 }

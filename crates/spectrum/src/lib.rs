@@ -1,9 +1,10 @@
-//! Spectra in equal bands of wavelength, and what colours they are.
+//! Spectra in equal bands of wavelength, and their colours.
 //!
-//! A [`Sampling`] says in which bands a renderer works: red, green and blue, or up to 24 equal bands. A [`Conversion`] takes spectra of
-//! another sampling to it.
+//! A [`Sampling`] defines the bands of a rendering: red, green and blue, or up to 24 equal bands. A
+//! [`Conversion`] converts spectra of another sampling to it.
 //!
-//! Guarantees: the values are Radiance's to the precision of its table of the observer. Knows nothing of scenes, rays and files.
+//! Guarantees: the values equal Radiance's to the precision of its observer table. The crate knows
+//! nothing of scenes, rays and files.
 //!
 //! ```
 //! use radsight_spectrum::{Conversion, Sampling};

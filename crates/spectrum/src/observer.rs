@@ -1,20 +1,20 @@
-//! The eye of the CIE 1931 standard observer.
+//! The CIE 1931 2° standard observer.
 
 use std::sync::LazyLock;
 
-/// The first wavelength of [`MATCHING`], nm.
+/// First wavelength of [`MATCHING`], nm.
 const FIRST_NM: usize = 360;
-/// Its step, nm.
+/// Step of [`MATCHING`], nm.
 const STEP_NM: usize = 5;
 
-/// Wavelengths in whole nm from [`FIRST_NM`] on.
+/// Number of wavelengths, in whole nm from [`FIRST_NM`].
 const WAVELENGTHS: usize = (MATCHING.len() - 1) * STEP_NM + 1;
 
-/// How far the observer's curves are shifted towards the infrared, nm: Radiance's sums of them count the wavelength that ends a band,
-/// and one more, to the band below.
+/// Shift of the observer's curves towards the infrared, nm. In Radiance's sums the wavelength that
+/// ends a band, and one more, count to the band below.
 const SHIFT_NM: usize = 1;
 
-/// X, Y and Z of an equal-energy spectrum up to each whole wavelength; the last ones are 1.
+/// Cumulative X, Y and Z of an equal-energy spectrum up to each whole wavelength, normalised to 1.
 static CUMULATIVE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let mut sum = [0.0; 3];
     let mut sums: Vec<[f64; 3]> = (0..WAVELENGTHS)
@@ -27,8 +27,8 @@ static CUMULATIVE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     sums
 });
 
-/// The colour matching functions at a whole wavelength: the cubic through the four nearest points of the table (CIE 15:2018, 7.2.1,
-/// recommends Lagrange's).
+/// The colour matching functions at a whole wavelength, by the cubic through the four nearest table
+/// points (Lagrange interpolation, as CIE 15:2018, 7.2.1 recommends).
 fn matching(index: usize) -> [f64; 3] {
     let first = (index / STEP_NM).clamp(1, MATCHING.len() - 3) - 1;
     let x = index as f64 / STEP_NM as f64 - first as f64;
@@ -39,8 +39,8 @@ fn matching(index: usize) -> [f64; 3] {
     std::array::from_fn(|component| value(component).max(0.0))
 }
 
-/// X, Y and Z of light that is 1 up to a wavelength in nm and 0 beyond, where light that is 1 everywhere has 1, 1, 1. Counts in whole
-/// nanometres, as Radiance does.
+/// X, Y and Z of light that is 1 up to a wavelength in nm and 0 beyond, where equal-energy light
+/// has 1, 1, 1. Counts whole nanometres, as Radiance does.
 pub(crate) fn cumulative(wavelength_nm: f64) -> [f64; 3] {
     let index = wavelength_nm.max(0.0) as usize + SHIFT_NM;
     match index.checked_sub(FIRST_NM) {
@@ -49,7 +49,8 @@ pub(crate) fn cumulative(wavelength_nm: f64) -> [f64; 3] {
     }
 }
 
-/// x̄, ȳ and z̄ of the CIE 1931 2° standard observer in steps of 5 nm (CIE 15:2018, table T.4; ISO/CIE 11664-1).
+/// x̄, ȳ and z̄ of the CIE 1931 2° standard observer in steps of 5 nm (CIE 15:2018, table T.4;
+/// ISO/CIE 11664-1).
 #[rustfmt::skip]
 const MATCHING: [[f64; 3]; 95] = [
     [0.0001299, 3.917e-6, 0.0006061], [0.0002321, 6.965e-6, 0.001086], [0.0004149, 1.239e-5, 0.001946],

@@ -1,18 +1,18 @@
-//! Responses of the eye beside that of the standard observer.
+//! Responses of the eye other than the standard observer's.
 
 use radsight_units::photometry::{WHITE_MELANOPIC_EFFICACY, WHITE_SCOTOPIC_EFFICACY};
 use std::sync::LazyLock;
 
-/// What light does to the eye.
+/// A response of the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
-    /// Seeing at night, by rods.
+    /// Scotopic vision, by the rods.
     Scotopic,
-    /// What sets the inner clock.
+    /// Melanopic response, which drives the circadian rhythm.
     Melanopic,
 }
 
-/// The first wavelength of the curves, nm, and their step.
+/// First wavelength of the curves, nm, and their step.
 const FIRST_NM: usize = 380;
 const STEP_NM: usize = 10;
 
@@ -23,13 +23,14 @@ const SCOTOPIC: [f64; 33] = [
     0.2076, 0.1212, 0.0655, 0.03315, 0.01593, 0.00737, 0.003335, 0.001497, 0.000677, 0.0003129, 0.000148, 0.0000715, 0.00003533, 0.0000178,
 ];
 
-/// The action spectrum of melanopsin in steps of 10 nm (CIE S 026:2018), as smooth as Radiance's sums of it tell.
+/// Melanopic action spectrum in steps of 10 nm (CIE S 026:2018), to the resolution of Radiance's
+/// sums.
 #[rustfmt::skip]
 const MELANOPIC: [f64; 27] = [
     0.0012, 0.0036, 0.013, 0.0514, 0.1462, 0.2664, 0.4159, 0.5692, 0.7242, 0.8733, 0.9727, 1., 0.9594, 0.8491, 0.6825, 0.5018, 0.3368, 0.2044, 0.111, 0.0544, 0.0248, 0.0109, 0.0047, 0.002, 0.0008, 0.0004, 0.0002,
 ];
 
-/// Sums up to each whole wavelength, as a share of all.
+/// Cumulative sums up to each whole wavelength, normalised to 1.
 static CUMULATIVE: LazyLock<[Vec<f64>; 2]> = LazyLock::new(|| [sums(&SCOTOPIC), sums(&MELANOPIC)]);
 
 fn sums(curve: &[f64]) -> Vec<f64> {
@@ -55,7 +56,7 @@ fn sums(curve: &[f64]) -> Vec<f64> {
 }
 
 impl Response {
-    /// Lumens that a watt of white light is worth (Radiance's convention).
+    /// Efficacy of white light by Radiance's convention, lm/W.
     #[must_use]
     pub fn white_efficacy(self) -> f64 {
         match self {
@@ -64,13 +65,13 @@ impl Response {
         }
     }
 
-    /// How much of it each of so many equal bands gives, where light that is 1 everywhere has 1; bands begin and end at whole nanometres, as Radiance
-    /// takes them.
+    /// Fraction of the response in each of `bands` equal bands, where equal-energy light has 1 in
+    /// total. Band limits are rounded to whole nanometres, as in Radiance.
     pub fn of_whole_bands(self, bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = f64> {
         let up_to = move |band: usize| {
             let edge = (first_nm + (last_nm - first_nm) * band as f64 / bands as f64).trunc();
             let sums = &CUMULATIVE[self as usize];
-            // A wavelength counts to the band that it begins.
+            // A wavelength at a limit counts to the band that it begins.
             match (edge as usize).checked_sub(FIRST_NM + 1) {
                 Some(index) if edge > 0.0 => sums[index.min(sums.len() - 1)],
                 _ => 0.0,
@@ -86,7 +87,7 @@ mod tests {
     use crate::{MELANOPIC_OF_RGB, SCOTOPIC_OF_RGB};
 
     #[test]
-    fn white_light_has_all_of_it() {
+    fn the_fractions_of_white_light_sum_to_one() {
         for response in [Response::Scotopic, Response::Melanopic] {
             for bands in [1, 7, 24] {
                 let total: f64 = response.of_whole_bands(bands, [780.0, 380.0]).sum();
@@ -96,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn red_green_and_blue_have_their_parts() {
+    fn red_green_and_blue_have_radiances_weights() {
         for (response, of_rgb) in [(Response::Scotopic, SCOTOPIC_OF_RGB), (Response::Melanopic, MELANOPIC_OF_RGB)] {
             for (range, part) in [([780.0, 588.0], 0), ([588.0, 480.0], 1), ([480.0, 380.0], 2)] {
                 let found = response.white_efficacy() * response.of_whole_bands(1, range).sum::<f64>();

@@ -1,17 +1,18 @@
-//! From spectra by way of CIE 1931 colours to Radiance's red, green and blue.
+//! Conversion of spectra to Radiance's red, green and blue, by CIE 1931 colours.
 
 use crate::observer::cumulative;
 use glam::DVec3;
 use radsight_units::color::XYZ_TO_RGB;
 
-/// What scotopic vision makes of Radiance's red, green and blue, each taken as constant in its part of the spectrum (780, 588, 480, 380 nm),
-/// with 412 lm/W for white: CIE 1951 V'(λ).
+/// Scotopic weights of Radiance's red, green and blue, each constant over its part of the spectrum
+/// (780, 588, 480, 380 nm), with 412 lm/W for white: CIE 1951 V'(λ).
 pub const SCOTOPIC_OF_RGB: [f64; 3] = [4.652_171, 292.074_6, 115.273_2];
 
-/// The same for melanopic response with 179 lm/W for white: CIE S 026.
+/// Melanopic weights of red, green and blue, with 179 lm/W for white: CIE S 026.
 pub const MELANOPIC_OF_RGB: [f64; 3] = [0.327_763_8, 107.451_9, 71.220_34];
 
-/// X, Y and Z of values in equal bands from a first wavelength to a last, nm; 1 everywhere gives 1, 1, 1.
+/// X, Y and Z of values in equal bands between two wavelengths, nm; equal-energy light of 1 gives
+/// 1, 1, 1.
 #[must_use]
 pub fn xyz_of_bands(values: &[f64], range_nm: [f64; 2]) -> [f64; 3] {
     let mut sum = [0.0; 3];
@@ -23,13 +24,13 @@ pub fn xyz_of_bands(values: &[f64], range_nm: [f64; 2]) -> [f64; 3] {
     sum
 }
 
-/// X, Y and Z of each of so many bands alone; bands begin and end at whole nanometres, as Radiance takes them.
+/// X, Y and Z of each band alone; band limits are rounded to whole nanometres, as in Radiance.
 pub fn xyz_of_whole_bands(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
     let edge = move |band: usize| (first_nm + (last_nm - first_nm) * band as f64 / bands as f64).trunc();
     (0..bands).map(move |band| xyz_of_bands(&[1.0], [edge(band), edge(band + 1)]))
 }
 
-/// What X, Y and Z each band gives.
+/// Weight of each band in X, Y and Z.
 pub(crate) fn band_weights(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl Iterator<Item = [f64; 3]> {
     let step = (last_nm - first_nm) / bands as f64;
     let edge = move |band: usize| cumulative(first_nm + step * band as f64);
@@ -39,8 +40,8 @@ pub(crate) fn band_weights(bands: usize, [first_nm, last_nm]: [f64; 2]) -> impl 
     })
 }
 
-/// Radiance's red, green and blue of a colour; one that would need a negative component is mixed with the grey of its luminance until
-/// it does not.
+/// Radiance's red, green and blue of a colour. A colour with a negative component is mixed with the
+/// grey of its luminance until that component is zero.
 #[must_use]
 pub fn xyz_to_rgb(xyz: [f64; 3]) -> [f64; 3] {
     let grey = xyz[1];

@@ -1,33 +1,35 @@
-//! In which bands light is followed.
+//! Spectral samplings of a rendering.
 
 use crate::rgb::{xyz_of_bands, xyz_to_rgb};
 
-/// Red, green and blue, or equal bands from a longest wavelength to a shortest.
+/// Red, green and blue, or equal bands from the longest wavelength to the shortest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     bands: usize,
     splits_nm: [f64; 4],
 }
 
-/// Where red ends and green begins, and green ends and blue begins, nm.
+/// Limits between red and green, and between green and blue, nm.
 const RED_GREEN_BLUE_NM: [f64; 2] = [588.0, 480.0];
 
-/// A range that begins above the first of these or ends below the second is no range of colours, nm.
+/// A range is not a range of colours if it begins above the first of these or ends below the
+/// second, nm.
 const BLUE_PEAK_NM: f64 = 469.0;
 const RED_PEAK_NM: f64 = 607.0;
 
-/// The least range of wavelengths, nm.
+/// Smallest range of wavelengths, nm.
 const LEAST_RANGE_NM: f64 = 50.0;
 
 impl Sampling {
     /// Red, green and blue.
     pub const RGB: Sampling = Sampling { bands: 3, splits_nm: [780.0, 588.0, 480.0, 380.0] };
 
-    /// The most bands.
+    /// Maximum number of bands.
     pub const MOST_BANDS: usize = 24;
 
-    /// `bands` (more than [`Self::MOST_BANDS`] are that many) between two wavelengths in nm, in any order; 3 bands are red, green and
-    /// blue. `None` for fewer than 3 bands and for a range of less than 50 nm.
+    /// `bands` equal bands, at most [`Self::MOST_BANDS`], between two wavelengths in nm, in any
+    /// order; 3 bands are red, green and blue. `None` for fewer than 3 bands, and for a range of
+    /// less than 50 nm.
     #[must_use]
     pub fn new(bands: usize, [first_nm, last_nm]: [f64; 2]) -> Option<Sampling> {
         let (longest, shortest) = (first_nm.max(last_nm), first_nm.min(last_nm));
@@ -43,7 +45,7 @@ impl Sampling {
         Some(Sampling { bands: bands.min(Self::MOST_BANDS), splits_nm: [longest, red_end, green_end, shortest] })
     }
 
-    /// How many bands.
+    /// Number of bands.
     #[must_use]
     pub fn bands(&self) -> usize {
         self.bands
@@ -55,7 +57,7 @@ impl Sampling {
         self.bands == 3
     }
 
-    /// The longest wavelength, where red ends, where green ends, and the shortest wavelength; nm, falling.
+    /// Longest wavelength, end of red, end of green, shortest wavelength; nm, descending.
     #[must_use]
     pub fn splits_nm(&self) -> [f64; 4] {
         self.splits_nm
@@ -67,7 +69,8 @@ impl Sampling {
         (self.splits_nm[0] - self.splits_nm[3]) / self.bands as f64
     }
 
-    /// Which of red (0), green (1) and blue (2) a band takes from a colour, by the wavelength of its middle.
+    /// Colour component from which a band takes its value, by the band's centre: red (0), green (1)
+    /// or blue (2).
     ///
     /// # Panics
     /// If there is no such band.
@@ -77,7 +80,7 @@ impl Sampling {
         if self.is_rgb() {
             return band;
         }
-        // Summed up as in Radiance: a middle that falls on a border falls to the same side.
+        // Accumulated as in Radiance, so that a centre on a limit falls to the same side.
         let step = -self.step_nm();
         let middle = (0..band).fold(self.splits_nm[0] + 0.5 * step, |middle, _| middle + step);
         match middle {
@@ -87,7 +90,7 @@ impl Sampling {
         }
     }
 
-    /// Red, green and blue of a value in these bands.
+    /// Red, green and blue of values in these bands.
     ///
     /// # Panics
     /// If there are fewer values than bands.
@@ -105,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bands_take_red_green_and_blue_by_their_middles() {
+    fn bands_take_red_green_or_blue_by_their_centres() {
         let sampling = Sampling::new(5, [380.0, 780.0]).unwrap();
         let parts: Vec<usize> = (0..5).map(|band| sampling.part(band)).collect();
         assert_eq!(parts, [0, 0, 1, 1, 2]);
@@ -119,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_is_the_same_everywhere_is_white() {
+    fn equal_energy_light_is_white() {
         for bands in [4, 9, 18, 99] {
             let sampling = Sampling::new(bands, [380.0, 780.0]).unwrap();
             let rgb = sampling.rgb(&[1.0; 24]);

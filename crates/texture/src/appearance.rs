@@ -1,12 +1,12 @@
-//! What patterns and textures make of a surface.
+//! Result of patterns and textures at an intersection.
 
 use glam::DVec3;
 
-/// What patterns and textures make of an interaction.
+/// Result of patterns and textures at an intersection.
 #[derive(Clone, Copy, Debug)]
 pub struct Appearance<const BANDS: usize> {
-    /// Multiplies the material's colour.
+    /// Factor of the material's colour, by band.
     pub color: [f64; BANDS],
-    /// Added to the unit normal on the side from which the ray comes.
+    /// Perturbation of the unit normal, on the side from which the ray comes.
     pub perturbation: DVec3,
 }

@@ -1,27 +1,28 @@
-//! How colours and spectra stand in the arrays with which rays are traced.
+//! Layout of colours and spectra in the arrays of a ray.
 //!
-//! A tracer has an array of `BANDS` places: one for a grey scene, three for red, green and blue, and for spectra a multiple of three.
-//! There the first third of the places holds the bands that take their value from the red of a colour, the second those of its green,
-//! the last those of its blue, so that colours are spread without knowing the wavelengths. Places that are left over repeat a band.
+//! A ray carries an array of `BANDS` elements: one for a grey scene, three for red, green and blue,
+//! and a multiple of three for spectra. There the first third holds the bands that take their value
+//! from the red of a colour, the second third those of green, the last those of blue. Colours can
+//! thus be spread over the bands without knowing the wavelengths. Unused elements repeat a band.
 
 use radsight_ir::Rgb;
 use radsight_spectrum::Sampling;
 use radsight_units::color::LUMINANCE_WEIGHTS;
 
-/// Red, green and blue in the places of a tracer; the first alone where the scene is grey.
+/// Spreads red, green and blue over the elements of a ray; a grey scene takes the first alone.
 #[inline]
 pub fn spread<const BANDS: usize>(color: [f64; 3]) -> [f64; BANDS] {
-    std::array::from_fn(|place| color[place * 3 / BANDS])
+    std::array::from_fn(|element| color[element * 3 / BANDS])
 }
 
-/// What stands for red, green and blue in the places of a tracer: the mean of each third.
+/// Red, green and blue of a ray's elements: the mean of each third.
 #[inline]
-pub fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
+pub fn gathered<const BANDS: usize>(elements: &[f64; BANDS]) -> [f64; 3] {
     if BANDS < 3 {
-        return [places[0]; 3];
+        return [elements[0]; 3];
     }
     let third = BANDS / 3;
-    std::array::from_fn(|part| places[part * third..][..third].iter().sum::<f64>() / third as f64)
+    std::array::from_fn(|part| elements[part * third..][..third].iter().sum::<f64>() / third as f64)
 }
 
 /// Values that are the same for all rays.
@@ -29,7 +30,7 @@ pub fn gathered<const BANDS: usize>(places: &[f64; BANDS]) -> [f64; 3] {
 pub enum Bands {
     /// A colour.
     Color(Rgb),
-    /// A value for each place.
+    /// A value for each element.
     Spectrum(Box<[f64]>),
 }
 
@@ -52,8 +53,8 @@ impl Bands {
                     *band *= factor;
                 }
             }
-            Bands::Spectrum(places) => {
-                for (band, factor) in color.iter_mut().zip(places) {
+            Bands::Spectrum(elements) => {
+                for (band, factor) in color.iter_mut().zip(elements) {
                     *band *= factor;
                 }
             }
@@ -61,7 +62,7 @@ impl Bands {
     }
 }
 
-/// The values of up to 24 bands, from the longest wavelength to the shortest.
+/// Values of up to 24 bands, from the longest wavelength to the shortest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandValues {
     values: [f32; Sampling::MOST_BANDS],
@@ -69,7 +70,7 @@ pub struct BandValues {
 }
 
 impl BandValues {
-    /// As many as there are, at most [`Sampling::MOST_BANDS`].
+    /// Takes at most [`Sampling::MOST_BANDS`] values.
     pub fn new(bands: impl Iterator<Item = f64>) -> BandValues {
         let mut all = BandValues { values: [0.0; Sampling::MOST_BANDS], count: 0 };
         for (value, band) in all.values.iter_mut().zip(bands) {
@@ -79,14 +80,14 @@ impl BandValues {
         all
     }
 
-    /// Adds as many other values.
+    /// Adds the values of as many bands.
     pub fn add(&mut self, other: &BandValues) {
         for (sum, value) in self.values.iter_mut().zip(&other.values) {
             *sum += value;
         }
     }
 
-    /// The products with as many other values.
+    /// Products with the values of as many bands.
     #[must_use]
     pub fn times(&self, other: &BandValues) -> BandValues {
         BandValues { values: std::array::from_fn(|band| self.values[band] * other.values[band]), count: self.count }
@@ -106,58 +107,58 @@ impl BandValues {
     }
 }
 
-/// Which band of a sampling stands in which place.
+/// Layout of a sampling's bands in the elements of a ray.
 #[derive(Clone, Debug)]
 pub struct BandLayout {
     sampling: Sampling,
-    /// By place.
+    /// Band of each element.
     band_of: Vec<usize>,
-    /// By band.
-    place_of: Vec<usize>,
+    /// Element of each band.
+    element_of: Vec<usize>,
 }
 
-/// How many places there can be; the last holds any sampling.
-pub(crate) const PLACES: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
+/// Array sizes for spectra; the last holds any sampling.
+pub(crate) const ELEMENTS: [usize; 4] = [3, 27, 36, 3 * Sampling::MOST_BANDS];
 
 impl BandLayout {
-    /// The layout of these bands.
+    /// Layout of these bands.
     #[must_use]
     pub fn new(sampling: Sampling) -> BandLayout {
         let bands_of: [Vec<usize>; 3] =
             [0, 1, 2].map(|part| (0..sampling.bands()).filter(|band| sampling.part(*band) == part).collect());
         let widest = bands_of.iter().map(Vec::len).max().unwrap_or(0);
-        let places = PLACES.into_iter().find(|places| places / 3 >= widest).unwrap_or(3 * widest);
-        let mut place_of = vec![0; sampling.bands()];
-        let mut band_of = Vec::with_capacity(places);
-        for place in 0..places {
-            let bands = &bands_of[place * 3 / places];
-            let index = place % (places / 3);
+        let elements = ELEMENTS.into_iter().find(|elements| elements / 3 >= widest).unwrap_or(3 * widest);
+        let mut element_of = vec![0; sampling.bands()];
+        let mut band_of = Vec::with_capacity(elements);
+        for element in 0..elements {
+            let bands = &bands_of[element * 3 / elements];
+            let index = element % (elements / 3);
             if let Some(band) = bands.get(index) {
-                place_of[*band] = place;
+                element_of[*band] = element;
             }
-            // A third without bands repeats the first of all.
+            // A third without bands repeats the last band.
             band_of.push(bands.get(index).or(bands.last()).copied().unwrap_or(0));
         }
-        BandLayout { sampling, band_of, place_of }
+        BandLayout { sampling, band_of, element_of }
     }
 
-    /// The bands.
+    /// Sampling of the spectrum.
     #[must_use]
     pub fn sampling(&self) -> &Sampling {
         &self.sampling
     }
 
-    /// How many places a tracer needs.
-    pub fn places(&self) -> usize {
+    /// Number of elements of a ray's array.
+    pub fn elements(&self) -> usize {
         self.band_of.len()
     }
 
-    /// The band in each place.
+    /// Band of each element.
     pub fn band_of(&self) -> &[usize] {
         &self.band_of
     }
 
-    /// Values of bands in the places of a tracer.
+    /// Arranges values of bands in the elements of a ray.
     pub fn arrange(&self, bands: &[f64]) -> Bands {
         if self.sampling.is_rgb() {
             return Bands::Color(Rgb([bands[0], bands[1], bands[2]]));
@@ -165,19 +166,19 @@ impl BandLayout {
         Bands::Spectrum(self.band_of.iter().map(|band| bands[*band]).collect())
     }
 
-    /// The value of each band.
-    pub fn collect(&self, places: &[f64]) -> impl Iterator<Item = f64> {
-        self.place_of.iter().map(|place| places[*place])
+    /// Collects the value of each band from the elements of a ray.
+    pub fn collect(&self, elements: &[f64]) -> impl Iterator<Item = f64> {
+        self.element_of.iter().map(|element| elements[*element])
     }
 }
 
-/// A colour in the places of a tracer.
+/// Spreads a colour over the elements of a ray.
 #[inline]
 pub fn bands<const BANDS: usize>(color: Rgb) -> [f64; BANDS] {
     spread(color.0)
 }
 
-/// Band by band.
+/// Product, band by band.
 #[inline]
 pub fn product<const BANDS: usize>(a: [f64; BANDS], b: [f64; BANDS]) -> [f64; BANDS] {
     std::array::from_fn(|band| a[band] * b[band])
@@ -188,7 +189,7 @@ pub fn strongest<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     bands.iter().copied().fold(0.0, f64::max)
 }
 
-/// Brightness of a colour, with Radiance's weights of its primaries.
+/// Luminance of a colour relative to white, with Radiance's weights of its primaries.
 pub fn luminance<const BANDS: usize>(bands: &[f64; BANDS]) -> f64 {
     let [red, green, blue] = gathered(bands);
     let [of_red, of_green, of_blue] = LUMINANCE_WEIGHTS;
@@ -200,11 +201,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_band_takes_its_part_of_a_colour() {
+    fn every_band_takes_its_third_of_a_colour() {
         for (bands, range) in [(4, [380.0, 780.0]), (18, [380.0, 780.0]), (24, [380.0, 780.0]), (24, [400.0, 2500.0])] {
             let sampling = Sampling::new(bands, range).unwrap();
             let layout = BandLayout::new(sampling);
-            let colors: Vec<f64> = match layout.places() {
+            let colors: Vec<f64> = match layout.elements() {
                 27 => spread::<27>([1.0, 2.0, 3.0]).to_vec(),
                 36 => spread::<36>([1.0, 2.0, 3.0]).to_vec(),
                 _ => spread::<72>([1.0, 2.0, 3.0]).to_vec(),
@@ -216,10 +217,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_arranged_is_collected() {
+    fn collect_inverts_arrange() {
         let layout = BandLayout::new(Sampling::new(11, [390.0, 710.0]).unwrap());
         let values: Vec<f64> = (0..11).map(f64::from).collect();
-        let Bands::Spectrum(places) = layout.arrange(&values) else { panic!("a spectrum is no colour") };
-        assert_eq!(layout.collect(&places).collect::<Vec<_>>(), values);
+        let Bands::Spectrum(elements) = layout.arrange(&values) else { panic!("a spectrum is no colour") };
+        assert_eq!(layout.collect(&elements).collect::<Vec<_>>(), values);
     }
 }

@@ -1,4 +1,4 @@
-//! The patterns and textures of a chain of modifiers.
+//! Patterns and textures of a chain of modifiers.
 
 use crate::appearance::Appearance;
 use crate::interaction::SurfaceInteraction;
@@ -7,29 +7,29 @@ use radsight_cal::Scratch;
 use radsight_ir::Scene;
 use std::sync::Arc;
 
-/// The scene that a shader's modifiers come from; `None` for the whole one.
+/// Scene in which a shader's modifiers are defined; `None` for the top-level scene.
 #[derive(Clone, Debug, Default)]
 pub struct Home(pub Option<Arc<Scene>>);
 
 impl Home {
-    /// The scene.
+    /// The scene itself.
     #[inline]
     pub fn scene<'s>(&'s self, whole: &'s Scene) -> &'s Scene {
         self.0.as_deref().unwrap_or(whole)
     }
 }
 
-/// Patterns and textures that are applied one after the other.
+/// Patterns and textures, applied in order.
 #[derive(Clone, Debug, Default)]
 pub struct TextureChain {
     /// In the order in which Radiance applies them.
     pub steps: Vec<Step>,
-    /// Where the chain of modifiers stands, with all that the handles in here name.
+    /// Scene of the modifiers, which the handles in the steps refer to.
     pub home: Home,
 }
 
 impl TextureChain {
-    /// Runs all patterns and textures.
+    /// Evaluates all patterns and textures.
     #[inline]
     pub fn appearance<const BANDS: usize>(
         &self,
@@ -50,7 +50,7 @@ impl TextureChain {
         appearance
     }
 
-    /// Whether any pattern may multiply bands by different values.
+    /// Whether any pattern may have different factors in different bands.
     #[must_use]
     pub fn is_colored(&self) -> bool {
         self.steps.iter().any(Step::is_colored)

@@ -1,26 +1,28 @@
-//! What a function sees of a ray: the channels of Radiance's function language.
+//! Variables of a function at an intersection: the channels of Radiance's function language.
 
 use crate::interaction::SurfaceInteraction;
 use glam::DVec3;
 use radsight_cal::Host;
 use radsight_ir::Transform;
 
-/// An interaction in the coordinates of one modifier: the channels `$n` of Radiance's function language.
+/// An intersection in the coordinates of one modifier: the channels `$n` of Radiance's function
+/// language.
 pub struct FunctionView<'a> {
     interaction: &'a SurfaceInteraction,
     to_function: ToFunction<'a>,
 }
 
-/// From scene coordinates to a function's.
+/// Transform from the scene's coordinates to the function's.
 enum ToFunction<'a> {
     Same,
     Own(&'a Transform),
-    /// By way of the coordinates of an instance.
+    /// Through the coordinates of an instance.
     Placed(Transform),
 }
 
 impl<'a> FunctionView<'a> {
-    /// `to_function` leads on from the coordinates in which the modifiers stand; `None` where the function uses the same.
+    /// `to_function` transforms from the coordinates of the modifiers to the function's; `None` if
+    /// they are the same.
     pub fn new(interaction: &'a SurfaceInteraction, to_function: Option<&'a Transform>) -> FunctionView<'a> {
         let to_object = interaction.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         let to_function = match (to_object, to_function) {
@@ -41,7 +43,7 @@ impl<'a> FunctionView<'a> {
         }
     }
 
-    /// A direction of the scene as the function sees it.
+    /// Transforms a direction from the scene's coordinates to the function's.
     pub fn in_function(&self, vector: DVec3) -> DVec3 {
         self.transform().map_or(vector, |transform| transform.direction(vector))
     }
@@ -56,8 +58,9 @@ impl<'a> FunctionView<'a> {
 }
 
 impl Host for FunctionView<'_> {
-    /// Channels as Radiance numbers them: 1–3 ray direction, 4–6 normal, 7–9 point, 10 total distance, 11 cosine, 12 scale,
-    /// 13–15 origin, 16–24 axes, 25 distance of this ray, 26–27 local coordinates.
+    /// Channels in Radiance's numbering: 1–3 ray direction, 4–6 normal, 7–9 point, 10 total
+    /// distance, 11 cosine, 12 scale, 13–15 origin, 16–24 axes, 25 distance of this ray, 26–27
+    /// local coordinates.
     #[inline]
     fn channel(&self, n: u32) -> f64 {
         let interaction = self.interaction;

@@ -1,31 +1,34 @@
-//! Where a ray meets a surface, with what functions, textures and materials ask of it.
+//! Surface interactions: the intersection of a ray with a surface, for functions, textures and
+//! materials.
 
 use glam::DVec3;
 use radsight_accel::{Intersection, Placed, Ray};
 
-/// A ray at the surface that it meets, in scene coordinates.
+/// A ray's intersection with a surface, in scene coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
-    /// Unit, along the ray.
+    /// Unit vector along the ray.
     pub direction: DVec3,
     /// Unit normal, turned towards the side from which the ray comes.
     pub normal: DVec3,
     /// Scene coordinates.
     pub point: DVec3,
-    /// From the eye, over all reflections.
+    /// Distance from the eye over all reflections, scene units.
     pub total_distance: f64,
-    /// Of this ray alone.
+    /// Distance along this ray alone, scene units.
     pub distance: f64,
-    /// −direction·normal, not negative.
+    /// −direction·normal, 0…1.
     pub cosine: f64,
-    /// Whether the ray comes from the back. Functions see the normal as the surface faces.
+    /// Whether the ray comes from the back. Functions get the normal of the surface's own
+    /// orientation.
     pub behind: bool,
-    /// What only meshes and instances have.
+    /// Interpolated normal, local coordinates and transform of meshes and instances; none for other
+    /// surfaces.
     pub placed: Option<Placed>,
 }
 
 impl SurfaceInteraction {
-    /// With a surface that is neither a mesh nor within an instance.
+    /// Interaction with a surface that is neither a mesh nor part of an instance.
     #[inline]
     pub fn new(ray: &Ray, point: DVec3, front: DVec3, distance: f64, total_distance: f64) -> SurfaceInteraction {
         let cosine = -ray.direction.dot(front);
@@ -44,7 +47,7 @@ impl SurfaceInteraction {
         }
     }
 
-    /// Where a ray hits.
+    /// Interaction at an intersection.
     #[inline]
     pub fn at(ray: &Ray, hit: &Intersection, total_distance: f64) -> SurfaceInteraction {
         let placed = hit.placed;
@@ -54,7 +57,7 @@ impl SurfaceInteraction {
         }
     }
 
-    /// With a distant source.
+    /// Interaction with a distant source.
     pub fn distant(direction: DVec3) -> SurfaceInteraction {
         SurfaceInteraction {
             direction,
@@ -68,52 +71,53 @@ impl SurfaceInteraction {
         }
     }
 
-    /// The perturbation with which textures start.
+    /// Perturbation of the normal before any texture: that of the interpolated normal.
     #[inline]
     pub fn perturbation(&self) -> DVec3 {
         self.placed.map_or(DVec3::ZERO, |placed| placed.perturbation)
     }
 
-    /// The point in the coordinates in which the modifiers stand.
+    /// The point in the coordinates of the modifiers.
     #[inline]
     pub fn object_point(&self) -> DVec3 {
         let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         to_object.map_or(self.point, |transform| transform.point(self.point))
     }
 
-    /// A direction in the coordinates in which the modifiers stand, in the scene's.
+    /// Transforms a direction from the coordinates of the modifiers to the scene's.
     #[inline]
     pub fn direction_to_scene(&self, direction: DVec3) -> DVec3 {
         let to_object = self.placed.as_ref().and_then(|placed| placed.to_object.as_ref());
         to_object.map_or(direction, |transform| transform.rotation.transpose() * direction)
     }
 
-    /// The same, as if the surface faced the viewer.
+    /// The same interaction, turned so that the surface faces the viewer.
     #[inline]
     pub fn turned(&self) -> SurfaceInteraction {
         SurfaceInteraction { behind: false, ..*self }
     }
 
-    /// Whether its normal is interpolated.
+    /// Whether the normal is interpolated.
     #[inline]
     pub fn is_smoothed(&self) -> bool {
         self.perturbation() != DVec3::ZERO
     }
 
-    /// The unit normal as the surface faces.
+    /// Unit normal of the surface's own orientation.
     pub(crate) fn front(&self) -> DVec3 {
         if self.behind { -self.normal } else { self.normal }
     }
 }
 
-/// The mirror direction of a unit direction at a unit normal.
+/// Mirror direction of a unit direction at a unit normal.
 #[inline]
 #[must_use]
 pub fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * normal.dot(direction))
 }
 
-/// The mirror direction of what meets a surface; a textured normal that would send it through the surface is not used.
+/// Mirror direction of a ray at a surface. A perturbed normal that would turn it below the surface
+/// is ignored.
 #[inline]
 #[must_use]
 pub fn mirrored(interaction: &SurfaceInteraction, normal: DVec3) -> DVec3 {
@@ -121,7 +125,8 @@ pub fn mirrored(interaction: &SurfaceInteraction, normal: DVec3) -> DVec3 {
     if direction.dot(interaction.normal) > 0.0 { direction } else { reflect(interaction.direction, interaction.normal) }
 }
 
-/// The normal with its texture; one that would turn away from the viewer is reflected back (Radiance's `raynormal`).
+/// Perturbed normal. One that would face away from the viewer is reflected back (Radiance's
+/// `raynormal`).
 pub fn shading_normal(interaction: &SurfaceInteraction, perturbation: DVec3) -> DVec3 {
     if perturbation == DVec3::ZERO {
         return interaction.normal;

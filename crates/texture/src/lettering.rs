@@ -1,38 +1,39 @@
-//! Letters on a plane: `brighttext`, `colortext` and `mixtext`.
+//! Text patterns on a plane: `brighttext`, `colortext` and `mixtext`.
 //!
-//! The plane is measured in characters to the right and in lines down; a character's outline has coordinates in 0…255 of its cell, and
-//! a line is as long as the advances of its characters, which depend on the spacing.
+//! The plane has coordinates in characters to the right and lines down. Glyph outlines have
+//! coordinates 0…255 in their cell. The length of a line is the sum of its advances, which depend
+//! on the spacing.
 
 use glam::DVec3;
 use radsight_ir::{Font, Glyph, TextPattern};
 
-/// The side of a cell in the units of outlines.
+/// Side of a cell in outline units.
 const CELL: i64 = 255;
 
-/// A character followed by this many blanks, itself included, and one more ends a column.
+/// A column ends at a character followed by this many blanks, itself included, and one more.
 const COLUMN_GAP: usize = 3;
 
-/// Text, set.
+/// Typeset text.
 #[derive(Clone, Debug)]
 pub struct Lettering {
     origin: DVec3,
-    /// With an offset from the origin its dot products are characters to the right and lines down.
+    /// Scaled axis: its dot product with an offset from the origin counts characters to the right.
     across: DVec3,
     down: DVec3,
-    /// Units of outlines in a step to the right.
+    /// Outline units per character to the right.
     units: f64,
     lines: Vec<Line>,
     outlines: Vec<Outline>,
 }
 
-/// One line.
+/// A line of text.
 #[derive(Clone, Debug)]
 struct Line {
     width: i64,
     letters: Vec<Letter>,
 }
 
-/// One character: where its cell begins, and its outline if the font has one.
+/// A character: the start of its cell, and its outline if the font has one.
 #[derive(Clone, Copy, Debug)]
 struct Letter {
     start: i64,
@@ -50,7 +51,7 @@ struct Outline {
 }
 
 impl Outline {
-    /// Radiance's extents start from the middle of the cell.
+    /// Radiance measures extents from the centre of the cell.
     fn new(glyph: &Glyph) -> Outline {
         let mut outline = Outline { left: 128, right: 128, bottom: 128, top: 128, vertices: glyph.vertices.clone() };
         for (x, y) in &glyph.vertices {
@@ -66,8 +67,9 @@ impl Outline {
         self.vertices.is_empty()
     }
 
-    /// Whether a point, not below zero, is inside: the edges that cross a ray to the right are counted. Which edges do is decided for the
-    /// middle of the unit square around the point, so that no vertex lies on the ray.
+    /// Whether a point with non-negative coordinates is inside: the number of edges that cross a
+    /// ray to the right is odd. Crossings are decided for the centre of the unit square around the
+    /// point, so that no vertex lies on the ray.
     fn holds(&self, x: f64, y: f64) -> bool {
         let (column, row) = (x as i64, y as i64);
         let within = |low: u8, at: i64, high: u8| i64::from(low) <= at && at < i64::from(high);
@@ -97,7 +99,7 @@ impl Outline {
 }
 
 impl Lettering {
-    /// Sets the text. `None` where its two directions do not span a plane.
+    /// Typesets the text. `None` if its two directions do not span a plane.
     pub fn new(text: &TextPattern, font: &Font) -> Option<Lettering> {
         let normal = text.down.cross(text.right);
         let dual = |axis: DVec3, along: DVec3| {
@@ -119,7 +121,8 @@ impl Lettering {
         Some(Lettering { origin: text.origin, across, down, units, lines, outlines })
     }
 
-    /// Whether a point, in the coordinates in which the text stands, lies on a letter as seen along the plane's normal.
+    /// Whether a point, in the text's coordinates, lies on a letter in projection along the plane's
+    /// normal.
     pub fn has_ink(&self, point: DVec3) -> bool {
         let offset = point - self.origin;
         let x = offset.dot(self.across) * self.units;
@@ -137,7 +140,7 @@ impl Lettering {
     }
 }
 
-/// Mean width of the characters that have ink.
+/// Mean width of the characters with ink.
 fn mean_width(outlines: &[Option<Outline>]) -> i64 {
     let widths =
         outlines.iter().flatten().filter(|outline| outline.right > outline.left && outline.top > outline.bottom);
@@ -146,7 +149,7 @@ fn mean_width(outlines: &[Option<Outline>]) -> i64 {
     if count > 0 { sum / count } else { 0 }
 }
 
-/// The characters of a font by code.
+/// Characters of a font by code.
 struct Letters<'f> {
     outlines: &'f [Option<Outline>],
     mean_width: i64,
@@ -161,7 +164,7 @@ impl Letters<'_> {
         self.get(code).is_some_and(Outline::is_blank)
     }
 
-    /// Places the characters of a line. `places` gets the index of each outline among those that the font has.
+    /// Typesets a line. `places` gets the index of each outline in the font.
     fn set(&self, line: &[u8], spacing: i64, places: &mut Vec<Option<usize>>) -> Line {
         if places.iter().all(Option::is_none) {
             let indices = self.outlines.iter().scan(0, |next, outline| {
@@ -183,17 +186,17 @@ impl Letters<'_> {
         Line { letters: letters.collect(), width: steps.iter().sum() }
     }
 
-    /// The steps to each character, and from the last to the end: a cell for each character that the font has.
+    /// Advances before each character and after the last: one cell for each character in the font.
     fn uniform(&self, line: &[u8]) -> Vec<i64> {
         let widths = line.iter().map(|code| if self.get(*code).is_some() { CELL } else { 0 });
         std::iter::once(0).chain(widths).collect()
     }
 
-    /// The same gap between the ink of all characters.
+    /// Advances with the same gap between the ink of all characters.
     fn squeezed(&self, line: &[u8], gap: i64) -> Vec<i64> {
         let margin = gap / 2;
         let mut steps = Vec::with_capacity(line.len() + 1);
-        // The step to the next character that the font has, so far.
+        // Advance to the next character in the font, so far.
         let mut pending = None;
         for code in line {
             let Some(outline) = self.get(*code) else {
@@ -213,8 +216,8 @@ impl Letters<'_> {
         steps
     }
 
-    /// Squeezed, then stretched so that each stretch without a gap is as long as its characters would be at their mean width: what
-    /// stands below each other in a table stays there.
+    /// Squeezed advances, stretched so that each column has the length of its characters at their
+    /// mean width. Columns of a table stay aligned.
     fn in_columns(&self, line: &[u8], gap: i64) -> Vec<i64> {
         let mut steps = self.squeezed(line, gap);
         let mut first = 0;
@@ -232,7 +235,7 @@ impl Letters<'_> {
         steps
     }
 
-    /// Where a column ends that begins at a character, and how many characters it counts.
+    /// End of the column that begins at a character, and its number of characters.
     fn column(&self, line: &[u8], first: usize) -> (usize, i64) {
         let (mut at, mut characters) = (first, 0);
         while at < line.len() {
@@ -256,7 +259,7 @@ mod tests {
     use super::*;
     use radsight_ir::{Arena, Rgb};
 
-    /// A font with a blank and with a letter that fills its cell from 55 to 205, with a hole.
+    /// A font with a blank and a letter that fills its cell from 55 to 205, with a hole.
     fn font() -> Font {
         let mut glyphs = vec![None; 256];
         glyphs[usize::from(b' ')] = Some(Glyph { vertices: vec![] });
@@ -293,15 +296,15 @@ mod tests {
 
     #[test]
     fn squeezed_letters_keep_their_gap() {
-        // The mean width is 150, so that a step to the right has 150 + 51 units.
+        // The mean width is 150, so one character to the right is 150 + 51 units.
         let text = lettering(&["oo"], Some(-0.2));
         let ink = |units: f64| text.has_ink(DVec3::new(1.0 + units / 201.0, 1.95, 0.0));
-        // Half a gap before the line, half before each letter and half behind it.
+        // Half a gap at the start of the line, and half on either side of each letter.
         assert!(!ink(45.0) && ink(55.0) && ink(195.0) && !ink(205.0) && !ink(245.0) && ink(255.0));
     }
 
     #[test]
-    fn columns_stay_below_each_other() {
+    fn columns_stay_aligned() {
         let letters =
             |lines: &[&str]| lettering(lines, Some(0.1)).lines.iter().map(|line| line.width).collect::<Vec<_>>();
         let widths = letters(&["oo oo", "o   o"]);
@@ -309,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_along_each_other_are_refused() {
+    fn parallel_directions_are_refused() {
         let mut fonts = Arena::default();
         let text = TextPattern {
             font: fonts.add(font()),

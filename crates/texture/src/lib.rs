@@ -1,9 +1,11 @@
-//! Patterns and textures where a ray meets a surface.
+//! Patterns and textures at an intersection.
 //!
-//! A [`SurfaceInteraction`] is a ray at the surface that it meets; a [`TextureChain`] makes of it an [`Appearance`]: by what the
-//! material's colour is multiplied, and what is added to its normal. Colours stand in arrays of as many bands as are traced ([`Bands`]).
+//! A [`SurfaceInteraction`] is the intersection of a ray with a surface. A [`TextureChain`]
+//! evaluates it to an [`Appearance`]: a factor of the material's colour and a perturbation of its
+//! normal. Colours are arrays of as many bands as are traced ([`Bands`]).
 //!
-//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a function that fails changes nothing. Knows no materials and no lights.
+//! Guarantees: no panic on a [`radsight_ir::ValidScene`]; a function that fails changes nothing.
+//! The crate knows no materials and no lights.
 #![forbid(unsafe_code)]
 
 mod appearance;

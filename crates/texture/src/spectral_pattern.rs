@@ -1,4 +1,4 @@
-//! Patterns that multiply each wavelength by its own value.
+//! Patterns with a factor for each wavelength.
 
 use crate::bands::BandLayout;
 use crate::function::Function;
@@ -9,7 +9,7 @@ use radsight_ir::{Axis, DataGrid, Handle, Scene};
 use radsight_spectrum::{Conversion, Sampling};
 use std::sync::Arc;
 
-/// From values at some wavelengths to the places of a tracer.
+/// Conversion from values at some wavelengths to the elements of a ray.
 #[derive(Clone, Debug)]
 struct Receiver {
     layout: Arc<BandLayout>,
@@ -17,7 +17,8 @@ struct Receiver {
 }
 
 impl Receiver {
-    /// Multiplies by the values, which come in the order of the conversion; changes nothing if one of them is missing.
+    /// Multiplies by the values, given in the order of the conversion; changes nothing if one of
+    /// them is missing.
     fn multiply<const BANDS: usize>(&self, values: impl Iterator<Item = Option<f64>>, color: &mut [f64; BANDS]) {
         let mut complete = true;
         let values = values.map(|value| {
@@ -27,8 +28,8 @@ impl Receiver {
         let mut bands = [0.0; Sampling::MOST_BANDS];
         self.conversion.apply(values, &mut bands[..self.layout.sampling().bands()]);
         if complete {
-            for (place, band) in color.iter_mut().zip(self.layout.band_of()) {
-                *place *= bands[*band];
+            for (element, band) in color.iter_mut().zip(self.layout.band_of()) {
+                *element *= bands[*band];
             }
         }
     }
@@ -39,13 +40,14 @@ impl Receiver {
 pub struct SpectralFunction {
     function: Function,
     receiver: Receiver,
-    /// Middles of the bands in which the function is evaluated, nm, rising.
+    /// Centres of the bands in which the function is evaluated, nm, ascending.
     wavelengths_nm: Vec<f64>,
 }
 
 impl SpectralFunction {
-    /// A function of the wavelength between two of them, nm. Radiance evaluates it at random places of up to 24 bands, not narrower than
-    /// a quarter of those that are traced; this takes their middles. `None` where nothing of the range is traced.
+    /// A function of the wavelength between two limits, nm. Radiance evaluates it at random
+    /// wavelengths of up to 24 bands, no narrower than a quarter of the traced bands; this takes
+    /// the bands' centres. `None` if no traced band is in the range.
     pub fn new(function: Function, range_nm: [f64; 2], layout: &Arc<BandLayout>) -> Option<SpectralFunction> {
         let [longest, .., shortest] = layout.sampling().splits_nm();
         let (first, last) = (range_nm[0].max(shortest), range_nm[1].min(longest));
@@ -60,7 +62,8 @@ impl SpectralFunction {
         Some(SpectralFunction { function, receiver: Receiver { layout: layout.clone(), conversion }, wavelengths_nm })
     }
 
-    /// Multiplies a colour by what the pattern is where the ray meets the surface; a function that fails changes nothing.
+    /// Multiplies a colour by the pattern at the intersection; a function that fails changes
+    /// nothing.
     pub fn apply<const BANDS: usize>(
         &self,
         interaction: &SurfaceInteraction,
@@ -79,12 +82,12 @@ pub struct SpectralData {
     function: Function,
     grid: Handle<DataGrid>,
     receiver: Receiver,
-    /// Where the grid's last axis is looked up, nm.
+    /// Wavelengths at which the grid's last axis is interpolated, nm.
     wavelengths_nm: Vec<f64>,
 }
 
 impl SpectralData {
-    /// From a table whose last axis is the wavelength; `None` where it has no axis.
+    /// A pattern from a table whose last axis is the wavelength; `None` if it has no axis.
     pub fn new(function: Function, scene: &Scene, grid: Handle<DataGrid>, layout: &Arc<BandLayout>) -> Option<Self> {
         let axis = scene.grids[grid].axes.last()?;
         let (first, last) = match axis {
@@ -99,7 +102,8 @@ impl SpectralData {
         Some(SpectralData { function, grid, receiver, wavelengths_nm })
     }
 
-    /// Multiplies a colour by what the pattern is where the ray meets the surface; a function that fails changes nothing.
+    /// Multiplies a colour by the pattern at the intersection; a function that fails changes
+    /// nothing.
     pub fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,

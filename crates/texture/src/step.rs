@@ -1,4 +1,4 @@
-//! One pattern or texture, evaluated where a ray meets a surface.
+//! A pattern or texture, evaluated at an intersection.
 
 use crate::appearance::Appearance;
 use crate::bands::{Bands, spread};
@@ -13,65 +13,65 @@ use radsight_ir::{DataGrid, Handle, PictureData, Rgb, Scene};
 /// A pattern or a texture.
 #[derive(Clone, Debug)]
 pub enum Step {
-    /// The same values everywhere.
+    /// Constant factors.
     Constant(Bands),
-    /// One value multiplies all bands.
+    /// One factor for all bands, from a function.
     Brightness(Function),
-    /// Three values multiply red, green and blue.
+    /// Factors of red, green and blue, from a function.
     Color(Function),
-    /// One value from a grid.
+    /// One factor for all bands, interpolated in a grid.
     BrightnessData(Function, Handle<DataGrid>),
-    /// Three values from three grids.
+    /// Factors of red, green and blue, interpolated in three grids.
     ColorData(Function, [Handle<DataGrid>; 3]),
-    /// Three values from a picture.
+    /// Factors of red, green and blue, from a picture.
     Picture(Function, Handle<PictureData>),
-    /// One colour on letters, another beside them.
+    /// Text: one colour on letters, another beside them.
     Text {
-        /// The letters.
+        /// The typeset text.
         lettering: Lettering,
-        /// Where there is ink.
+        /// Colour of the letters.
         foreground: Rgb,
-        /// Elsewhere.
+        /// Colour of the background.
         background: Rgb,
     },
     /// A spectrum from a function of the wavelength.
     SpectralFunction(SpectralFunction),
     /// A spectrum from a grid whose last axis is the wavelength.
     SpectralData(SpectralData),
-    /// Three values added to the normal.
+    /// Perturbation of the normal by a function's three values.
     Texture(Function),
-    /// Three values from three grids added to the normal.
+    /// Perturbation of the normal by values of three grids.
     TextureData(Function, [Handle<DataGrid>; 3]),
-    /// Part of one list of patterns and textures, and the rest of another.
+    /// Mixture of two lists of patterns and textures.
     Mixture(Box<MixedSteps>),
 }
 
-/// Two lists of patterns and textures, and how much of the first.
+/// Two lists of patterns and textures, and the weight of the first.
 #[derive(Clone, Debug)]
 pub struct MixedSteps {
-    /// How much of the foreground.
+    /// Weight of the foreground.
     pub share: Share,
-    /// What has that share.
+    /// Steps of the foreground.
     pub foreground: Vec<Step>,
-    /// What has the rest.
+    /// Steps of the background.
     pub background: Vec<Step>,
 }
 
-/// How much of a mixture's foreground there is.
+/// Weight of a mixture's foreground.
 #[derive(Clone, Debug)]
 pub enum Share {
-    /// One root.
+    /// Value of a function.
     Function(Function),
-    /// One value from a grid.
+    /// Value interpolated in a grid.
     Data(Function, Handle<DataGrid>),
-    /// One value of a picture's colour.
+    /// Value of a function of a picture's colour.
     Picture(Function, Handle<PictureData>),
-    /// All of it on letters.
+    /// One on letters, zero beside them.
     Text(Lettering),
 }
 
 impl Share {
-    /// In 0…1; none after a fault of the function, where Radiance leaves the mixture out.
+    /// The weight, 0…1; none if the function fails, where Radiance leaves the mixture out.
     pub fn at(&self, scene: &Scene, interaction: &SurfaceInteraction, scratch: &mut Scratch) -> Option<f64> {
         let share = match self {
             Share::Function(function) => {
@@ -90,7 +90,7 @@ impl Share {
 }
 
 impl Step {
-    /// Whether it can give red, green and blue different values.
+    /// Whether it can have different factors for red, green and blue.
     pub fn is_colored(&self) -> bool {
         match self {
             Step::Constant(bands) => !bands.is_grey(),
@@ -105,7 +105,7 @@ impl Step {
         }
     }
 
-    /// Whether it can turn the normal.
+    /// Whether it can perturb the normal.
     pub fn is_texture(&self) -> bool {
         match self {
             Step::Texture(_) | Step::TextureData(..) => true,
@@ -114,7 +114,7 @@ impl Step {
         }
     }
 
-    /// What a fault of the function spoils is left out, as Radiance does.
+    /// Applies the step. If its function fails, nothing changes, as in Radiance.
     pub fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
@@ -174,7 +174,7 @@ impl Step {
 }
 
 impl MixedSteps {
-    /// Both lists go on from what is there; the results are mixed.
+    /// Applies both lists to the same input and mixes the results.
     fn apply<const BANDS: usize>(
         &self,
         scene: &Scene,
@@ -204,7 +204,8 @@ fn multiply<const BANDS: usize>(color: &mut [f64; BANDS], by: [f64; 3]) {
     }
 }
 
-/// Values from grids, through the functions that the primitive names: roots are first the functions, then the coordinates.
+/// Values from grids, passed through the primitive's functions: the first roots are the functions,
+/// the others the coordinates.
 fn from_grids(
     scene: &Scene,
     function: &Function,
@@ -230,7 +231,8 @@ fn from_grids(
     Some(values)
 }
 
-/// Values from a picture's colour: roots are first `VALUES` functions of red, green and blue, then u and v.
+/// Values from a picture's colour: the first `VALUES` roots are functions of red, green and blue,
+/// the others u and v.
 fn from_picture<const VALUES: usize>(
     picture: &PictureData,
     function: &Function,

@@ -1,4 +1,5 @@
-//! What functions see of a ray, and what patterns, textures and mixtures of them make of it, by hand calculation.
+//! Variables of functions, patterns, textures and their mixtures, against values calculated by
+//! hand.
 
 use glam::{DMat3, DVec3};
 use radsight_accel::{Placed, Ray};
@@ -25,7 +26,7 @@ fn function(expressions: &[&str], to_scene: Transform) -> Function {
     Function::new(&FunctionCall { program: Arc::new(program), to_scene, words: Vec::new(), numbers: Vec::new() })
 }
 
-/// A ray down a slope of 45° to a level surface, 2 long after 3 before.
+/// A ray down a slope of 45° to a horizontal surface, of length 2 after 3 before.
 fn interaction() -> SurfaceInteraction {
     let direction = DVec3::new(0.0, 1.0, -1.0).normalize();
     let ray = Ray { origin: DVec3::new(4.0, 0.0, 2.0_f64.sqrt()), direction };
@@ -44,20 +45,21 @@ fn agree(found: &[f64], expected: &[f64]) {
 }
 
 #[test]
-fn a_function_sees_the_ray_as_radiance_defines_it() {
+fn a_functions_variables_are_those_of_radiance() {
     let seen = function(&["Dy", "Dz", "Nz", "Px", "Py", "T", "Ts", "Rdot", "S"], Transform::IDENTITY);
     let slope = 0.5_f64.sqrt();
     agree(&values(&seen, &interaction(), 9), &[slope, -slope, 1.0, 4.0, 2.0 * slope, 5.0, 2.0, slope, 1.0]);
 }
 
 #[test]
-fn a_function_that_is_moved_sees_the_ray_from_there() {
-    // Turned by 90° about z and twice as large: the scene's y is its x, its −x is the function's y.
+fn a_transformed_function_gets_the_ray_in_its_coordinates() {
+    // Rotated by 90° about z and scaled by 2: the scene's y is the function's x, the scene's −x its
+    // y.
     let to_scene =
         Transform { rotation: DMat3::from_rotation_z(FRAC_PI_2), scale: 2.0, translation: DVec3::new(1.0, 0.0, 0.0) };
     let seen = function(&["Dx", "Px", "Py", "Ts"], to_scene);
     let slope = 0.5_f64.sqrt();
-    // A point (4, √2, 0) is 3 and √2 from the function's origin, in units of 2.
+    // The point (4, √2, 0) is 3 and √2 from the function's origin, in units of 2.
     agree(&values(&seen, &interaction(), 4), &[slope, slope, -1.5, 1.0]);
 }
 
@@ -98,7 +100,7 @@ fn a_texture_turns_the_normal_but_never_away_from_the_viewer() {
 }
 
 #[test]
-fn what_an_instance_adds_is_seen_by_functions() {
+fn functions_get_the_coordinates_of_an_instance() {
     let mut interaction = interaction();
     let to_object = Transform { rotation: DMat3::IDENTITY, scale: 0.5, translation: DVec3::new(-2.0, 0.0, 0.0) };
     interaction.placed = Some(Placed { to_object: Some(to_object), uv: [0.25, 0.75], perturbation: DVec3::ZERO });

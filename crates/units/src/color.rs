@@ -11,10 +11,10 @@ pub const BLUE: [f64; 2] = [0.150, 0.060];
 /// Chromaticity (x, y) of white: equal energy at all wavelengths.
 pub const WHITE: [f64; 2] = [1.0 / 3.0, 1.0 / 3.0];
 
-/// The shares of red, green and blue in luminance as `color.h` rounds them.
+/// Weights of red, green and blue in luminance, as `color.h` rounds them.
 pub const LUMINANCE_WEIGHTS: [f64; 3] = [0.265, 0.670, 0.065];
 
-/// From red, green and blue to X, Y and Z; white (1, 1, 1) has X = Y = Z = 1.
+/// Matrix from red, green and blue to X, Y and Z; white (1, 1, 1) has X = Y = Z = 1.
 #[must_use]
 pub fn rgb_to_xyz() -> DMat3 {
     let tristimulus = |[x, y]: [f64; 2]| DVec3::new(x, y, 1.0 - x - y);
@@ -23,7 +23,7 @@ pub fn rgb_to_xyz() -> DMat3 {
     unscaled * DMat3::from_diagonal(amounts)
 }
 
-/// From X, Y and Z to red, green and blue, column by column: the inverse of [`rgb_to_xyz`].
+/// Matrix from X, Y and Z to red, green and blue, by columns: the inverse of [`rgb_to_xyz`].
 #[rustfmt::skip]
 pub const XYZ_TO_RGB: DMat3 = DMat3::from_cols_array(&[
     2.5653128430296377, -1.0221081721279113, 0.07472437729685592,
@@ -41,13 +41,13 @@ mod tests {
     }
 
     #[test]
-    fn there_and_back_is_the_same() {
+    fn the_two_matrices_are_inverse() {
         assert!((rgb_to_xyz() * XYZ_TO_RGB).abs_diff_eq(DMat3::IDENTITY, 1e-14));
     }
 
     #[test]
     fn the_rounded_weights_are_those_of_y() {
-        // `color.h` rounds from a white of .333.
+        // `color.h` rounds for a white of .333.
         let exact = rgb_to_xyz().row(1).to_array();
         for (weight, exact) in LUMINANCE_WEIGHTS.iter().zip(exact) {
             assert!((weight - exact).abs() < 5e-4, "{exact}");

@@ -1,10 +1,11 @@
-//! What numbers mean: constants of photometry and colour as Radiance has them, and the form of numbers in its files.
+//! Constants of photometry and colour as in Radiance, and the number format of its files.
 //!
-//! - [`photometry`]: lumens a watt.
+//! - [`photometry`]: luminous efficacies.
 //! - [`color`]: Radiance's primaries, and the matrices from and to CIE tristimulus values.
-//! - [`number`]: numbers as C's `atof` reads them and `printf` writes them, since Radiance's files are defined by both.
+//! - [`number`]: numbers as C's `atof` reads them and `printf` writes them, which define Radiance's
+//!   files.
 //!
-//! Guarantees: no input makes a function here panic. Knows no other crate of radsight.
+//! Guarantees: no input makes a function panic. The crate depends on no other crate of radsight.
 //!
 //! ```
 //! use radsight_units::{number, photometry};

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-/// The number at the start of the text (after white space) and how many bytes it took; 0 bytes if there is none.
+/// The number at the start of the text, after white space, and the bytes it takes; 0 bytes if there
+/// is none.
 #[must_use]
 pub fn leading_number(text: &[u8]) -> (f64, usize) {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
@@ -37,7 +38,7 @@ pub fn leading_numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
     Some(numbers)
 }
 
-/// The whole number at the start of the text, 0 if there is none, clamped: `atoi`.
+/// The integer at the start of the text, clamped, 0 if there is none: `atoi`.
 #[must_use]
 pub fn integer_or_zero(text: &[u8]) -> i64 {
     let start = text.iter().position(|byte| !is_space(*byte)).unwrap_or(text.len());
@@ -62,14 +63,15 @@ pub fn trimmed(text: &[u8]) -> &[u8] {
     &text[start..end]
 }
 
-/// Whether the text is one whole number in Radiance's sense: `-.5e3` is, `1-` and `nan` are not.
+/// Whether the whole text is a number in Radiance's sense: `-.5e3` is one, `1-` and `nan` are not.
 #[must_use]
 pub fn is_number(text: &[u8]) -> bool {
     let text = trimmed(text);
     !text.is_empty() && decimal_length(text) == text.len()
 }
 
-/// How many bytes at the start are a decimal number: a sign, digits with at most one point, an exponent; 0 where there is none.
+/// Length in bytes of the decimal number at the start: a sign, digits with at most one point, an
+/// exponent; 0 if there is none.
 #[must_use]
 pub fn decimal_length(text: &[u8]) -> usize {
     let digits = |from: usize| text[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -112,7 +114,7 @@ impl LowercasePrefix for [u8] {
     }
 }
 
-/// `%.{digits}e`.
+/// Format `%.{digits}e`.
 #[must_use]
 pub fn scientific(value: f64, digits: usize) -> String {
     let mut text = String::new();
@@ -120,7 +122,7 @@ pub fn scientific(value: f64, digits: usize) -> String {
     text
 }
 
-/// Appends `%.{digits}e`: for many numbers, without memory for each.
+/// Appends a number in the format `%.{digits}e`, without allocating for each.
 pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
     if !value.is_finite() {
         text.push_str(&not_finite(value));
@@ -128,7 +130,7 @@ pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
     }
     let start = text.len();
     let _ = write!(text, "{value:.digits$e}");
-    // The exponent has a sign and two digits at least.
+    // The exponent has a sign and at least two digits.
     let Some(mark) = text[start..].find('e') else { return };
     let exponent = start + mark + 1;
     let digits_at = if text[exponent..].starts_with('-') {
@@ -142,7 +144,7 @@ pub fn push_scientific(value: f64, digits: usize, text: &mut String) {
     }
 }
 
-/// `%.{precision}g`.
+/// Format `%.{precision}g`.
 #[must_use]
 pub fn general(value: f64, precision: usize) -> String {
     if !value.is_finite() {

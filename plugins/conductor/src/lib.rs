@@ -1,7 +1,7 @@
 //! conductor: metals with measured optical constants
 //!
-//! Bare metal parts, from polished to ground: the colour and the brightness follow from the metal and the wavelengths that the
-//! scene is rendered in, not from three numbers.
+//! Bare metal parts, from polished to ground. Colour and brightness follow from the metal and the
+//! wavelengths of the rendering, not from three numbers.
 //!
 //! ```text
 //! void brdfplugin washer
@@ -18,15 +18,17 @@
 //! | model | arguments | unit | range |
 //! |---|---|---|---|
 //! | `metal` | word: `steel` (stainless), `aluminium` or `copper` | | |
-//! | | roughness m: rms slope of the facets | 1 | 0.0005 … 0.6 |
+//! | | roughness m: root mean square slope of the facets | 1 | 0.0005 … 0.6 |
 //! | `metal_nk` | n, real part of the index: red green blue | 1 | above 0 |
 //! | | k, absorption: red green blue | 1 | at least 0 |
 //! | | roughness m | 1 | 0.0005 … 0.6 |
 //!
-//! Cook and Torrance, "A Reflectance Model for Computer Graphics", ACM TOG 1(1), 1982: facets of Beckmann's distribution in V-shaped
-//! grooves, `f = D G F/(4 cos θ_i cos θ_o)`. `F` is Fresnel's formula for a conductor and unpolarised light; for a broad band it is the
-//! mean over the band. Light between facets is left out, so that rough metal is a little too dark. Sources of n and k stand in
-//! `metals.rs`; outside the measured wavelengths (copper 0.37…1.09 µm, the others 0.38…1.0 µm) the last values hold.
+//! Cook and Torrance, "A Reflectance Model for Computer Graphics", ACM TOG 1(1), 1982: facets of
+//! Beckmann's distribution in V-shaped grooves, `f = D G F/(4 cos θ_i cos θ_o)`. `F` is Fresnel's
+//! formula for a conductor and unpolarised light; for a broad band it is averaged over the band.
+//! Interreflection between facets is ignored, so rough metal is slightly too dark. The sources of n
+//! and k are listed in `metals.rs`; outside the measured wavelengths (copper 0.37…1.09 µm, the
+//! others 0.38…1.0 µm) the last values are used.
 
 mod metals;
 
@@ -40,10 +42,10 @@ const ROUGHNESS: Parameter = Parameter::number("roughness", "1", "rms slope of t
 const LOBES: Lobes = Lobes { glossy: true, ..Lobes::NONE };
 const CITATION: &str = "Cook and Torrance, ACM TOG 1(1), 1982";
 
-/// Facets of a metal.
+/// Microfacets of a metal.
 struct CookTorrance {
     roughness: f64,
-    /// For each band the optical constants whose reflectances it averages.
+    /// For each band the optical constants over whose reflectances it averages.
     bands: Vec<Vec<(f64, f64)>>,
 }
 
@@ -75,7 +77,7 @@ impl CookTorrance {
         density * half.z / (4.0 * cosine)
     }
 
-    /// Reflects about a facet drawn with density `D cos δ`.
+    /// Samples by reflection at a facet with density `D cos δ`.
     fn sample(&self, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> Sample {
         let tan = self.roughness * (-(1.0 - u[0]).ln()).sqrt();
         let (sin, cos) = (TAU * u[1]).sin_cos();
@@ -90,7 +92,7 @@ impl CookTorrance {
     }
 }
 
-/// Both models differ only in where n and k are from.
+/// Both models differ only in the source of n and k.
 macro_rules! cook_torrance {
     ($name:ident, $description:expr, $create:expr) => {
         struct $name(CookTorrance);

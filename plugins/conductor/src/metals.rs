@@ -1,14 +1,16 @@
 //! Measured optical constants.
 //!
-//! Stainless steel: austenitic (Avesta 832 MV, near AISI 316), Karlsson and Ribbing, "Optical constants and spectral selectivity of
-//! stainless steel and its oxides", J. Appl. Phys. 53, 6340, 1982. Aluminium: McPeak et al., "Plasmonic Films Can Easily Be Better:
-//! Rules and Recipes", ACS Photonics 2, 326, 2015. Copper: Johnson and Christy, "Optical Constants of the Noble Metals", Phys. Rev. B
-//! 6, 4370, 1972. As tabulated by refractiveindex.info (CC0), thinned out.
+//! Stainless steel: austenitic (Avesta 832 MV, near AISI 316), Karlsson and Ribbing, "Optical
+//! constants and spectral selectivity of stainless steel and its oxides", J. Appl. Phys. 53, 6340,
+//! 1982. Aluminium: McPeak et al., "Plasmonic Films Can Easily Be Better: Rules and Recipes", ACS
+//! Photonics 2, 326, 2015. Copper: Johnson and Christy, "Optical Constants of the Noble Metals",
+//! Phys. Rev. B 6, 4370, 1972. As tabulated by refractiveindex.info (CC0), thinned out.
 
 /// Wavelength in nanometres, n, k.
 type Row = (f64, f64, f64);
 
-/// `n` and `k` of a metal at a wavelength (metres), linear between the measured ones, the last one beyond.
+/// `n` and `k` of a metal at a wavelength (metres): linear between measured wavelengths, constant
+/// outside.
 pub(crate) fn optical_constants(table: &[Row], wavelength_m: f64) -> (f64, f64) {
     let wavelength = wavelength_m * 1e9;
     let above = table.partition_point(|row| row.0 < wavelength);

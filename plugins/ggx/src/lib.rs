@@ -1,7 +1,7 @@
-//! ggx: rough surfaces of mirror facets, with the light that is reflected between facets
+//! ggx: rough surfaces of mirror facets, with interreflection between facets
 //!
-//! Metals and glossy paints from nearly polished to blasted. Unlike models of a single reflection it does not darken with
-//! roughness: what one reflection loses comes back by way of several.
+//! Metals and glossy paints, from nearly polished to blasted. Unlike single-scattering models it
+//! does not darken with roughness: light that one reflection loses leaves after several.
 //!
 //! ```text
 //! void brdfplugin blasted_gold
@@ -14,13 +14,14 @@
 //! |---|---|---|---|
 //! | `ggx` | reflectance at normal incidence: red green blue | 1 | 0 … 1 |
 //! | | roughness α of the facets | 1 | 0.0005 … 1 |
-//! | `ggx_single` | the same, without the light between facets | | |
+//! | `ggx_single` | the same, without interreflection | | |
 //!
-//! Facets: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007 (distribution of Trowbridge and
-//! Reitz), masking after Heitz, JCGT 3(2), 2014. The facets' reflectance grows towards grazing light after Schlick, "An Inexpensive
-//! BRDF Model for Physically-based Rendering", Eurographics 1994. Light between facets: Kulla and Conty, "Revisiting Physically Based
-//! Shading at Imageworks", SIGGRAPH 2017 course, with the directional albedo integrated when the material is made. With reflectance
-//! 1 everything is reflected, to 0.1 %.
+//! Facets: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007
+//! (distribution of Trowbridge and Reitz), masking after Heitz, JCGT 3(2), 2014. The facets'
+//! reflectance grows towards grazing incidence after Schlick, "An Inexpensive BRDF Model for
+//! Physically-based Rendering", Eurographics 1994. Interreflection: Kulla and Conty, "Revisiting
+//! Physically Based Shading at Imageworks", SIGGRAPH 2017 course, with the directional albedo
+//! integrated when the material is created. With reflectance 1 all light is reflected, to 0.1 %.
 
 use radsight_brdf_sdk::{
     CreateError, DVec3, Description, Ggx, Lobes, Model, Parameter, Parameters, Sample, cosine_hemisphere, cosine_pdf,
@@ -75,12 +76,12 @@ impl Model for SingleScattering {
 struct MultipleScattering {
     single: SingleScattering,
     albedo: AlbedoTable,
-    /// Strength of the light between facets in each band: `F_ms/(π (1 − E_avg))`.
+    /// Strength of the interreflection in each band: `F_ms/(π (1 − E_avg))`.
     between: Vec<f64>,
 }
 
 impl MultipleScattering {
-    /// How often the single reflection is drawn: its share of the light when the facets reflect everything.
+    /// Probability of sampling the single reflection: its albedo for perfectly reflecting facets.
     fn single_share(&self, cosine: f64) -> f64 {
         self.albedo.at(cosine).clamp(0.05, 1.0)
     }
@@ -100,7 +101,7 @@ impl Model for MultipleScattering {
         let albedo = AlbedoTable::new(single.facets);
         let mean = albedo.mean();
         let strength = |reflectance: &f64| {
-            // Schlick's reflectance averaged over the hemisphere by the cosine.
+            // Schlick's reflectance averaged over the hemisphere, weighted by the cosine.
             let facet = reflectance + (1.0 - reflectance) / 21.0;
             facet * facet * mean / (1.0 - facet * (1.0 - mean)) * FRAC_1_PI / (1.0 - mean).max(1e-9)
         };
@@ -155,7 +156,8 @@ fn schlick(reflectance: f64, cosine: f64) -> f64 {
     reflectance + (1.0 - reflectance) * square * square * away
 }
 
-/// Directional albedo of facets that reflect everything once, by the square root of the cosine.
+/// Single-scattering albedo of perfectly reflecting facets, tabulated by the square root of the
+/// cosine.
 struct AlbedoTable {
     nodes: Vec<f64>,
 }
@@ -169,8 +171,8 @@ impl AlbedoTable {
         AlbedoTable { nodes: (0..=Self::INTERVALS).map(|node| Self::integrate(facets, node)).collect() }
     }
 
-    /// The mean weight `G₂/G₁` of directions drawn by visible facets, over a grid of random numbers. It is finer where the
-    /// distribution's long tail lies, by `u₁ = 1 − t³`.
+    /// Mean weight `G₂/G₁` of directions sampled by visible normals, over a grid of random numbers.
+    /// The grid is finer in the distribution's long tail, by `u₁ = 1 − t³`.
     fn integrate(facets: Ggx, node: usize) -> f64 {
         let root = (node as f64 / Self::INTERVALS as f64).max(1e-3);
         let cosine = root * root;
@@ -179,7 +181,7 @@ impl AlbedoTable {
         for row in 0..Self::HEIGHTS {
             let t = (f64::from(row) + 0.5) / f64::from(Self::HEIGHTS);
             for column in 0..Self::AZIMUTHS {
-                // Half of the azimuths: the other half is the mirror image.
+                // Half of the azimuths suffice by symmetry.
                 let u0 = 0.5 * (f64::from(column) + 0.5) / f64::from(Self::AZIMUTHS);
                 let incident = facets.sample(outgoing, u0, 1.0 - t * t * t);
                 let reflection = facets.reflect(outgoing, incident);
@@ -213,7 +215,7 @@ radsight_brdf_sdk::export!(manual = include_str!("lib.rs"); MultipleScattering, 
 mod tests {
     use super::*;
 
-    /// At normal view of the roughest surface the integral is elementary: 1 − ln 2.
+    /// At normal incidence on the roughest surface the integral is elementary: 1 − ln 2.
     #[test]
     fn one_reflection_loses_light_with_roughness() {
         let (smooth, rough) = (AlbedoTable::new(Ggx { roughness: 0.01 }), AlbedoTable::new(Ggx { roughness: 1.0 }));

@@ -1,7 +1,7 @@
-//! oren_nayar: rough matte surfaces
+//! oren_nayar: rough diffuse surfaces
 //!
-//! Plaster, concrete, sand, cloth, the moon: surfaces of matte facets, flatter towards the rim than Lambert's model and brighter
-//! when seen from where the light is.
+//! Plaster, concrete, sand, cloth, the moon: surfaces of Lambertian facets, which look flatter
+//! towards the edge than Lambert's model, and brighter in the direction of the light.
 //!
 //! ```text
 //! void brdfplugin plaster
@@ -22,12 +22,13 @@
 //! | `eon` | reflectance ρ of the facets: red green blue | 1 | 0 … 1 |
 //! | | roughness r | 1 | 0 … 1 |
 //!
-//! `oren_nayar` is the "qualitative model" of Oren and Nayar, "Generalization of Lambert's Reflectance Model", SIGGRAPH 1994,
-//! eq. 30. At grazing view it reflects up to 1.52 % more than ρ, which is why ρ ends at 0.98. Light between facets is left out.
+//! `oren_nayar` is the "qualitative model" of Oren and Nayar, "Generalization of Lambert's
+//! Reflectance Model", SIGGRAPH 1994, eq. 30. At grazing angles it reflects up to 1.52 % more than
+//! ρ, hence the limit 0.98 of ρ. Interreflection between facets is ignored.
 //!
-//! `eon` conserves energy at every angle, with the light between facets: Portsmouth, Kutz and Hill, "EON: A Practical
-//! Energy-Preserving Rough Diffuse BRDF", JCGT 14(1), 2025, after Fujii's improvement of the same model. With ρ = 1 it reflects
-//! exactly everything.
+//! `eon` conserves energy at every angle and includes interreflection between facets: Portsmouth,
+//! Kutz and Hill, "EON: A Practical Energy-Preserving Rough Diffuse BRDF", JCGT 14(1), 2025, after
+//! Fujii's improvement of the same model. With ρ = 1 it reflects all light exactly.
 //!
 //! With roughness 0 both are Lambert's model.
 
@@ -62,7 +63,8 @@ impl Model for OrenNayar {
         })
     }
 
-    /// `ρ/π (A + B max(0, cos(φ_i − φ_o)) sin α tan β)` with α the larger and β the smaller of the two angles from the normal.
+    /// `ρ/π (A + B max(0, cos(φ_i − φ_o)) sin α tan β)`, with α the larger and β the smaller of the
+    /// two angles from the normal.
     fn value(&self, outgoing: DVec3, incident: DVec3, values: &mut [f64]) {
         if outgoing.z <= 0.0 || incident.z <= 0.0 {
             return values.fill(0.0);
@@ -77,7 +79,7 @@ impl Model for OrenNayar {
 }
 
 struct Eon {
-    /// ρ and the strength of the light between facets, in each band.
+    /// ρ and the strength of the interreflection, in each band.
     bands: Vec<(f64, f64)>,
     roughness: f64,
     /// A = 1/(1 + (1/2 − 2/(3π)) r).
@@ -85,12 +87,13 @@ struct Eon {
 }
 
 impl Eon {
-    /// Albedo of the single bounce for a direction with this cosine and ρ = 1.
+    /// Single-bounce albedo for a direction with this cosine and ρ = 1.
     fn albedo(&self, cosine: f64) -> f64 {
         let sine_squared = (1.0 - cosine * cosine).max(0.0);
         let sine = sine_squared.sqrt();
         let angle = sine.atan2(cosine);
-        // (2/3) (tan θ (1 − sin³ θ) − sin θ), without the cancellation at the horizon: 1 − sin³ = cos² (1 + s + s²)/(1 + s).
+        // (2/3) (tan θ (1 − sin³ θ) − sin θ), without cancellation at the horizon: 1 − sin³ = cos²
+        // (1 + s + s²)/(1 + s).
         let tangent_part = sine * cosine * (1.0 + sine + sine_squared) / (1.0 + sine);
         let g = sine * (angle - sine * cosine) + 2.0 / 3.0 * (tangent_part - sine);
         self.a * (1.0 + self.roughness * FRAC_1_PI * g)
@@ -117,7 +120,7 @@ impl Model for Eon {
         let roughness = parameters.number("roughness");
         let mut model = Eon { bands: Vec::new(), roughness, a: 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * roughness) };
         let mean = model.mean_albedo();
-        // Light that was not let out at once and comes out at last: ρ² ⟨E⟩/(1 − ρ (1 − ⟨E⟩)), spread by 1/(1 − ⟨E⟩).
+        // Light after several bounces: ρ² ⟨E⟩/(1 − ρ (1 − ⟨E⟩)), normalised by 1/(1 − ⟨E⟩).
         let lost = (1.0 - mean).max(1e-12);
         let between = |rho: f64| rho * rho * mean / (1.0 - rho * (1.0 - mean)) / lost;
         model.bands = parameters.spectrum("reflectance").iter().map(|&rho| (rho, between(rho))).collect();
@@ -185,7 +188,7 @@ mod tests {
         assert!((value[0] - 0.5 * FRAC_1_PI).abs() < 1e-15);
     }
 
-    /// The case that Oren and Nayar plot in their figure 9: σ = 30°, seen from where the light is at 75°.
+    /// The case of Oren and Nayar's figure 9: σ = 30°, seen from the direction of the light at 75°.
     #[test]
     fn backscattering_is_brighter_than_forward_scattering() {
         let sigma = 30f64.to_radians();

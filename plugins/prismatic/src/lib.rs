@@ -1,8 +1,9 @@
 //! prismatic: retroreflective sheeting of cube corners, by ray optics
 //!
-//! Sheeting of tiny corner prisms in clear plastic, as on modern traffic signs and reflectors. It returns up to two thirds of the light,
-//! in six spots around the direction to the lamp when the corners are not quite square, and stops at large entrance angles, where
-//! the prisms' faces no longer reflect totally.
+//! Sheeting of small corner prisms in clear plastic, as on modern traffic signs and reflectors. It
+//! returns up to two thirds of the light. If the corners are not exactly square, the light returns
+//! in six spots around the direction of the lamp. Retroreflection ends at large entrance angles,
+//! where the prisms' faces no longer reflect totally.
 //!
 //! ```text
 //! void brdfplugin prisms
@@ -18,20 +19,23 @@
 //!
 //! | model | arguments | unit | range |
 //! |---|---|---|---|
-//! | `cube_corner` | word: what is behind the prisms, `air` (total reflection, the default) or `metal` | | |
+//! | `cube_corner` | word: backing of the prisms, `air` (total reflection, the default) or `metal` | | |
 //! | | index of refraction | 1 | 1.3 … 2.2 |
-//! | | dihedral error: how far the angles between faces are above 90° | rad | −0.002 … 0.002 |
+//! | | dihedral error: excess of the angles between faces over 90° | rad | −0.002 … 0.002 |
 //! | | spread s: rms angle of a spot in each of two directions | rad | 0.0005 … 0.05 |
 //! | | reflectance of a metal-coated face | 1 | 0 … 1 (default 0.85) |
 //!
-//! For each direction the prism is traced: refraction at the front, the three faces in each of six orders, refraction out. The share
-//! of the light in each order is the area of the front through which rays of that order enter and leave again, by cutting the
-//! triangle of the front with its image in the corner's point and with the projected edges (after Eckhardt, "Simple Model of
-//! Corner Reflector Phenomena", Applied Optics 10(7), 1971). Faces and front reflect by Fresnel's formula for unpolarised light. Half
-//! of the prisms are turned by 180°, as in sheeting. Each spot is a Gaussian: scratches, waviness and diffraction are in its width.
+//! For each direction the prism is traced: refraction at the front, the three faces in each of six
+//! orders, refraction out. The fraction of the light in each order is the area of the front through
+//! which rays of that order enter and leave again. It is found by clipping the front's triangle by
+//! its image in the apex and by the projected edges (after Eckhardt, "Simple Model of Corner
+//! Reflector Phenomena", Applied Optics 10(7), 1971). Faces and front reflect by Fresnel's formula
+//! for unpolarised light. Half of the prisms are rotated by 180°, as in sheeting. Each spot is a
+//! Gaussian, whose width accounts for scratches, waviness and diffraction.
 //!
-//! The prisms' axes are on the normal, and the azimuth of the pattern is that of the frame's x axis. Light that is not retroreflected is
-//! lost, and so is the front's mirror image: put the sheeting in a mixture with a glossy material if it matters.
+//! The prisms' axes are along the normal, and the azimuth of the pattern is that of the frame's x
+//! axis. Light that is not retroreflected is lost, and so is the front's mirror reflection; mix the
+//! sheeting with a glossy material if that matters.
 
 use radsight_brdf_sdk::{CreateError, DVec3, Description, Lobes, Model, Parameter, Parameters, Sample};
 use radsight_retro::{CubeCornerSheeting, Faces};

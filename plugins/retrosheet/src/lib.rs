@@ -1,7 +1,8 @@
 //! retrosheet: retroreflective sheeting of glass beads
 //!
-//! Sheeting that sends light back to where it comes from, such as 3M Scotchlite 3870: traffic signs, and the background of a vision
-//! system whose lamps stand around the camera. The widths and strengths are measured ones.
+//! Sheeting that returns light to its source, such as 3M Scotchlite 3870: traffic signs, and the
+//! background of a vision system with lamps around the camera. The widths and strengths are
+//! measured values.
 //!
 //! ```text
 //! void brdfplugin sheeting
@@ -12,18 +13,20 @@
 //!
 //! | model | arguments | unit | range |
 //! |---|---|---|---|
-//! | `bead_sheet` | ρ_s, share of light that comes back at normal incidence | 1 | 0 … 1 |
+//! | `bead_sheet` | ρ_s, fraction of the light returned at normal incidence | 1 | 0 … 1 |
 //! | | α, width of the lobe: its rms angle to the axis in each of two directions is √2 α | rad | above 0, at most 0.2 |
 //! | | index of refraction of the clear top film; 1: none | 1 | 1 … 2.5 (default 1.5) |
-//! | | ρ_d, matte reflectance of the sheeting between the beads | 1 | 0 … 1 (default 0) |
+//! | | ρ_d, diffuse reflectance of the sheeting between the beads | 1 | 0 … 1 (default 0) |
 //! | | roughness of the film, for its sheen | 1 | 0.0005 … 1 (default 0.1) |
 //!
-//! Lobe: Rushmeier, Parker and Lee, "Physically Accurate Synthetic Images for Computer Vision System Design", 1991, eq. 6, made
-//! reciprocal: `f = ρ_s exp(−δ²/4α²)/(4πα² max(cos θ_i, cos θ_o))` with δ the angle between the two directions (the observation
-//! angle). The light passes the film twice, by Fresnel's formula relative to normal incidence, so that it fades with the entrance
-//! angle. The film itself reflects as facets (Walter et al., EGSR 2007): the sheen that the paper's conclusions miss.
+//! Lobe: Rushmeier, Parker and Lee, "Physically Accurate Synthetic Images for Computer Vision
+//! System Design", 1991, eq. 6, in a reciprocal form:
+//! `f = ρ_s exp(−δ²/4α²)/(4πα² max(cos θ_i, cos θ_o))`, with δ the angle between the two directions
+//! (the observation angle). Light passes the film twice, with Fresnel's transmittance relative to
+//! normal incidence, so the lobe decreases with the entrance angle. The film itself reflects as
+//! microfacets (Walter et al., EGSR 2007): the sheen that the paper's conclusions miss.
 //!
-//! ρ_s, ρ_d and the film's reflectance may not add up to more than 1.
+//! The sum of ρ_s, ρ_d and the film's reflectance must not exceed 1.
 
 use radsight_brdf_sdk::{
     CreateError, DVec3, Description, Ggx, Lobes, Model, Parameter, Parameters, Sample, angle_between,
@@ -39,7 +42,8 @@ struct BeadSheet {
     film: Ggx,
     /// Transmittance of the film at normal incidence.
     transmittance: f64,
-    /// Probabilities with which lobes are drawn, one after the other: retro, film; the rest is matte.
+    /// Probabilities of sampling the retroreflecting lobe and the film; otherwise the diffuse base
+    /// is sampled.
     choice: [f64; 2],
 }
 
@@ -50,7 +54,7 @@ impl BeadSheet {
         (-delta * delta / variance).exp() / (PI * variance)
     }
 
-    /// Share of light that the film lets through, relative to normal incidence.
+    /// Transmittance of the film relative to normal incidence.
     fn passage(&self, cosine: f64) -> f64 {
         (1.0 - fresnel_dielectric(cosine, self.index)) / self.transmittance
     }
@@ -66,7 +70,7 @@ impl BeadSheet {
         let retro = self.retroreflectance * gaussian * passage / outgoing.z.max(incident.z);
         let sheen = film.value * fresnel_dielectric(film.cosine, self.index);
         let matte = self.matte * FRAC_1_PI * passage;
-        // The angle is drawn in a plane: a ring is δ/sin δ times wider there than on the sphere.
+        // The angle is sampled in a plane, where a ring is δ/sin δ times wider than on the sphere.
         let sin_delta = outgoing.cross(incident).length();
         let retro_pdf = if sin_delta > 1e-9 { gaussian * delta / sin_delta } else { gaussian };
         let [retro_choice, film_choice] = self.choice;
@@ -82,10 +86,10 @@ impl Model for BeadSheet {
         lobes: Lobes { diffuse: true, glossy: true, ..Lobes::NONE },
         reciprocal: true,
         parameters: &[
-            Parameter::number("rho_s", "1", "share of light that comes back at normal incidence").within(0.0, 1.0),
+            Parameter::number("rho_s", "1", "fraction of the light returned at normal incidence").within(0.0, 1.0),
             Parameter::number("alpha", "rad", "width of the retroreflected lobe").above(0.0).at_most(0.2),
             Parameter::number("index", "1", "index of refraction of the top film, 1 for none").within(1.0, 2.5).or(1.5),
-            Parameter::number("rho_d", "1", "matte reflectance between the beads").within(0.0, 1.0).or(0.0),
+            Parameter::number("rho_d", "1", "diffuse reflectance between the beads").within(0.0, 1.0).or(0.0),
             Parameter::number("roughness", "1", "of the top film").within(0.0005, 1.0).or(0.1),
         ],
         ..Description::new("bead_sheet", "glass-bead sheeting with a sheen")
@@ -96,12 +100,14 @@ impl Model for BeadSheet {
         let (retroreflectance, matte) = (parameters.number("rho_s"), parameters.number("rho_d"));
         let film = fresnel_dielectric(1.0, index);
         if retroreflectance + matte + film > 1.0 {
-            let message =
-                format!("with rho_d {matte} and the film's {film:.4} the sheeting reflects more than everything");
+            let message = format!(
+                "with rho_d {matte} and the film's {film:.4} the sheeting would reflect more than all light, expected a sum of at most 1"
+            );
             return Err(CreateError::Parameter { name: "rho_s", message });
         }
         let total = retroreflectance + matte + film;
-        // Every lobe that exists is drawn at least now and then, since the film's grows towards grazing light.
+        // Every existing lobe keeps a minimum probability, since the film's reflectance grows
+        // towards grazing incidence.
         let share = |part: f64| if part > 0.0 { 0.1 + 0.7 * part / total } else { 0.0 };
         let shares = [share(retroreflectance), share(film), share(matte).max(0.05)];
         let sum: f64 = shares.iter().sum();
@@ -170,7 +176,7 @@ mod tests {
         value[0]
     }
 
-    /// The paper's section 2: light comes back over 300 times as bright as from a white matte surface.
+    /// The paper's section 2: the sheeting is over 300 times as bright as a white diffuse surface.
     #[test]
     fn retro_peak_of_the_papers_sheeting_is_over_300_times_a_white_surface() {
         let sheet = sheet([0.086, 0.00612, 1.0, 0.0, 0.1]);

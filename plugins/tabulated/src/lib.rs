@@ -1,7 +1,7 @@
 //! tabulated: measured reflectance from files
 //!
-//! Reads the two public collections of measured materials: MERL (100 isotropic materials, `.binary`) and RGL (isotropic and anisotropic
-//! materials, spectral and RGB, `.bsdf`).
+//! Reads the two public collections of measured materials: MERL (100 isotropic materials,
+//! `.binary`) and RGL (isotropic and anisotropic materials, spectral and RGB, `.bsdf`).
 //!
 //! ```text
 //! void brdfplugin brass
@@ -22,16 +22,20 @@
 //! | `rgl` | word: file | | |
 //! | | factor on all values | 1 | at least 0 (default 1) |
 //!
-//! `merl`: Matusik, Pfister, Brand and McMillan, "A Data-Driven Reflectance Model", SIGGRAPH 2003; format of its data: 90 × 90 × 180
-//! values for each of red, green and blue over θ_h (by its square root), θ_d and φ_d, after Rusinkiewicz, "A New Change of Variables
-//! for Efficient BRDF Representation", EGWR 1998. Values are interpolated between the middles of cells. Measurements end near 80°;
-//! negative (missing) values count as zero. Reciprocal by its coordinates.
+//! `merl`: Matusik, Pfister, Brand and McMillan, "A Data-Driven Reflectance Model", SIGGRAPH 2003.
+//! Its files have 90 × 90 × 180 values for each of red, green and blue over θ_h (by its square
+//! root), θ_d and φ_d, after Rusinkiewicz, "A New Change of Variables for Efficient BRDF
+//! Representation", EGWR 1998. Values are interpolated between the centres of cells. Measurements
+//! end near 80°; negative (missing) values count as zero. The coordinates make the model
+//! reciprocal.
 //!
-//! `rgl`: Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", SIGGRAPH Asia 2018. A file with
-//! spectra is averaged over each band; one with RGB serves three bands, and single bands by their wavelength. Measured values are
-//! not made reciprocal.
+//! `rgl`: Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
+//! Rendering", SIGGRAPH Asia 2018. A file with spectra is averaged over each band; one with RGB
+//! serves three bands, and single bands by their wavelength. Measured values are not made
+//! reciprocal.
 //!
-//! Nothing is done about a measurement that reflects more than everything at grazing angles; the self-check says so.
+//! Measurements that reflect more than all light at grazing angles are used unchanged; the
+//! self-check reports them.
 
 mod merl;
 mod rgl;
@@ -43,7 +47,7 @@ use std::io::Read;
 
 const FILE: Parameter = Parameter::file("file", "the measurement");
 const FACTOR: Parameter = Parameter::number("factor", "1", "on all values").at_least(0.0).or(1.0);
-/// The largest file of either collection has some 100 MB.
+/// The largest files of both collections have about 100 MB.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Reads the file that the parameter names.

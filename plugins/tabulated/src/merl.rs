@@ -7,18 +7,19 @@ const THETA_HALF: usize = 90;
 const THETA_DIFFERENCE: usize = 90;
 const PHI_DIFFERENCE: usize = 180;
 const CELLS: usize = THETA_HALF * THETA_DIFFERENCE * PHI_DIFFERENCE;
-/// What stored red, green and blue are multiplied by.
+/// Factors of the stored red, green and blue.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
-/// Share of samples that are drawn by the measured distribution of half vectors; the others by the cosine.
+/// Fraction of the samples that follow the measured distribution of half vectors; the others follow
+/// the cosine.
 const HALF_VECTOR_SHARE: f64 = 0.7;
 
-/// A material.
+/// A measured material.
 pub(crate) struct Measurement {
     /// f in 1/sr for each band and cell.
     bands: Vec<Vec<f32>>,
-    /// Mean f of all bands at each θ_h, divided by the integral that makes it a density of half vectors.
+    /// Mean f of all bands at each θ_h, normalised to a density of half vectors.
     half_density: Vec<f64>,
-    /// Probability of the θ_h below each cell's end.
+    /// Cumulative probability of θ_h at the end of each cell.
     half_cumulative: Vec<f64>,
 }
 
@@ -30,7 +31,7 @@ struct Coordinates {
 }
 
 impl Measurement {
-    /// Understands a file.
+    /// Reads a file.
     pub(crate) fn read(bytes: &[u8], bands: &[Band], factor: f64) -> Result<Self, String> {
         const HEADER: usize = 12;
         let size = |k: usize| bytes.get(4 * k..4 * k + 4).and_then(|b| b.try_into().ok()).map(i32::from_le_bytes);
@@ -56,7 +57,7 @@ impl Measurement {
 
     fn with_density(bands: Vec<Vec<f32>>) -> Self {
         let mean = |row: usize| -> f64 {
-            // Grazing differences are unreliable, and hardly matter.
+            // Values at grazing angles are unreliable, and contribute little.
             let cells = row * THETA_DIFFERENCE * PHI_DIFFERENCE..(row * THETA_DIFFERENCE + 80) * PHI_DIFFERENCE;
             let count = cells.len() * bands.len();
             bands.iter().flat_map(|band| &band[cells.clone()]).map(|&value| f64::from(value)).sum::<f64>()
@@ -99,7 +100,7 @@ impl Measurement {
         let sum = outgoing + incident;
         let half = sum.normalize();
         let theta_half = half.x.hypot(half.y).atan2(half.z);
-        let row = (half_place(theta_half) as usize).min(THETA_HALF - 1);
+        let row = (half_row(theta_half) as usize).min(THETA_HALF - 1);
         // For unit vectors h·o = |o + i|/2.
         let half_pdf = self.half_density[row] * half.z / (2.0 * sum.length());
         HALF_VECTOR_SHARE * half_pdf + (1.0 - HALF_VECTOR_SHARE) * cosine_pdf(incident)
@@ -130,8 +131,8 @@ fn sine_squared(row: usize) -> f64 {
     (FRAC_PI_2 * share * share).sin().powi(2)
 }
 
-/// Where θ_h lies among the rows.
-fn half_place(theta_half: f64) -> f64 {
+/// Fractional row of θ_h.
+fn half_row(theta_half: f64) -> f64 {
     THETA_HALF as f64 * (theta_half / FRAC_PI_2).max(0.0).sqrt()
 }
 
@@ -139,7 +140,7 @@ fn coordinates(outgoing: DVec3, incident: DVec3) -> Coordinates {
     let half = (outgoing + incident).normalize();
     let sine = half.x.hypot(half.y);
     let (cos_phi, sin_phi) = if sine > 0.0 { (half.x / sine, half.y / sine) } else { (1.0, 0.0) };
-    // The incident direction with the half vector turned onto the normal: about z, then about y.
+    // The incident direction, rotated so that the half vector is the normal: about z, then about y.
     let (x, y) = (incident.x * cos_phi + incident.y * sin_phi, incident.y * cos_phi - incident.x * sin_phi);
     let difference_x = x * half.z - incident.z * sine;
     Coordinates {
@@ -149,17 +150,17 @@ fn coordinates(outgoing: DVec3, incident: DVec3) -> Coordinates {
     }
 }
 
-/// The eight cells around a place, and their shares.
+/// The eight cells around a point, and their weights.
 fn corners(coordinates: &Coordinates) -> [(usize, f64); 8] {
     let clamped = |place: f64, count: usize| {
         let place = (place - 0.5).clamp(0.0, count as f64 - 1.0);
         let low = (place as usize).min(count - 2);
         (low, low + 1, place - low as f64)
     };
-    let (half, half_next, half_share) = clamped(half_place(coordinates.theta_half), THETA_HALF);
+    let (half, half_next, half_share) = clamped(half_row(coordinates.theta_half), THETA_HALF);
     let (difference, difference_next, difference_share) =
         clamped(coordinates.theta_difference / FRAC_PI_2 * THETA_DIFFERENCE as f64, THETA_DIFFERENCE);
-    // φ_d repeats after π.
+    // φ_d has the period π.
     let place = coordinates.phi_difference / PI * PHI_DIFFERENCE as f64 - 0.5;
     let phi = (place.floor().rem_euclid(PHI_DIFFERENCE as f64) as usize).min(PHI_DIFFERENCE - 1);
     let (phi_next, phi_share) = ((phi + 1) % PHI_DIFFERENCE, place - place.floor());
@@ -183,7 +184,7 @@ mod tests {
 
     const RED: [Band; 1] = [Band { centre_m: 650e-9, low_m: 640e-9, high_m: 660e-9 }];
 
-    /// A file whose values are `f(θ_h, θ_d, φ_d)` at the middles of the cells.
+    /// A file with the values `f(θ_h, θ_d, φ_d)` at the centres of the cells.
     fn file(f: impl Fn(f64, f64, f64) -> f64) -> Vec<u8> {
         let mut bytes: Vec<u8> = [90i32, 90, 180].into_iter().flat_map(i32::to_le_bytes).collect();
         for scale in SCALES {
@@ -242,7 +243,7 @@ mod tests {
         assert!((found.phi_difference - phi_d).abs() < 1e-12);
     }
 
-    /// About y by θ, then about z by φ.
+    /// Rotation about y by θ, then about z by φ.
     fn glam_rotation(phi: f64, theta: f64) -> impl Fn(DVec3) -> DVec3 {
         move |v| {
             let x = v.x * theta.cos() + v.z * theta.sin();

@@ -5,28 +5,29 @@ use crate::warp::{Grids, Mix, Warp};
 use radsight_brdf_sdk::{Band, DVec3, rgb_of_band, sample_band};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI, TAU};
 
-/// A material.
+/// A measured material.
 #[derive(Debug)]
 pub(crate) struct Measurement {
-    /// Azimuths and angles from the normal of the directions that were measured, radians, rising.
+    /// Azimuths and polar angles of the measured directions, radians, ascending.
     phi: Vec<f64>,
     theta: Vec<f64>,
     isotropic: bool,
-    /// 2 or 4 where the material is symmetric and only a half or a quarter of the azimuths was measured.
+    /// 2 or 4 if the material is symmetric and only a half or a quarter of the azimuths was
+    /// measured.
     symmetry: f64,
-    /// Facet normals D, and σ, the area of facets that are seen from a direction.
+    /// Distribution of normals D, and σ, the projected area of the visible facets.
     facets: Grids,
     projected_area: Grids,
-    /// Draws facet normals that are visible from the outgoing direction …
+    /// Samples facet normals visible from the outgoing direction …
     visible: Warp,
-    /// … and before that points with the brightness of what they reflect.
+    /// … from points sampled by the luminance that they reflect.
     luminance: Warp,
-    /// What is left of f after the facets, for each band.
+    /// The remaining factor of f after the facets, for each band.
     bands: Vec<Grids>,
 }
 
 impl Measurement {
-    /// Understands a file.
+    /// Reads a file.
     pub(crate) fn read(bytes: &[u8], bands: &[Band], factor: f64) -> Result<Self, String> {
         let fields = tensor_file::read(bytes)?;
         let axis = |name: &str| -> Result<Vec<f64>, String> {
@@ -78,7 +79,8 @@ impl Measurement {
             *value = facets * band.at(&mix, point.0, point.1);
         }
         let luminance = self.luminance.invert(&mix, point.0, point.1).1;
-        // θ = π/2 x², φ = 2π y − π: a solid angle is 2π² x sin θ times the area of the unit square; reflection adds 4 h·o = 2 |o + i|.
+        // θ = π/2 x², φ = 2π y − π: a solid angle is 2π² x sin θ times the area of the unit square;
+        // reflection adds 4 h·o = 2 |o + i|.
         let jacobian = 2.0 * PI * PI * x * half.x.hypot(half.y) * 2.0 * sum.length();
         visible * luminance / jacobian.max(1e-12)
     }
@@ -98,12 +100,12 @@ impl Measurement {
         Some(DVec3::new(incident.x * flip.0, incident.y * flip.1, incident.z))
     }
 
-    /// The direction in the part of azimuths that was measured, and the signs that take others there.
+    /// The direction, mirrored into the measured range of azimuths, and the signs of the mirroring.
     fn fold(&self, outgoing: DVec3) -> (DVec3, (f64, f64)) {
         if self.symmetry < 2.0 {
             return (outgoing, (1.0, 1.0));
         }
-        // The measured part is that of negative y, and of negative x if it is a quarter.
+        // The measured range has negative y, and negative x if it is a quarter.
         let sign = |coordinate: f64| if coordinate > 0.0 { -1.0 } else { 1.0 };
         let y = sign(outgoing.y);
         let x = if self.symmetry >= 4.0 { sign(outgoing.x) } else { y };
@@ -134,7 +136,8 @@ fn find<'a>(fields: &'a [Field], name: &str, dimensions: usize) -> Result<&'a Fi
     }
 }
 
-/// The field as grids over its last two dimensions; `parameters` is what the dimensions before `skip` must multiply to.
+/// The field as grids over its last two dimensions; the dimensions before `skip` must multiply to
+/// `parameters`.
 fn grids(field: &Field, parameters: usize, skip: usize) -> Result<Grids, String> {
     let (rows, columns) = (field.shape[skip], field.shape[skip + 1]);
     Grids::new(field.numbers.clone(), parameters, rows, columns)
@@ -160,7 +163,7 @@ fn read_bands(fields: &[Field], directions: usize, bands: &[Band], factor: f64) 
         for (direction, numbers) in numbers.chunks_exact_mut(grid).enumerate() {
             for &(channel, share) in &shares {
                 let from = &field.numbers[(direction * channels + channel) * grid..][..grid];
-                // Negative values come from colours beyond the RGB triangle.
+                // Negative values come from colours outside the RGB gamut.
                 let add = |(to, from): (&mut f32, &f32)| *to += (f64::from(from.max(0.0)) * share * factor) as f32;
                 numbers.iter_mut().zip(from).for_each(add);
             }
@@ -170,7 +173,7 @@ fn read_bands(fields: &[Field], directions: usize, bands: &[Band], factor: f64) 
     (0..bands.len()).map(band_grids).collect()
 }
 
-/// Which measured wavelengths (nanometres) make up a band, and in which shares.
+/// The measured wavelengths (nanometres) that contribute to a band, and their weights.
 fn channel_shares(wavelengths: &[f32], band: &Band) -> Vec<(usize, f64)> {
     let axis: Vec<f64> = wavelengths.iter().map(|&wavelength| f64::from(wavelength) * 1e-9).collect();
     let parts = sample_band(band);
@@ -183,7 +186,8 @@ fn channel_shares(wavelengths: &[f32], band: &Band) -> Vec<(usize, f64)> {
     shares.into_iter().enumerate().filter(|(_, share)| *share > 0.0).collect()
 }
 
-/// The two points of a rising axis around a place, and the share of the second; the ends hold beyond.
+/// The two points of an ascending axis around a value, and the weight of the second; constant
+/// outside the axis.
 fn neighbours(axis: &[f64], place: f64) -> (usize, usize, f64) {
     let above = axis.partition_point(|&point| point <= place).clamp(1, axis.len().max(2) - 1).min(axis.len() - 1);
     let below = above.saturating_sub(1);
@@ -193,7 +197,7 @@ fn neighbours(axis: &[f64], place: f64) -> (usize, usize, f64) {
     (below, above, ((place - axis[below]) / (axis[above] - axis[below])).clamp(0.0, 1.0))
 }
 
-/// From the normal, and about it.
+/// Polar angle and azimuth.
 fn angles(direction: DVec3) -> (f64, f64) {
     (direction.x.hypot(direction.y).atan2(direction.z), direction.y.atan2(direction.x))
 }

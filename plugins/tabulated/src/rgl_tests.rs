@@ -1,4 +1,4 @@
-//! A file made from a model that is known.
+//! Tests with a file made from a known model.
 
 use super::*;
 use radsight_brdf_sdk::Ggx;
@@ -43,7 +43,7 @@ fn half_vector(x: f64, y: f64) -> DVec3 {
     DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos().max(0.0))
 }
 
-/// GGX as an isotropic measurement: what the facets do not explain is `G₂/G₁(o)` times a colour.
+/// GGX as an isotropic measurement: the factor besides the facets is `G₂/G₁(o)` times a colour.
 fn ggx_file(size: usize, angles: u32) -> Vec<u8> {
     let theta: Vec<f32> =
         (0..angles).map(|k| (FRAC_PI_2 * 0.98 * f64::from(k) / f64::from(angles - 1)) as f32).collect();
@@ -53,7 +53,7 @@ fn ggx_file(size: usize, angles: u32) -> Vec<u8> {
         .map(|(x, _)| {
             let theta = (FRAC_PI_2 * x * x).min(1.57);
             let o = DVec3::new(theta.sin(), 0.0, theta.cos());
-            (o.z * (1.0 + FACETS.hidden(o))) as f32
+            (o.z * (1.0 + FACETS.lambda(o))) as f32
         })
         .collect();
     let (mut vndf, mut rgb) = (Vec::new(), Vec::new());
@@ -74,7 +74,7 @@ fn ggx_file(size: usize, angles: u32) -> Vec<u8> {
                 if i.z <= 0.0 {
                     return 0.0;
                 }
-                ((1.0 + FACETS.hidden(o)) / (1.0 + FACETS.hidden(o) + FACETS.hidden(i))) as f32
+                ((1.0 + FACETS.lambda(o)) / (1.0 + FACETS.lambda(o) + FACETS.lambda(i))) as f32
             })
             .collect();
         COLOUR.iter().for_each(|colour| rgb.extend(shading.iter().map(|value| value * colour)));
@@ -98,7 +98,7 @@ const RGB: [Band; 3] = [
 ];
 
 #[test]
-fn a_known_model_comes_back_from_its_tables() {
+fn a_known_model_is_reconstructed_from_its_tables() {
     let measurement = Measurement::read(&ggx_file(48, 24), &RGB, 1.0).unwrap();
     for (outgoing, incident) in [
         (DVec3::new(0.0, 0.3, 0.9), DVec3::new(0.05, -0.2, 0.9)),
@@ -118,7 +118,7 @@ fn a_known_model_comes_back_from_its_tables() {
 }
 
 #[test]
-fn damaged_files_are_refused_in_words() {
+fn damaged_files_are_rejected_with_a_reason() {
     let whole = ggx_file(48, 24);
     let refusal = |bytes: &[u8]| Measurement::read(bytes, &RGB, 1.0).err().unwrap();
     assert_eq!(refusal(b"MERL"), "it is no RGL file: it does not begin with \"tensor_file\"");

@@ -1,7 +1,8 @@
 //! The container of RGL's files: named arrays of numbers.
 //!
-//! "tensor_file" and a zero byte, version (2 bytes), number of fields (u32), and for each field: length of its name (u16), name, number of
-//! dimensions (u16), type (u8), offset (u64), sizes (u64 each). All little-endian.
+//! "tensor_file" and a zero byte, version (2 bytes), number of fields (u32), and for each field:
+//! length of its name (u16), name, number of dimensions (u16), type (u8), offset (u64), sizes (u64
+//! each). All little-endian.
 
 /// One array.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// All arrays of floating-point numbers in a file; text and others are left out.
+/// All arrays of floating-point numbers in a file; others are ignored.
 pub(crate) fn read(bytes: &[u8]) -> Result<Vec<Field>, String> {
     let mut cursor = Cursor { bytes, at: 0 };
     if !bytes.starts_with(MAGIC) {
@@ -79,7 +80,7 @@ fn numbers(bytes: &[u8], name: String, kind: u8, offset: u64, shape: &[u64]) -> 
         _ => return Ok(None),
     };
     let count = shape.iter().try_fold(1u64, |count, &size| count.checked_mul(size));
-    // Sizes are checked against what the file can hold before memory is taken.
+    // Sizes are checked against the file before memory is allocated.
     let range = count
         .and_then(|count| count.checked_mul(size))
         .and_then(|length| Some((usize::try_from(offset).ok()?, usize::try_from(offset.checked_add(length)?).ok()?)))

@@ -1,6 +1,7 @@
-//! Functions on the unit square that are linear between grid points, and random variables with such densities.
+//! Piecewise bilinear functions on the unit square, and sampling with such densities.
 
-/// A function on the unit square for each of several parameters: `numbers[(parameter · rows + row) · columns + column]`, x along a row.
+/// Functions on the unit square, one per parameter:
+/// `numbers[(parameter · rows + row) · columns + column]`, with x along a row.
 #[derive(Clone, Debug)]
 pub(crate) struct Grids {
     numbers: Vec<f32>,
@@ -8,10 +9,10 @@ pub(crate) struct Grids {
     columns: usize,
 }
 
-/// Parameters with shares, between which to interpolate.
+/// Parameters with weights, for interpolation.
 pub(crate) type Mix = [(usize, f64); 4];
 
-/// Where a coordinate lies: the interval and the share of its upper end.
+/// Interval of a coordinate, and the weight of its upper end.
 fn place(coordinate: f64, points: usize) -> (usize, f64) {
     let at = coordinate.clamp(0.0, 1.0) * (points - 1) as f64;
     let interval = (at as usize).min(points - 2);
@@ -19,10 +20,11 @@ fn place(coordinate: f64, points: usize) -> (usize, f64) {
 }
 
 impl Grids {
-    /// `None` unless there are at least two points each way and the numbers fill the grids.
+    /// Grids; `None` unless there are at least two points in each dimension and the numbers fill
+    /// the grids.
     pub(crate) fn new(numbers: Vec<f32>, parameters: usize, rows: usize, columns: usize) -> Option<Self> {
         let fits = rows >= 2 && columns >= 2 && parameters.checked_mul(rows)?.checked_mul(columns)? == numbers.len();
-        // A number that is none, or negative, counts as zero.
+        // Not-a-number and negative numbers count as zero.
         let sound = |number: f32| if number.is_finite() { number.max(0.0) } else { 0.0 };
         fits.then(|| Grids { numbers: numbers.into_iter().map(sound).collect(), rows, columns })
     }
@@ -40,13 +42,13 @@ impl Grids {
     }
 }
 
-/// A random point of the unit square whose density is a grid's, scaled to integrate to 1 for each parameter.
+/// Samples points of the unit square with the density of a grid, normalised for each parameter.
 #[derive(Clone, Debug)]
 pub(crate) struct Warp {
     density: Grids,
-    /// Integral along each row up to each column, of the density.
+    /// Integral of the density along each row up to each column.
     along_rows: Vec<f32>,
-    /// Integral up to each row, of the density.
+    /// Integral of the density up to each row.
     up_to_row: Vec<f32>,
 }
 
@@ -83,7 +85,7 @@ impl Warp {
         mix.iter().map(|&(p, share)| share * f64::from(self.up_to_row[p * self.density.rows + row])).sum()
     }
 
-    /// The point for a uniform random point of the unit square.
+    /// Maps a uniform point of the unit square to a sample.
     pub(crate) fn sample(&self, mix: &Mix, u: (f64, f64)) -> (f64, f64) {
         let Grids { rows, columns, .. } = self.density;
         let target = u.1 * self.up_to(mix, rows - 1);
@@ -100,7 +102,7 @@ impl Warp {
         ((column as f64 + s) / (columns - 1) as f64, (row as f64 + t) / (rows - 1) as f64)
     }
 
-    /// The uniform point that [`Warp::sample`] takes to (x, y), and the density there.
+    /// Inverse of [`Warp::sample`]: the uniform point of (x, y), and the density there.
     pub(crate) fn invert(&self, mix: &Mix, x: f64, y: f64) -> ((f64, f64), f64) {
         let Grids { rows, columns, .. } = self.density;
         let ((column, s), (row, t)) = (place(x, columns), place(y, rows));
@@ -116,7 +118,7 @@ impl Warp {
     }
 }
 
-/// Sums up to each point of a function that is linear between them.
+/// Cumulative integral of a function that is linear between points.
 fn cumulative(numbers: &[f32], spacing: f64) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = numbers.windows(2).map(|pair| 0.5 * spacing * (f64::from(pair[0]) + f64::from(pair[1])));
@@ -128,7 +130,7 @@ fn cumulative(numbers: &[f32], spacing: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The last of the first `count` indices that satisfies a condition which holds up to some index; 0 if none does.
+/// The last of the first `count` indices for which a monotonic condition holds; 0 if there is none.
 fn last_at_most(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while high - low > 1 {
@@ -143,7 +145,7 @@ fn trapezoid(first: f64, last: f64, s: f64) -> f64 {
     s * (first + 0.5 * s * (last - first))
 }
 
-/// The s whose [`trapezoid`] is `area`.
+/// Inverse of [`trapezoid`]: the s for an area.
 fn invert_trapezoid(first: f64, last: f64, area: f64) -> f64 {
     let root = (first * first + 2.0 * (last - first) * area).max(0.0).sqrt();
     if first + root > 0.0 { (2.0 * area / (first + root)).clamp(0.0, 1.0) } else { 0.0 }

@@ -166,7 +166,7 @@ impl Options {
         }
         self.render.gathering.accuracy = 0.0;
         if self.sampling_budget.is_some() {
-            self.render.gathering.uncached = Uncached::DrawOne;
+            self.render.gathering.uncached = Uncached::TraceOne;
         } else if self.render.ambient_bounces > 0 {
             self.share_branches();
         }

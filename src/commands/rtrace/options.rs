@@ -204,14 +204,14 @@ impl Options {
     fn tell_rays(&mut self) {
         let tells_ends = |field: &Field| !matches!(field, Field::Value | Field::Contribution);
         if self.tree.is_some() || self.output.iter().any(tells_ends) {
-            self.render.bare_surfaces = BareSurfaces::Met;
+            self.render.bare_surfaces = BareSurfaces::Reported;
         }
         let tells_mirrors = self.output.iter().any(|field| field.tells_mirrors());
         self.render.ray_tree = match &self.tree {
             Some(tree) => {
                 // Rays that share what they find are none of the present one.
                 self.render.gathering =
-                    Gathering { accuracy: 0.0, uncached: Uncached::DrawOne, ..self.render.gathering };
+                    Gathering { accuracy: 0.0, uncached: Uncached::TraceOne, ..self.render.gathering };
                 Some(tree.rays)
             }
             None => tells_mirrors.then_some(RayTreeOutput::All),

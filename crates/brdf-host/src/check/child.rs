@@ -1,5 +1,5 @@
-//! The program's end of a check, and the two processes of the other end: one that supervises, and
-//! one that runs the plugin.
+//! The program's side of a check, and both processes of the other side: the supervisor, and the
+//! worker that runs the plugin.
 
 use super::CheckOptions;
 use super::job::{Request, Response, perform};
@@ -10,33 +10,33 @@ use std::process::{Child, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// Begins the line of an answer, among what else may be printed.
+/// Marks the line of an answer among other output.
 const MARK: &str = "\u{1}radsight-plugin-check ";
-/// No answer and no complaint is longer.
+/// Maximum length of an answer or of error output.
 const MOST_OUTPUT_BYTES: u64 = 1 << 20;
-/// How long the supervisor may take to end what a plugin left behind.
+/// Maximum time for the supervisor to end processes that a plugin started.
 const LONGEST_CLEARING: Duration = Duration::from_secs(5);
-/// How long what was written may take to come through a pipe whose writers have ended.
+/// Maximum time to read the remaining output of a pipe after its writers have ended.
 const LONGEST_READING: Duration = Duration::from_secs(1);
 
-/// The most threads of a check, for what they take of address space.
+/// Maximum number of threads of a check, which bounds their address space.
 #[cfg(target_os = "linux")]
 const THREADS: usize = 8;
 
-/// What the supervisor says.
+/// Answer of the supervisor.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Supervised {
     answer: Option<Response>,
-    /// How the plugin's process ended, unless that was well.
+    /// How the plugin's process ended, if it did not end normally.
     ended: Option<String>,
 }
 
-/// What the hidden command does: reads one request from standard input, performs it in a process of
-/// its own, and writes the answer to standard output. When it ends, nothing is left of what the
-/// plugin started.
+/// Entry point of the hidden command: reads one request from standard input, runs it in a worker
+/// process, and writes the answer to standard output. When it ends, no process that the plugin
+/// started is left.
 ///
 /// # Errors
-/// When the request cannot be read or the answer not be written.
+/// If the request cannot be read, or the answer cannot be written.
 pub fn child_main() -> std::io::Result<()> {
     #[cfg(target_os = "linux")]
     if !crate::supervise::is_worker() {
@@ -65,7 +65,7 @@ fn supervise() -> std::io::Result<()> {
     std::io::stdin().lock().take(MOST_OUTPUT_BYTES).read_line(&mut line)?;
     crate::supervise::adopt_orphans()?;
     let mut worker = crate::supervise::worker_command()?.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-    // A process that ends before it reads is seen by its status.
+    // The status of a process that ends before reading is reported below.
     let _ = worker.stdin.take().map(|mut input| input.write_all(line.as_bytes()));
     let output = worker.stdout.take().map(read_in_thread);
     let ended = crate::supervise::watch(worker)?;
@@ -80,7 +80,7 @@ fn supervise() -> std::io::Result<()> {
     say(&Supervised { answer, ended })
 }
 
-/// Performs a check in a child of its own.
+/// Runs a check in a child process.
 pub(super) fn run_in_child(options: &CheckOptions, request: &Request) -> (Response, Duration) {
     let started = Instant::now();
     let response = match start(options, request) {
@@ -97,8 +97,8 @@ fn start(options: &CheckOptions, request: &Request) -> std::io::Result<Child> {
     let mut command = options.child.command();
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     let line = serde_json::to_string(request)? + "\n";
-    // A child that dies before it reads is seen by its exit status. The pipe stays open: when it
-    // closes, the child is to end.
+    // The exit status of a child that dies before reading is reported below. The pipe stays open:
+    // closing it ends the child.
     let _ = child.stdin.as_mut().map(|input| input.write_all(line.as_bytes()));
     Ok(child)
 }
@@ -118,12 +118,12 @@ fn watch(mut child: Child, started: Instant, limit: Duration) -> Response {
         (ended, answer) => {
             let ended = ended.unwrap_or_else(|| "the process ended without an answer".to_owned());
             let when = if answer.is_some() { " after the check, at the end of the process" } else { "" };
-            fatal(format!("crash: {ended}{when}{}", last_words(&complaints)))
+            fatal(format!("crash: {ended}{when}{}", final_message(&complaints)))
         }
     }
 }
 
-/// The status of the child if it ends before a time.
+/// Status of the child, if it ends before the deadline.
 fn wait_until(child: &mut Child, deadline: Instant) -> Option<ExitStatus> {
     loop {
         match child.try_wait() {
@@ -134,7 +134,8 @@ fn wait_until(child: &mut Child, deadline: Instant) -> Option<ExitStatus> {
     }
 }
 
-/// Ends a child and all that it started: the supervisor does so when its standard input closes.
+/// Ends a child and all processes that it started. The supervisor ends them when its standard input
+/// closes.
 fn end(mut child: Child) {
     drop(child.stdin.take());
     if cfg!(target_os = "linux") && wait_until(&mut child, Instant::now() + LONGEST_CLEARING).is_some() {
@@ -147,20 +148,20 @@ fn end(mut child: Child) {
     let _ = child.wait();
 }
 
-/// A finding after which the same model is not checked further: each check would end so.
+/// A finding after which no further check of the same model runs, since each would end the same
+/// way.
 fn fatal(finding: String) -> Response {
     Response { unusable: true, ..Response::failure(finding) }
 }
 
-/// Reads a stream to its end in a thread, which nobody has to wait for: a process that got away may
-/// hold the pipe open.
+/// Reads a stream to its end in a detached thread: an escaped process may hold the pipe open.
 fn read_in_thread(stream: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
         let mut stream = stream;
         let _ = stream.by_ref().take(MOST_OUTPUT_BYTES).read_to_end(&mut bytes);
-        // The rest is thrown away, so that the child does not wait for us.
+        // The rest is discarded, so that the child does not block.
         let _ = std::io::copy(&mut stream, &mut std::io::sink());
         let _ = sender.send(String::from_utf8_lossy(&bytes).into_owned());
     });
@@ -175,8 +176,8 @@ fn find_answer(output: &str) -> Option<Supervised> {
     output.lines().find_map(|line| serde_json::from_str(line.split_once(MARK)?.1).ok())
 }
 
-/// The line of the guard's message if there is one, else the last line.
-fn last_words(complaints: &str) -> String {
+/// The guard's message if there is one, otherwise the last line.
+fn final_message(complaints: &str) -> String {
     let lines = || complaints.lines().map(str::trim).filter(|line| !line.is_empty());
     let of_guard = |line: &&str| line.starts_with("radsight: crash in") || line.starts_with("radsight: fault in");
     let line = lines().find(of_guard).or_else(|| lines().next_back());

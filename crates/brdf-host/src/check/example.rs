@@ -1,17 +1,17 @@
-//! Parameters to check a model with.
+//! Parameter sets for checking a model.
 
 use crate::{ModelInfo, ParameterInfo, ParameterKind, Range};
 use radsight_brdf::check::Random;
 use serde::{Deserialize, Serialize};
 
-/// A model with parameters, as a scene writes them.
+/// A model with parameters, as in a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Example {
-    /// The model.
+    /// Name of the model.
     pub model: String,
     /// Words after library and model.
     pub words: Vec<String>,
-    /// Numbers.
+    /// Real arguments.
     pub numbers: Vec<f64>,
 }
 
@@ -23,17 +23,18 @@ impl std::fmt::Display for Example {
     }
 }
 
-/// Parameters from the table alone: middle, the middle with each other choice, low end, high end, and some at random. Optional ones
-/// have their defaults in the first. None for a model that needs a word which cannot be made up.
-pub(crate) fn made_up(model: &ModelInfo, seed: u64) -> Vec<Example> {
-    let words: Option<Vec<String>> = model.parameters.iter().filter_map(made_up_word).collect();
+/// Parameter sets from the table alone: the centre of each range, the centre with each other
+/// choice, the lower end, the upper end, and random ones. In the first set optional parameters have
+/// their defaults. Empty for a model that needs a word which cannot be generated.
+pub(crate) fn generated(model: &ModelInfo, seed: u64) -> Vec<Example> {
+    let words: Option<Vec<String>> = model.parameters.iter().filter_map(generated_word).collect();
     let Some(words) = words else { return Vec::new() };
     let mut random = Random::new(seed, 7);
     let place = |place: f64, random: &mut Random| -> Vec<f64> {
         let rows = model.parameters.iter().filter(|row| row.scene_numbers() > 0);
         let middle = place == 0.5;
         rows.flat_map(|row| {
-            // Bands of a spectrum differ, so that a mixed-up order is seen.
+            // The bands of a spectrum differ, so that a wrong order is detected.
             let count = row.scene_numbers();
             (0..count)
                 .map(|index| match row.optional && middle {
@@ -54,10 +55,10 @@ pub(crate) fn made_up(model: &ModelInfo, seed: u64) -> Vec<Example> {
     examples
 }
 
-/// Examples at random. A plugin may refuse some, as wrong together.
+/// Number of random parameter sets. A plugin may reject combinations.
 const RANDOM: usize = 8;
 
-/// The first example with each other word of each choice.
+/// The first set with each other word of each choice.
 fn other_choices(model: &ModelInfo, first: &Example) -> Vec<Example> {
     let mut examples = Vec::new();
     for (index, row) in model.parameters.iter().filter(|row| row.scene_numbers() == 0).enumerate() {
@@ -72,7 +73,7 @@ fn other_choices(model: &ModelInfo, first: &Example) -> Vec<Example> {
 }
 
 /// `None` for a number; `Some(None)` for a word that only the user knows.
-fn made_up_word(row: &ParameterInfo) -> Option<Option<String>> {
+fn generated_word(row: &ParameterInfo) -> Option<Option<String>> {
     match &row.kind {
         ParameterKind::Choice(choices) => Some(choices.first().cloned()),
         ParameterKind::Word | ParameterKind::File => Some(row.optional.then(|| row.default_word.clone())),
@@ -80,7 +81,7 @@ fn made_up_word(row: &ParameterInfo) -> Option<Option<String>> {
     }
 }
 
-/// A number at the share `place` of its range; an open range is taken to be a few units wide.
+/// Number at the fraction `place` of its range; an open range counts as a few units wide.
 fn at(row: &ParameterInfo, place: f64) -> f64 {
     let Range { minimum, maximum, flags } = row.range;
     let (low, high) = match (minimum.is_finite(), maximum.is_finite()) {

@@ -1,42 +1,42 @@
-//! One check, as a child performs it.
+//! A single check, as the child process runs it.
 
-use super::example::{Example, made_up};
+use super::example::{Example, generated};
 use super::{CHECK_BANDS, probe};
 use crate::self_check::{SelfCheck, check_options, self_check};
 use crate::{Band, Label, Library, PluginBrdf, Request as Instantiation};
-use radsight_brdf::check::{self, Check, Effort};
+use radsight_brdf::check::{self, Check, CheckLevel};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a check looks at.
+/// Subject of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
-    /// The file is a plugin of the right version, and its tables keep the rules.
+    /// The file is a plugin of the right version, and its tables follow the rules.
     Load,
-    /// Wrong indices, counts and numbers are refused, not fatal.
+    /// Wrong indices, counts and numbers are rejected without a crash.
     Arguments,
-    /// 1,000 times create and destroy, and no memory lost.
+    /// Repeated create and destroy lose no memory.
     Lifecycle,
-    /// What the quick check says that every scene makes.
+    /// The quick check that runs in every scene.
     SelfCheck,
-    /// Finite and non-negative numbers.
+    /// Values are finite and not negative.
     Finite,
-    /// Batch equals single; independent of order and threads.
+    /// Values do not depend on batch, order or thread.
     Purity,
-    /// Independent of the frame's azimuth, unless declared.
+    /// Values do not depend on the frame's azimuth, unless declared.
     Isotropy,
-    /// `f(o, i) = f(i, o)`, if claimed.
+    /// `f(o, i) = f(i, o)`, if declared.
     Reciprocity,
-    /// Directional albedo at most 1 at 0…89.9°.
+    /// Directional albedo is at most 1 at 0…89.9°.
     Energy,
-    /// Directions drawn with the claimed density.
+    /// Samples have the density of `eval_pdf`.
     Sampling,
 }
 
 impl Stage {
-    /// Those that concern one model, in the order of reporting.
+    /// Checks of one model, in the order of the report.
     pub const OF_A_MODEL: [Stage; 9] = [
         Stage::Arguments,
         Stage::Lifecycle,
@@ -49,7 +49,7 @@ impl Stage {
         Stage::SelfCheck,
     ];
 
-    /// For reports.
+    /// Name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,7 +67,7 @@ impl Stage {
     }
 }
 
-/// What a child is asked.
+/// A request to a child.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Request {
     pub(super) library: PathBuf,
@@ -75,22 +75,22 @@ pub(super) struct Request {
     pub(super) model: String,
     pub(super) examples: Vec<Example>,
     pub(super) seed: u64,
-    /// Bytes of memory that the plugin may have.
+    /// Memory limit of the plugin, bytes.
     pub(super) memory: Option<u64>,
 }
 
-/// What it answers.
+/// Answer of a child.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Response {
-    /// What is wrong.
+    /// Violated requirements.
     pub(super) findings: Vec<String>,
-    /// What is worth knowing.
+    /// Notes for the user.
     pub(super) notes: Vec<String>,
-    /// Why nothing was checked.
+    /// Why the check was skipped.
     pub(super) skipped: Option<String>,
     /// Names of the library's models.
     pub(super) models: Vec<String>,
-    /// No instance can be made, so that further checks are futile.
+    /// Whether no instance can be made, which makes further checks pointless.
     pub(super) unusable: bool,
 }
 
@@ -104,10 +104,10 @@ impl Response {
     }
 }
 
-/// So many made-up sets of parameters are checked; all that the user gives are.
-const MOST_MADE_UP: usize = 6;
+/// Maximum number of generated parameter sets; those of the user are all checked.
+const MOST_GENERATED: usize = 6;
 
-/// Performs one check in this process.
+/// Runs one check in this process.
 pub(super) fn perform(request: &Request) -> Response {
     let library = match Library::load(&request.library) {
         Ok(library) => Arc::new(library),
@@ -117,23 +117,28 @@ pub(super) fn perform(request: &Request) -> Response {
         return describe(&library);
     }
     let Ok((index, model)) = library.model(&request.model) else {
-        return Response { unusable: true, ..Response::failure(format!("there is no model \"{}\"", request.model)) };
+        return Response {
+            unusable: true,
+            ..Response::failure(format!("the library has no model \"{}\"", request.model))
+        };
     };
     let given = !request.examples.is_empty();
-    let examples = if given { request.examples.clone() } else { made_up(model, request.seed) };
+    let examples = if given { request.examples.clone() } else { generated(model, request.seed) };
     if examples.is_empty() {
         let usage = model.usage(library.name());
-        let reason = format!("its words cannot be made up: give parameters for \"{usage}\"");
+        let reason = format!("its words cannot be generated: give parameters for \"{usage}\"");
         return Response { skipped: Some(reason), unusable: true, ..Response::default() };
     }
-    let most = if given { usize::MAX } else { MOST_MADE_UP };
+    let most = if given { usize::MAX } else { MOST_GENERATED };
     let mut response = match request.stage {
         Stage::Arguments => probe::arguments(&library, index, &examples, given),
         Stage::Lifecycle => probe::lifecycle(&library, &examples),
         Stage::SelfCheck => at_load(&library, &examples, most),
         stage => physics(&library, stage, &examples, most, request.seed),
     };
-    response.notes.extend(library.take_messages().into_iter().map(|message| format!("it says: {}", message.text)));
+    response
+        .notes
+        .extend(library.take_messages().into_iter().map(|message| format!("the plugin logged: {}", message.text)));
     response
 }
 
@@ -144,7 +149,7 @@ fn describe(library: &Library) -> Response {
     Response { notes: vec![note], models, ..Response::default() }
 }
 
-/// An instance for an example, in some bands.
+/// An instance for a parameter set and some bands.
 pub(super) fn instantiate(
     library: &Arc<Library>,
     example: &Example,
@@ -165,7 +170,7 @@ pub(super) fn instantiate(
     PluginBrdf::create(Arc::clone(library), index, &arguments, bands, label)
 }
 
-/// The statistical checks, with every example that the plugin accepts.
+/// Runs a statistical check with every parameter set that the plugin accepts.
 fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], most: usize, seed: u64) -> Response {
     let check: Check = match stage {
         Stage::Finite => check::finite,
@@ -177,7 +182,7 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], most: usi
     };
     let mut response = Response::default();
     for (example, brdf) in accepted(library, examples, most) {
-        let options = check_options(&brdf, Effort::Thorough, seed);
+        let options = check_options(&brdf, CheckLevel::Thorough, seed);
         response.skipped = not_claimed(stage, &options);
         if response.skipped.is_some() {
             return response;
@@ -188,8 +193,8 @@ fn physics(library: &Arc<Library>, stage: Stage, examples: &[Example], most: usi
     response
 }
 
-/// Instances of the first examples that the plugin accepts. One that refuses three bands, or a combination of made-up numbers, is the
-/// business of `probe::arguments`.
+/// Instances of the first parameter sets that the plugin accepts. `probe::arguments` checks plugins
+/// that reject three bands or generated combinations.
 fn accepted<'a>(
     library: &'a Arc<Library>,
     examples: &'a [Example],
@@ -202,7 +207,7 @@ fn accepted<'a>(
     instances.take(most)
 }
 
-/// What a scene with these parameters would be told.
+/// Findings of the self-check when a scene loads these parameters.
 fn at_load(library: &Arc<Library>, examples: &[Example], most: usize) -> Response {
     let mut response = Response::default();
     for (example, brdf) in accepted(library, examples, most) {
@@ -213,7 +218,7 @@ fn at_load(library: &Arc<Library>, examples: &[Example], most: usize) -> Respons
 }
 
 impl Stage {
-    /// Those that make no sense when values are not finite: all they find follows from it.
+    /// Whether the check is meaningless if values are not finite.
     pub(super) fn needs_finite_values(self) -> bool {
         matches!(self, Stage::Isotropy | Stage::Reciprocity | Stage::Energy | Stage::Sampling | Stage::SelfCheck)
     }
@@ -222,7 +227,7 @@ impl Stage {
 fn not_claimed(stage: Stage, options: &check::CheckOptions) -> Option<String> {
     match stage {
         Stage::Isotropy if !options.isotropic => Some("the model declares that it is anisotropic".to_owned()),
-        Stage::Reciprocity if !options.reciprocal => Some("the model does not claim it".to_owned()),
+        Stage::Reciprocity if !options.reciprocal => Some("the model does not declare reciprocity".to_owned()),
         _ => None,
     }
 }

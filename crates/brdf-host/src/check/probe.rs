@@ -1,4 +1,4 @@
-//! Checks of manners: how a plugin takes wrong arguments, and whether it gives back what it takes.
+//! Checks how a plugin handles wrong arguments, and whether it frees its memory.
 
 use super::CHECK_BANDS;
 use super::example::Example;
@@ -16,7 +16,7 @@ pub(super) fn arguments(library: &Arc<Library>, index: u32, examples: &[Example]
     let made: Vec<_> = examples.iter().map(|example| (example, instantiate(library, example, &CHECK_BANDS))).collect();
     for (example, result) in &made {
         if let Err(error) = result {
-            // Made-up numbers may be wrong together; those of the user must do.
+            // Generated numbers may be an invalid combination; those of the user must be valid.
             let list = if given { &mut response.findings } else { &mut response.notes };
             list.push(format!("{example}: {error}"));
         }
@@ -50,11 +50,11 @@ fn wrong_index(library: &Arc<Library>, response: &mut Response) {
     if !library.extension(c"radsight.no-such-extension", 1).is_null()
         || !library.extension(c"radsight.manual", 999).is_null()
     {
-        response.findings.push("extension knows a name or revision that does not exist".to_owned());
+        response.findings.push("extension returns a pointer for a name or revision that does not exist".to_owned());
     }
 }
 
-/// Whether the library says something of a model with this index.
+/// Whether the library describes a model with this index.
 fn describes(library: &Library, index: u32) -> bool {
     let Some(loaded) = library.loaded() else { return false };
     let Some(describe) = loaded.entry().describe else { return false };
@@ -71,7 +71,7 @@ fn wrong_counts(library: &Arc<Library>, index: u32, response: &mut Response) {
     }
 }
 
-/// Numbers that the host would never let through must not bring the plugin down; whether it refuses them is its choice.
+/// Passes numbers that the host would reject: the plugin must not crash, but it may accept them.
 fn wrong_numbers(library: &Arc<Library>, index: u32, examples: &[Example]) {
     let model = &library.models()[index as usize];
     let Ok(right) = model.arguments(&examples[0].words, &examples[0].numbers, &CHECK_BANDS, None) else { return };
@@ -83,7 +83,7 @@ fn wrong_numbers(library: &Arc<Library>, index: u32, examples: &[Example]) {
     }
 }
 
-/// Only to see that it returns.
+/// Evaluates and samples once, to see that the calls return.
 fn use_once(brdf: &PluginBrdf) {
     let mut values = vec![0.0; brdf.bands()];
     brdf.eval_pdf(DVec3::Z, &[DVec3::new(0.6, 0.0, 0.8)], &mut values, &mut [0.0]);
@@ -132,7 +132,7 @@ fn raw_create(library: &Arc<Library>, index: u32, arguments: &Arguments) -> Resu
     PluginBrdf::create_unchecked(Arc::clone(library), index, arguments, &CHECK_BANDS, label)
 }
 
-/// 1,000 times create and destroy; the memory in use afterwards must not have grown by what one instance could need.
+/// Creates and destroys repeatedly; afterwards the memory in use must not have grown.
 pub(super) fn lifecycle(library: &Arc<Library>, examples: &[Example]) -> Response {
     const ROUNDS: usize = 1000;
     let mut response = Response::default();
@@ -144,11 +144,11 @@ pub(super) fn lifecycle(library: &Arc<Library>, examples: &[Example]) -> Respons
     for _ in 0..20 {
         let _ = round();
     }
-    // A large file is read once more for each round; a few rounds tell a leak as well.
+    // A large file is read again in each round, so fewer rounds have to suffice.
     let started = std::time::Instant::now();
     let _ = round();
     let rounds = if started.elapsed().as_millis() > 10 { ROUNDS / 50 } else { ROUNDS };
-    // The allocator keeps some freed blocks as if in use: only what is lost every time is a leak.
+    // The allocator keeps some freed blocks in use: only memory lost in every repetition is a leak.
     let mut lost = Vec::new();
     for _ in 0..REPETITIONS {
         let before = bytes_in_use();
@@ -169,18 +169,18 @@ pub(super) fn lifecycle(library: &Arc<Library>, examples: &[Example]) -> Respons
             response.findings.push(format!("{each} bytes are lost by each create and destroy ({rounds} rounds)"));
         }
         Some(_) => {}
-        None => response.notes.push("memory in use is not known on this system: leaks were not looked for".to_owned()),
+        None => response.notes.push("memory in use is unknown on this system: leaks were not checked".to_owned()),
     }
     response
 }
 
-/// Of the search for leaks, as long as something seems lost.
+/// Number of repetitions while memory seems lost.
 const REPETITIONS: usize = 3;
 
-/// Less than this is noise of the allocator; the smallest block that 1,000 rounds can lose is 32 bytes.
+/// Smaller losses are noise of the allocator; 1,000 rounds lose at least 32 bytes each.
 const SMALLEST_LEAK_BYTES: u64 = 16 << 10;
 
-/// Bytes that the C library's allocator has handed out, exactly.
+/// Bytes that the C library's allocator has handed out.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn bytes_in_use() -> Option<u64> {
     // SAFETY: no arguments, any thread.

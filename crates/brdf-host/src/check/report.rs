@@ -1,4 +1,4 @@
-//! What the checks found, for people and for programs.
+//! Report of the checks, as text and as JSON.
 
 use super::job::{Response, Stage};
 use serde::Serialize;
@@ -6,46 +6,46 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// A check that fails with several sets of parameters is shown with this many of them; JSON has all.
+/// Number of messages shown for a check that fails with several parameter sets; JSON contains all.
 const MESSAGES_SHOWN: usize = 2;
 
-/// All checks of a library.
+/// Report of all checks of a library.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// Its file.
+    /// File of the library.
     pub library: PathBuf,
-    /// With which the report can be repeated.
+    /// Seed with which the checks can be repeated.
     pub seed: u64,
-    /// In the order in which they were made.
+    /// Results in the order of the checks.
     pub outcomes: Vec<Outcome>,
 }
 
-/// One check.
+/// Result of one check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// What was checked.
     pub check: Stage,
-    /// Of which model; none for the library as a whole.
+    /// The model; none for the library as a whole.
     pub model: Option<String>,
-    /// Whether it passed.
+    /// Verdict of the check.
     pub verdict: Verdict,
-    /// What is wrong; the reason why it was skipped.
+    /// Violated requirements, or the reason for skipping.
     pub messages: Vec<String>,
-    /// What is worth knowing.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// How long it took.
+    /// Duration, seconds.
     pub seconds: f64,
 }
 
-/// How a check ended.
+/// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Nothing was found.
+    /// The check found nothing.
     Passed,
-    /// It does not apply.
+    /// The check does not apply.
     Skipped,
-    /// Something was found.
+    /// The check found a violated requirement.
     Failed,
 }
 
@@ -69,14 +69,14 @@ impl Report {
         self.outcomes.iter().all(|outcome| outcome.verdict != Verdict::Failed)
     }
 
-    /// The messages of all failed checks.
+    /// Messages of all failed checks.
     #[must_use]
     pub fn failures(&self) -> Vec<&str> {
         let failed = self.outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Failed);
         failed.flat_map(|outcome| outcome.messages.iter().map(String::as_str)).collect()
     }
 
-    /// For people.
+    /// The report as text.
     #[must_use]
     pub fn text(&self) -> String {
         let mut out = format!("{} (seed {})\n", self.library.display(), self.seed);
@@ -92,7 +92,7 @@ impl Report {
                 Verdict::Failed => "FAILED",
             };
             let more = outcome.messages.len().saturating_sub(MESSAGES_SHOWN);
-            let more = (more > 0).then(|| format!("… and so with {more} more sets of parameters"));
+            let more = (more > 0).then(|| format!("… and the same with {more} more parameter sets"));
             let mut lines = outcome.messages.iter().take(MESSAGES_SHOWN).chain(&more).chain(&outcome.notes);
             let first = lines.next().map(|line| format!("  {line}")).unwrap_or_default();
             let _ = writeln!(out, "  {:<22} {word:<7}{first}", outcome.check.name());
@@ -106,7 +106,7 @@ impl Report {
         out
     }
 
-    /// For programs: one JSON object.
+    /// The report as one JSON object.
     #[must_use]
     pub fn json(&self) -> String {
         let mut value = serde_json::json!(self);

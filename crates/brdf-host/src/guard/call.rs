@@ -1,4 +1,4 @@
-//! What each thread is doing in a plugin, where handlers of signals and other threads can read it.
+//! The current plugin call of each thread, readable by signal handlers and other threads.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -6,12 +6,12 @@ use std::ptr::null_mut;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// What is said of a call, made before it: a handler of a signal cannot build text.
+/// Description of a call, made in advance: a signal handler cannot build text.
 #[derive(Debug)]
 pub(crate) struct Text(pub(crate) Box<str>);
 
-/// The words for a function of a plugin. Equal words are kept once and for ever, so that any thread
-/// may read them at any time.
+/// Description of a plugin's function. Equal descriptions are stored once and never freed, so that
+/// any thread may read them at any time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Breadcrumb(&'static Text);
 
@@ -29,7 +29,7 @@ impl Breadcrumb {
 
     pub(crate) fn keep(text: String) -> Self {
         static KEPT: Mutex<BTreeMap<String, &'static Text>> = Mutex::new(BTreeMap::new());
-        // Names come from files, and nothing in those may speak to the terminal.
+        // Names come from files; control characters must not reach the terminal.
         let text = super::one_line(&text);
         let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
         let make = |text: &String| &*Box::leak(Box::new(Text(text.as_str().into())));
@@ -41,38 +41,37 @@ impl Breadcrumb {
     }
 }
 
-/// One thread's call, in cache lines of its own.
+/// The call of one thread, in cache lines of its own.
 #[derive(Debug)]
 #[repr(align(128))]
 pub(super) struct Slot {
     /// Null outside of calls.
     current: AtomicPtr<Text>,
-    /// Counts the calls, so that two of the same function can be told apart.
+    /// Number of calls, which distinguishes two calls of the same function.
     calls: AtomicU64,
-    /// Bits of the outgoing direction in the surface's frame; NaN where there is none.
+    /// Bits of the outgoing direction in the surface's frame; NaN if there is none.
     outgoing: [AtomicU64; 3],
-    /// The lowest address of the thread's stack; 0 where it is not known.
+    /// Lowest address of the thread's stack; 0 if unknown.
     pub(super) stack_end: AtomicUsize,
     taken: AtomicBool,
 }
 
-/// All slots that were ever made. They are used again when their thread has ended.
+/// All slots. A slot is reused after its thread has ended.
 static SLOTS: Mutex<Vec<&'static Slot>> = Mutex::new(Vec::new());
 
 thread_local! {
-    // Constant and without a destructor: reading it in a handler of a signal is a plain memory
-    // access.
+    // Constant and without a destructor: a signal handler reads it by a plain memory access.
     static SLOT: Cell<Option<&'static Slot>> = const { Cell::new(None) };
     static AT_THREAD_END: GiveBack = const { GiveBack };
 }
 
-/// Gives the slot back when the thread ends.
+/// Returns the slot when the thread ends.
 struct GiveBack;
 
 impl Drop for GiveBack {
     fn drop(&mut self) {
-        // Nobody but a plugin ends a thread inside of its call: by `exit`, which begins with this,
-        // or alone.
+        // Only a plugin ends a thread within its call: by `exit`, which begins with this
+        // destructor, or by ending the thread.
         super::endings::end_if_in_call("it called exit, or ended its thread");
         if let Some(slot) = SLOT.take() {
             super::signals::give_back_stack();
@@ -81,18 +80,18 @@ impl Drop for GiveBack {
     }
 }
 
-/// A call as another thread sees it.
+/// A call as seen by another thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Seen {
+pub(super) struct CallSnapshot {
     text: *const Text,
     calls: u64,
 }
 
 impl Slot {
-    /// The call that is under way.
-    pub(super) fn seen(&self) -> Option<Seen> {
+    /// The current call.
+    pub(super) fn snapshot(&self) -> Option<CallSnapshot> {
         let text = self.current.load(Ordering::Acquire).cast_const();
-        (!text.is_null()).then(|| Seen { text, calls: self.calls.load(Ordering::Acquire) })
+        (!text.is_null()).then(|| CallSnapshot { text, calls: self.calls.load(Ordering::Acquire) })
     }
 
     pub(super) fn text(&self) -> Option<&'static Text> {
@@ -106,7 +105,7 @@ impl Slot {
     }
 }
 
-/// The slot of the thread that asks, if it ever called a plugin.
+/// Slot of the current thread, if it ever called a plugin.
 pub(super) fn own_slot() -> Option<&'static Slot> {
     SLOT.get()
 }
@@ -116,7 +115,7 @@ pub(super) fn all_slots() -> Vec<&'static Slot> {
     SLOTS.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
-/// Marks the call as over when it is dropped.
+/// Marks the call as finished when dropped.
 pub(crate) struct Trail {
     slot: &'static Slot,
     before: *mut Text,
@@ -129,14 +128,14 @@ impl Drop for Trail {
     }
 }
 
-/// Marks the thread as being inside a plugin. The result is dropped in the same thread, as all
-/// local values are.
+/// Marks the thread as inside a plugin. The result is dropped in the same thread, like all local
+/// values.
 #[inline]
 pub(crate) fn enter(breadcrumb: Breadcrumb) -> Trail {
     enter_at(breadcrumb, [f64::NAN; 3])
 }
 
-/// The same with the outgoing direction, in the surface's frame.
+/// The same, with the outgoing direction in the surface's frame.
 #[inline]
 pub(crate) fn enter_at(breadcrumb: Breadcrumb, outgoing: [f64; 3]) -> Trail {
     let slot = SLOT.get().unwrap_or_else(take_slot);
@@ -149,14 +148,14 @@ pub(crate) fn enter_at(breadcrumb: Breadcrumb, outgoing: [f64; 3]) -> Trail {
     Trail { slot, before }
 }
 
-/// Gives a function that says how many calls this thread has begun.
+/// Returns a function that gives the number of calls that this thread has begun.
 #[cfg(target_os = "linux")]
 pub(crate) fn count_calls() -> impl Fn() -> u64 + Send {
     let slot = SLOT.get().unwrap_or_else(take_slot);
     move || slot.calls.load(Ordering::Relaxed)
 }
 
-/// Marks the thread for the rest of its life.
+/// Marks the thread as inside a plugin until it ends.
 pub(super) fn enter_for_good(breadcrumb: Breadcrumb) {
     std::mem::forget(enter(breadcrumb));
 }
@@ -179,7 +178,7 @@ fn take_slot() -> &'static Slot {
     drop(slots);
     SLOT.set(Some(slot));
     super::signals::take_stack(slot);
-    // In a thread that is ending already the slot is lost, which is a few bytes.
+    // If the thread is already ending, the slot is lost, which is a few bytes.
     let _ = AT_THREAD_END.try_with(|_| ());
     slot
 }
@@ -196,13 +195,13 @@ mod tests {
         assert_eq!(slot_text(), None);
         {
             let _outer = enter(outer);
-            let first = own_slot().unwrap().seen();
+            let first = own_slot().unwrap().snapshot();
             {
                 let _inner = enter_at(inner, [0.6, 0.0, 0.8]);
                 let text = "plugin \"outer\", model \"m\", material \"steel\" (s.rad:1:1), function eval_pdf";
                 assert_eq!(slot_text().as_deref(), Some(text));
                 assert_eq!(own_slot().unwrap().outgoing(), Some([0.6, 0.0, 0.8]));
-                assert_ne!(own_slot().unwrap().seen(), first);
+                assert_ne!(own_slot().unwrap().snapshot(), first);
             }
             assert_eq!(slot_text().as_deref(), Some("plugin \"outer\", function load"));
         }

@@ -1,16 +1,16 @@
-//! Ways in which a plugin can end or double the process without a crash: `exit`, `quick_exit`,
+//! Ways in which a plugin can end or duplicate the process without a crash: `exit`, `quick_exit`,
 //! `_exit`, `fork`.
 
 use super::call::own_slot;
 use super::message::{end_now, is_first_to_speak, loaded, report, report_call, wait_for_the_end};
 
-/// Installs the handlers. To be called once, before any plugin is loaded.
+/// Installs the handlers. Call it once, before any plugin is loaded.
 pub(super) fn install() {
     #[cfg(unix)]
     unix::install();
 }
 
-/// Makes the handler of `exit` run before those that a library has installed meanwhile.
+/// Makes the `exit` handler run before those that a library has installed since.
 pub(super) fn come_first() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     unix::come_first();
@@ -26,7 +26,7 @@ pub(super) fn end_if_in_call(what: &str) {
     wait_for_the_end()
 }
 
-/// Ends the program because its standard input or output is not what it was.
+/// Ends the program because standard input or output was replaced.
 pub(super) fn end_for_closed_files() -> ! {
     if is_first_to_speak() {
         let names = loaded().unwrap_or("none");
@@ -47,7 +47,7 @@ mod unix {
     use std::ffi::c_void;
     use std::sync::atomic::{AtomicU32, Ordering};
 
-    /// The process that the handlers were installed in.
+    /// Id of the process in which the handlers were installed.
     static GUARDED: AtomicU32 = AtomicU32::new(0);
 
     pub(super) fn install() {
@@ -62,7 +62,7 @@ mod unix {
         }
     }
 
-    /// Handlers run in the order of their installation, the last first.
+    /// Handlers run in reverse order of their installation.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     pub(super) fn come_first() {
         if GUARDED.load(Ordering::Acquire) == 0 {
@@ -82,8 +82,8 @@ mod unix {
         fn at_quick_exit(handler: extern "C" fn()) -> c_int;
     }
 
-    /// Runs when someone called `exit`, be it the program itself: then all its work is done, and no
-    /// more of a plugin's code can change what the exit code says.
+    /// Runs when anything calls `exit`. If the program itself does, all work is done, and no
+    /// further plugin code may change the exit code.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     extern "C" fn at_exit_with_status(status: c_int, _: *mut c_void) {
         at_exit();
@@ -95,19 +95,19 @@ mod unix {
         end_now(status)
     }
 
-    /// Takes the place of the C library's function in the whole program, so that a plugin that
-    /// calls it is noticed. The dynamic linker gives it to plugins before that of the C library.
+    /// Replaces the C library's function in the whole program, so that a call by a plugin is
+    /// noticed. The dynamic linker resolves it before the C library's.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[unsafe(no_mangle)]
     extern "C" fn _exit(status: c_int) -> ! {
-        // A process that was just made to become another program may end by it.
+        // A child between fork and exec may end by it.
         if GUARDED.load(Ordering::Acquire) == std::process::id() {
             end_if_in_call("it called _exit");
         }
         end_now(status)
     }
 
-    /// The same function under the name that C has for it.
+    /// The same function by its C name.
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[unsafe(no_mangle)]
     extern "C" fn _Exit(status: c_int) -> ! {
@@ -128,7 +128,7 @@ mod unix {
             }
             wait_for_the_end();
         }
-        // What runs of plugins from now on is guarded too.
+        // Plugin code that runs from here on is guarded too.
         if let Some(names) = loaded() {
             enter_for_good(Breadcrumb::keep(format!("one of the plugins {names}, at the end of the program")));
         }

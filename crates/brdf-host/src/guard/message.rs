@@ -1,20 +1,21 @@
-//! The last words, by means that are safe in a handler of a signal, and the end after them.
+//! Final messages, written by means that are safe in a signal handler, and the end of the process
+//! after them.
 
 use super::call::{Breadcrumb, Slot, Text};
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicPtr, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The exit code after a message; negative: the process ends as it would have.
+/// Exit code after a message; if negative, the process ends as it would have.
 static END_WITH: AtomicI32 = AtomicI32::new(-1);
-/// Set by the first that speaks: one fault often leads to others.
+/// Set by the first thread that reports: one fault often causes others.
 static SPEAKING: AtomicBool = AtomicBool::new(false);
-/// The names of the libraries that were loaded.
+/// Names of the loaded libraries.
 static LOADED: AtomicPtr<Text> = AtomicPtr::new(null_mut());
-/// Where another process reads that something was said.
+/// Counter of messages, readable by another process.
 static SPOKEN: AtomicPtr<AtomicU32> = AtomicPtr::new(null_mut());
 
-/// After messages of crashes the program ends with this code from now on.
+/// From now on the program ends with this code after a crash message.
 pub(super) fn end_with(code: i32) {
     END_WITH.store(code, Ordering::Release);
 }
@@ -24,12 +25,12 @@ pub(super) fn code_at_end() -> Option<i32> {
     (code >= 0).then_some(code)
 }
 
-/// Every message adds one to `place`, which stays for the life of the process.
+/// From now on every message increments `place`, which lives as long as the process.
 pub(crate) fn announce_reports_in(place: &'static AtomicU32) {
     SPOKEN.store(std::ptr::from_ref(place).cast_mut(), Ordering::Release);
 }
 
-/// Notes that a library is in the process: a crash outside of its calls may be its fault.
+/// Records that a library is loaded: it may be the cause of a crash outside of its calls.
 pub(crate) fn note_library(name: &str) {
     static NAMES: Mutex<Vec<String>> = Mutex::new(Vec::new());
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
@@ -46,12 +47,13 @@ pub(super) fn loaded() -> Option<&'static str> {
     unsafe { LOADED.load(Ordering::Acquire).as_ref() }.map(|text| &*text.0)
 }
 
-/// Whether this thread is the first to report a fault. Others wait here for the end of the process.
+/// Whether this thread is the first to report a fault. Other threads wait here for the end of the
+/// process.
 pub(super) fn is_first_to_speak() -> bool {
     !SPEAKING.swap(true, Ordering::AcqRel)
 }
 
-/// Says what happened in the call of a slot: `kind` is "crash" or "fault".
+/// Reports what happened in the call of a slot; `kind` is "crash" or "fault".
 pub(super) fn report_call(kind: &str, slot: &Slot, text: &Text, what: &[&str]) {
     let mut line = Line::default();
     ["radsight: ", kind, " in ", &text.0, ": "].iter().chain(what).for_each(|part| line.push(part.as_bytes()));
@@ -62,7 +64,7 @@ pub(super) fn report_call(kind: &str, slot: &Slot, text: &Text, what: &[&str]) {
     line.write();
 }
 
-/// Says what happened outside of all calls.
+/// Reports what happened outside of all calls.
 pub(super) fn report(parts: &[&str]) {
     let mut line = Line::default();
     line.push(b"radsight: ");
@@ -70,7 +72,7 @@ pub(super) fn report(parts: &[&str]) {
     line.write();
 }
 
-/// Says something and ends the program at once: for faults that are seen from an ordinary thread.
+/// Reports a fault found by an ordinary thread, and ends the program.
 pub(crate) fn end_program(message: &str) -> ! {
     if is_first_to_speak() {
         report(&[message]);
@@ -79,7 +81,7 @@ pub(crate) fn end_program(message: &str) -> ! {
     wait_for_the_end()
 }
 
-/// Ends the program without a word: another process has said what there was to say.
+/// Ends the program without a message: another process has reported.
 pub(crate) fn end_silently() -> ! {
     if is_first_to_speak() {
         end_now(super::FAULT)
@@ -87,9 +89,9 @@ pub(crate) fn end_silently() -> ! {
     wait_for_the_end()
 }
 
-/// Ends the process without any more of its code, or of its plugins'.
+/// Ends the process without running any more code of the program or its plugins.
 pub(super) fn end_now(code: i32) -> ! {
-    // Not by `_exit`, for which this program has a function of its own.
+    // `_exit` is replaced in this program, so the system call is used.
     #[cfg(target_os = "linux")]
     loop {
         // SAFETY: async-signal-safe, and does not return.
@@ -104,7 +106,7 @@ pub(super) fn end_now(code: i32) -> ! {
     std::process::exit(code)
 }
 
-/// Another thread is about to end the process.
+/// Waits, because another thread is about to end the process.
 pub(super) fn wait_for_the_end() -> ! {
     loop {
         #[cfg(unix)]
@@ -122,14 +124,13 @@ pub(crate) fn one_line(text: &str) -> String {
     text.replace(|c: char| c.is_control(), "\u{fffd}")
 }
 
-/// A line that is put together without the heap and written at once, so that no other output comes
-/// between.
+/// A line assembled without heap memory and written at once, so that no other output interleaves.
 struct Line {
     bytes: [u8; LONGEST_LINE],
     length: usize,
 }
 
-/// Longer ones are cut. The stack of a handler is at least eight times as large.
+/// Longer lines are cut. The stack of a handler is at least eight times as large.
 const LONGEST_LINE: usize = 2048;
 
 impl Default for Line {
@@ -140,14 +141,14 @@ impl Default for Line {
 
 impl Line {
     fn push(&mut self, text: &[u8]) {
-        // One place is left for the line's end.
+        // One byte is reserved for the line end.
         let room = LONGEST_LINE - 1 - self.length;
         let text = &text[..text.len().min(room)];
         self.bytes[self.length..][..text.len()].copy_from_slice(text);
         self.length += text.len();
     }
 
-    /// A space and a number of size 1 or less with four decimals.
+    /// Appends a space and a number of magnitude 1 or less, with four decimals.
     fn push_number(&mut self, number: f64) {
         let sign: &[u8] = if number < 0.0 { b" -" } else { b" " };
         let scaled = (number.abs().min(99.0) * 1e4 + 0.5) as u32;

@@ -1,21 +1,20 @@
-//! Handlers for the signals of a crash: they say in which plugin it was.
+//! Handlers of crash signals, which report the plugin.
 
 use super::call::Slot;
 
-/// Installs the handlers, once in a process; does nothing where there are no signals.
+/// Installs the handlers, once per process; does nothing on systems without signals.
 pub(super) fn install() {
     #[cfg(unix)]
     unix::install();
 }
 
-/// After a message the signal ends the process, whoever handled it before.
+/// From now on the signal ends the process after a message, whoever handled it before.
 pub(super) fn die_after_messages() {
     #[cfg(unix)]
     unix::DIE.store(true, std::sync::atomic::Ordering::Release);
 }
 
-/// Takes the handlers back from a plugin that replaced them; gives the names of the signals that it
-/// had replaced.
+/// Reinstalls handlers that a plugin replaced; returns the names of their signals.
 pub(super) fn reinstall() -> Vec<&'static str> {
     #[cfg(unix)]
     return unix::reinstall();
@@ -23,7 +22,7 @@ pub(super) fn reinstall() -> Vec<&'static str> {
     Vec::new()
 }
 
-/// Gives the thread a stack for handlers, so that one can run when the thread's own is used up.
+/// Gives the thread an alternate stack, so that handlers can run after a stack overflow.
 pub(super) fn take_stack(slot: &Slot) {
     #[cfg(unix)]
     unix::take_stack(slot);
@@ -59,12 +58,12 @@ mod unix {
         (SIGSYS, "SIGSYS, forbidden system call"),
     ];
     const STACK_OVERFLOW: &str = "SIGSEGV, stack overflow";
-    /// A fault so near the end of the stack is an overflow: guard pages, and frames that jump over
-    /// them.
+    /// A fault this close to the end of the stack counts as an overflow, which accounts for guard
+    /// pages and for frames that skip them.
     const NEAR_STACK_END: usize = 1 << 18;
     const HANDLER_STACK_BYTES: usize = 64 << 10;
 
-    /// Who handled each signal before.
+    /// Previous handlers of the signals.
     struct Previous(UnsafeCell<[MaybeUninit<sigaction>; SIGNALS.len()]>);
 
     // SAFETY: written once before the handler that reads it is installed.
@@ -146,7 +145,7 @@ mod unix {
                 libc::raise(signal);
             }
         }
-        // For the others the faulting instruction runs again, under the previous action.
+        // Other faults recur at the same instruction, under the previous action.
     }
 
     thread_local! {
@@ -172,7 +171,7 @@ mod unix {
         SPEAKING_THREAD.set(false);
     }
 
-    /// Whether a process sent the signal: no instruction will fail again.
+    /// Whether a process sent the signal, so that no instruction will fault again.
     fn is_sent(info: *mut siginfo_t) -> bool {
         // SAFETY: the system gives a valid structure, or null where it has none.
         unsafe { info.as_ref() }.is_some_and(|info| info.si_code <= 0)
@@ -193,7 +192,7 @@ mod unix {
             let access = libc::PROT_READ | libc::PROT_WRITE;
             let memory = libc::mmap(std::ptr::null_mut(), HANDLER_STACK_BYTES, access, flags, -1, 0);
             if memory == libc::MAP_FAILED {
-                // The smaller one of the standard library has to do.
+                // The standard library's smaller stack remains.
                 return;
             }
             let stack = libc::stack_t { ss_sp: memory, ss_flags: 0, ss_size: HANDLER_STACK_BYTES };
@@ -219,7 +218,7 @@ mod unix {
         }
     }
 
-    /// The lowest address of this thread's stack.
+    /// Lowest address of this thread's stack.
     #[cfg(target_os = "linux")]
     fn stack_end() -> usize {
         // SAFETY: the attributes are initialised by the first function and freed by the last.

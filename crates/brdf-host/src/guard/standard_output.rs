@@ -1,7 +1,7 @@
-//! Standard output for data alone: plugins print elsewhere.
+//! Keeps standard output for data: the output of plugins goes elsewhere.
 //!
-//! Once it is set aside, the descriptor 1, which plugins print to, is standard error; data goes
-//! through a descriptor that they do not know.
+//! After redirection, descriptor 1, to which plugins print, is standard error. Data goes through a
+//! private descriptor.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -11,20 +11,20 @@ use std::sync::OnceLock;
 
 static ASIDE: OnceLock<File> = OnceLock::new();
 
-/// Sets standard output aside for [`StandardOutput`]. Does nothing where descriptors are not
-/// numbers, and the second time.
+/// Redirects standard output for [`StandardOutput`]. Does nothing on systems without descriptors,
+/// and in later calls.
 pub(super) fn set_aside() -> io::Result<()> {
     if ASIDE.get().is_some() {
         return Ok(());
     }
-    // What stands in the buffer belongs to the data.
+    // Buffered output belongs to the data.
     io::stdout().flush()?;
     #[cfg(unix)]
     {
         let private = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdout(), LEAST_PRIVATE_DESCRIPTOR)?;
         match rustix::stdio::dup2_stdout(rustix::stdio::stderr()) {
             Ok(()) => {}
-            // Nobody listens to standard error.
+            // Standard error is closed.
             Err(_) => rustix::stdio::dup2_stdout(File::options().write(true).open("/dev/null")?)?,
         }
         let private = ASIDE.get_or_init(|| File::from(private));
@@ -33,8 +33,7 @@ pub(super) fn set_aside() -> io::Result<()> {
     Ok(())
 }
 
-/// What standard input and the data's standard output are, when they are set aside: device and
-/// number of the file.
+/// Device and inode of standard input and of the data's standard output, at redirection.
 #[cfg(unix)]
 static FILES: OnceLock<[Option<(u64, u64)>; 2]> = OnceLock::new();
 
@@ -45,8 +44,8 @@ fn identity(file: BorrowedFd<'_>) -> Option<(u64, u64)> {
     rustix::fs::fstat(file).ok().map(|found| (found.st_dev as u64, found.st_ino as u64))
 }
 
-/// Whether standard input and output are what they were: a plugin that closes them makes the
-/// program read nothing, or write to something else.
+/// Whether standard input and output are still the same files. A plugin that closes them would make
+/// the program read nothing, or write elsewhere.
 pub(super) fn is_intact() -> bool {
     #[cfg(unix)]
     if let (Some(before), Some(private)) = (FILES.get(), ASIDE.get()) {
@@ -55,7 +54,7 @@ pub(super) fn is_intact() -> bool {
     true
 }
 
-/// Above those that programs are used to.
+/// Smallest private descriptor, above those that programs commonly use.
 #[cfg(unix)]
 const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
 
@@ -63,14 +62,14 @@ const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StandardOutput;
 
-/// The program's standard output for a process that it starts.
+/// The program's standard output, for a process that it starts.
 #[must_use]
 pub fn for_child() -> std::process::Stdio {
     ASIDE.get().and_then(|file| file.try_clone().ok()).map_or_else(std::process::Stdio::inherit, Into::into)
 }
 
 /// Whether the program was started without a standard output. The standard library opens the null
-/// device in its place before `main`, so that all that is written would vanish.
+/// device in its place before `main`, which would discard all output.
 #[cfg(any(target_os = "linux", target_vendor = "apple"))]
 mod at_start {
     use std::io;
@@ -78,8 +77,9 @@ mod at_start {
 
     static WAS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-    extern "C" fn look() {
-        // SAFETY: has no conditions; it runs before the standard library is ready, and uses none of it.
+    extern "C" fn inspect() {
+        // SAFETY: has no conditions; it runs before the standard library is ready, and uses none of
+        // it.
         let flags = unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) };
         WAS_CLOSED.store(flags == -1, Ordering::Relaxed);
     }
@@ -89,7 +89,7 @@ mod at_start {
     #[used]
     #[cfg_attr(target_os = "linux", unsafe(link_section = ".init_array"))]
     #[cfg_attr(target_vendor = "apple", unsafe(link_section = "__DATA,__mod_init_func"))]
-    static LOOK: extern "C" fn() = look;
+    static INSPECT: extern "C" fn() = inspect;
 
     pub(super) fn check() -> io::Result<()> {
         match WAS_CLOSED.load(Ordering::Relaxed) {

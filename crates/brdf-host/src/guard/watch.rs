@@ -1,11 +1,11 @@
-//! A thread that looks after calls: which does not return, and which takes all the memory.
+//! A thread that watches calls: those that do not return, and those that take too much memory.
 
-use super::call::{Seen, Slot, all_slots};
+use super::call::{CallSnapshot, Slot, all_slots};
 use super::message::{end_now, is_first_to_speak, report_call, wait_for_the_end};
 use super::{FAULT, Limits, endings, standard_output};
 use std::time::{Duration, Instant};
 
-/// Between two looks.
+/// Interval of the checks.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Starts the thread.
@@ -19,26 +19,26 @@ pub(super) fn start(limits: &Limits) -> std::io::Result<()> {
 }
 
 fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
-    // A library whose initialiser does not return keeps the dynamic linker locked, so all that is
-    // looked up by name at its first use is used before one can be loaded.
+    // A library whose initialiser does not return keeps the dynamic linker locked. Functions that
+    // are resolved at their first use are therefore used before any library is loaded.
     std::thread::sleep(Duration::from_micros(1));
     memory_in_use();
-    let mut calls = look(&[], Duration::ZERO);
+    let mut calls = scan(&[], Duration::ZERO);
     super::take_back_handlers(None);
     let mut last = Instant::now();
     let _ = ready.send(());
     loop {
         std::thread::sleep(tick);
-        // A process that was stopped for an hour has not computed for an hour.
+        // Time in which the process was stopped does not count.
         let passed = last.elapsed().min(2 * tick);
         last = Instant::now();
-        calls = look(&calls, passed);
+        calls = scan(&calls, passed);
         for call in &calls {
             if limits.time.is_some_and(|limit| call.age >= limit) {
-                end(call.slot, call.seen, |slot| too_long(slot, call.age));
+                end(call.slot, call.snapshot, |slot| too_long(slot, call.age));
             }
             if limits.memory.is_some_and(|limit| call.growth() > limit) {
-                end(call.slot, call.seen, |slot| too_much(slot, call.growth()));
+                end(call.slot, call.snapshot, |slot| too_much(slot, call.growth()));
             }
         }
         super::take_back_handlers(None);
@@ -48,12 +48,12 @@ fn watch(limits: &Limits, tick: Duration, ready: &std::sync::mpsc::Sender<()>) {
     }
 }
 
-/// A call that was under way at the last look already.
+/// A call that was already running at the last check.
 struct Watched {
     slot: &'static Slot,
-    seen: Seen,
+    snapshot: CallSnapshot,
     age: Duration,
-    /// Bytes of the process when it was first seen, and now.
+    /// Memory of the process at the first check of the call, and now, bytes.
     memory: [u64; 2],
 }
 
@@ -63,24 +63,25 @@ impl Watched {
     }
 }
 
-/// The calls that are under way, those that were so before with their age.
-fn look(before: &[Watched], passed: Duration) -> Vec<Watched> {
+/// The running calls, with their age if they were running before.
+fn scan(before: &[Watched], passed: Duration) -> Vec<Watched> {
     let mut memory = None;
-    let seen = all_slots().into_iter().filter_map(|slot| Some((slot, slot.seen()?)));
-    seen.map(|(slot, seen)| {
-        let memory = *memory.get_or_insert_with(memory_in_use);
-        let known = before.iter().find(|call| std::ptr::eq(call.slot, slot) && call.seen == seen);
-        match known {
-            Some(call) => Watched { slot, seen, age: call.age + passed, memory: [call.memory[0], memory] },
-            None => Watched { slot, seen, age: Duration::ZERO, memory: [memory; 2] },
-        }
-    })
-    .collect()
+    let snapshot = all_slots().into_iter().filter_map(|slot| Some((slot, slot.snapshot()?)));
+    snapshot
+        .map(|(slot, snapshot)| {
+            let memory = *memory.get_or_insert_with(memory_in_use);
+            let known = before.iter().find(|call| std::ptr::eq(call.slot, slot) && call.snapshot == snapshot);
+            match known {
+                Some(call) => Watched { slot, snapshot, age: call.age + passed, memory: [call.memory[0], memory] },
+                None => Watched { slot, snapshot, age: Duration::ZERO, memory: [memory; 2] },
+            }
+        })
+        .collect()
 }
 
-/// Ends the program for a call, unless it has returned in the meantime.
-fn end(slot: &Slot, seen: Seen, say: impl FnOnce(&Slot)) {
-    if slot.seen() != Some(seen) {
+/// Ends the program because of a call, unless the call has returned in the meantime.
+fn end(slot: &Slot, snapshot: CallSnapshot, say: impl FnOnce(&Slot)) {
+    if slot.snapshot() != Some(snapshot) {
         return;
     }
     if is_first_to_speak() {
@@ -104,7 +105,7 @@ fn too_much(slot: &Slot, growth: u64) {
     }
 }
 
-/// Bytes of memory that the process occupies; 0 where it is not known.
+/// Memory of the process, bytes; 0 if unknown.
 fn memory_in_use() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     text.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok()).map_or(0, |pages| pages * page_bytes())
@@ -120,7 +121,7 @@ fn page_bytes() -> u64 {
     4096
 }
 
-/// Bytes of memory that the machine, or the container, has.
+/// Memory of the machine, or of the container, bytes.
 pub(super) fn machine_memory() -> Option<u64> {
     let number = |path: &str| std::fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let container =

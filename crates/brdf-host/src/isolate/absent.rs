@@ -1,8 +1,8 @@
-//! Systems on which plugins cannot be isolated.
+//! Isolation on systems that do not support it.
 
 use super::wire::Description;
 use super::{Isolation, Question};
-use crate::functions::Drawn;
+use crate::functions::RawSample;
 use crate::guard::Breadcrumb;
 use crate::library::{Message, User};
 use crate::table::Arguments;
@@ -11,7 +11,7 @@ use glam::DVec3;
 use radsight_brdf_abi::{Band, Status};
 use std::path::Path;
 
-/// There is none.
+/// A worker that cannot exist.
 pub(crate) enum Worker {}
 
 impl Worker {
@@ -57,12 +57,12 @@ impl Worker {
         match *self {}
     }
 
-    pub(crate) fn sample(&self, _: u32, _: Breadcrumb, _: DVec3, _: [f64; 3], _: &mut [f64]) -> (Status, Drawn) {
+    pub(crate) fn sample(&self, _: u32, _: Breadcrumb, _: DVec3, _: [f64; 3], _: &mut [f64]) -> (Status, RawSample) {
         match *self {}
     }
 }
 
-/// What a worker process would run.
+/// Entry point of a worker process.
 ///
 /// # Errors
 /// Always.

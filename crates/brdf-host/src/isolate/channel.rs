@@ -2,7 +2,7 @@
 //! answer.
 
 use super::Question;
-use crate::functions::Drawn;
+use crate::functions::RawSample;
 use glam::DVec3;
 use radsight_brdf_abi::Status;
 use rustix::fd::{AsFd, OwnedFd};
@@ -11,17 +11,18 @@ use rustix::thread::futex;
 use std::io;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Directions of one question.
+/// Maximum number of directions of a question.
 const MOST_DIRECTIONS: usize = 64;
-/// Bands of one question.
+/// Maximum number of bands of a question.
 pub(super) const MOST_BANDS: usize = 512;
-/// Numbers of one question and its answer: outgoing direction, incident ones, values, densities.
+/// Maximum number of values of a question and its answer: outgoing direction, incident directions,
+/// values, densities.
 const MOST_NUMBERS: usize = 3 + MOST_DIRECTIONS * (3 + MOST_BANDS + 1);
 const HEAD_BYTES: usize = size_of::<Head>();
 const PAGE_BYTES: usize = 4096;
 const CHANNEL_BYTES: usize = (HEAD_BYTES + MOST_NUMBERS * size_of::<f64>()).next_multiple_of(PAGE_BYTES);
 
-/// The begin of a channel.
+/// Header of a channel.
 #[repr(C, align(128))]
 struct Head {
     /// One of [`state`].
@@ -35,7 +36,7 @@ struct Head {
     bands: AtomicU32,
     status: AtomicU32,
     sample_kind: AtomicU32,
-    /// Where the thread that asks runs.
+    /// Processor of the asking thread.
     processor: AtomicU32,
 }
 
@@ -49,7 +50,7 @@ mod function {
     pub(super) const SAMPLE: u32 = 1;
 }
 
-/// The mapping, which stays until the process ends: threads wait in it.
+/// The shared mapping. It stays until the process ends, since threads wait in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SharedMemory {
     base: *mut u8,
@@ -62,14 +63,15 @@ unsafe impl Send for SharedMemory {}
 unsafe impl Sync for SharedMemory {}
 
 impl SharedMemory {
-    /// Memory for so many channels, all zero, and the descriptor that another process maps it by.
+    /// Creates zeroed memory for `channels` channels; returns it with the descriptor by which
+    /// another process maps it.
     pub(super) fn make(channels: usize) -> io::Result<(SharedMemory, OwnedFd)> {
         let file = rustix::fs::memfd_create("radsight-plugin", rustix::fs::MemfdFlags::CLOEXEC)?;
         rustix::fs::ftruncate(&file, Self::bytes(channels) as u64)?;
         Ok((Self::map(&file, channels)?, file))
     }
 
-    /// Maps what another process made.
+    /// Maps the memory of another process.
     pub(super) fn map(file: impl AsFd, channels: usize) -> io::Result<SharedMemory> {
         let access = ProtFlags::READ | ProtFlags::WRITE;
         // SAFETY: a fresh mapping that nothing else in this process knows; it is never undone.
@@ -83,13 +85,13 @@ impl SharedMemory {
         PAGE_BYTES + channels * CHANNEL_BYTES
     }
 
-    /// How many messages the worker said before its end.
+    /// Number of messages that the worker has written.
     pub(super) fn spoken(&self) -> &'static AtomicU32 {
         // SAFETY: the mapping begins with it and stays; zero is a valid number.
         unsafe { &*self.base.cast::<AtomicU32>() }
     }
 
-    /// Changes as long as the worker makes calls to answer what the socket asked.
+    /// Counter that advances while the worker makes calls to answer a request of the socket.
     pub(super) fn progress(&self) -> &'static AtomicU32 {
         // SAFETY: as for `spoken`, behind which it is.
         unsafe { &*self.base.cast::<AtomicU32>().add(1) }
@@ -106,7 +108,7 @@ impl SharedMemory {
     }
 }
 
-/// A place for one question at a time. Its numbers belong to the program until it has asked, then
+/// A channel for one question at a time. Its values belong to the program until it has asked, then
 /// to the worker until it has answered.
 #[derive(Clone, Copy)]
 pub(super) struct Channel {
@@ -117,7 +119,7 @@ pub(super) struct Channel {
 // SAFETY: as for `SharedMemory`.
 unsafe impl Send for Channel {}
 
-/// What the worker finds in a channel.
+/// A question, as the worker finds it in a channel.
 pub(super) enum Call {
     Eval { outgoing: DVec3, incident: [&'static [f64]; 3], values: &'static mut [f64], pdfs: &'static mut [f64] },
     Sample { outgoing: DVec3, u: [f64; 3], weights: &'static mut [f64] },
@@ -132,7 +134,7 @@ impl Channel {
         for axis in question.incident {
             at = self.put(at, axis);
         }
-        // What a plugin forgets to write is caught as NaN here too.
+        // Values that a plugin does not write are detected as NaN here too.
         self.put(self.put(at, values), pdfs);
         self.ask(function::EVAL, instance, count, bands);
         self.take(self.take(at, values), pdfs);
@@ -140,15 +142,21 @@ impl Channel {
     }
 
     /// The program's side of `sample`.
-    pub(super) fn sample(&self, instance: u32, outgoing: DVec3, u: [f64; 3], weights: &mut [f64]) -> (Status, Drawn) {
-        let mut drawn = Drawn::NOTHING;
+    pub(super) fn sample(
+        &self,
+        instance: u32,
+        outgoing: DVec3,
+        u: [f64; 3],
+        weights: &mut [f64],
+    ) -> (Status, RawSample) {
+        let mut sampled = RawSample::NOTHING;
         let at = self.put(self.put(0, &outgoing.to_array()), &u);
         self.put(at, weights);
         self.ask(function::SAMPLE, instance, 1, weights.len());
         let at = self.take(at, weights);
-        self.take(self.take(at, &mut drawn.incident), std::slice::from_mut(&mut drawn.pdf));
-        drawn.kind = u8::try_from(self.head.sample_kind.load(Ordering::Relaxed)).unwrap_or(u8::MAX);
-        (self.head.status.load(Ordering::Relaxed), drawn)
+        self.take(self.take(at, &mut sampled.incident), std::slice::from_mut(&mut sampled.pdf));
+        sampled.kind = u8::try_from(self.head.sample_kind.load(Ordering::Relaxed)).unwrap_or(u8::MAX);
+        (self.head.status.load(Ordering::Relaxed), sampled)
     }
 
     fn ask(&self, function: u32, instance: u32, count: usize, bands: usize) {
@@ -162,9 +170,9 @@ impl Channel {
         wait_for(&head.state, state::ANSWERED, &head.program_sleeps);
     }
 
-    /// Waits for the next question: the instance and the call. `processor` is where this thread
-    /// runs, which follows the thread that asks: one of the two sleeps always, and to wake a thread
-    /// on another processor takes longer.
+    /// Waits for the next question: the instance and the call. `processor` is the processor of this
+    /// thread, which follows the asking thread: only one of the two runs at a time, and waking a
+    /// thread on another processor takes longer.
     pub(super) fn next_question(&self, processor: &mut Option<u32>) -> (u32, Call) {
         let head = self.head;
         wait_for(&head.state, state::ASKED, &head.worker_sleeps);
@@ -190,20 +198,20 @@ impl Channel {
         (head.instance.load(Ordering::Relaxed), call)
     }
 
-    /// Answers a question; the parts of its call are not touched afterwards. `drawn` is what
-    /// `sample` found.
-    pub(super) fn answer(&self, status: Status, drawn: Option<Drawn>) {
+    /// Answers a question; the buffers of its call must not be used afterwards. `sampled` is the
+    /// result of `sample`.
+    pub(super) fn answer(&self, status: Status, sampled: Option<RawSample>) {
         let head = self.head;
         head.status.store(status, Ordering::Relaxed);
-        if let Some(drawn) = drawn {
+        if let Some(sampled) = sampled {
             let at = 6 + head.bands.load(Ordering::Relaxed) as usize;
-            self.put(self.put(at, &drawn.incident), &[drawn.pdf]);
-            head.sample_kind.store(u32::from(drawn.kind), Ordering::Relaxed);
+            self.put(self.put(at, &sampled.incident), &[sampled.pdf]);
+            head.sample_kind.store(u32::from(sampled.kind), Ordering::Relaxed);
         }
         hand_over(&head.state, state::ANSWERED, &head.program_sleeps);
     }
 
-    /// Writes numbers and gives the place behind them.
+    /// Writes numbers and returns the position after them.
     fn put(&self, at: usize, numbers: &[f64]) -> usize {
         let end = at + numbers.len();
         assert!(end <= MOST_NUMBERS, "a question fits into its channel");
@@ -212,7 +220,7 @@ impl Channel {
         end
     }
 
-    /// Reads numbers and gives the place behind them.
+    /// Reads numbers and returns the position after them.
     fn take(&self, at: usize, numbers: &mut [f64]) -> usize {
         let end = at + numbers.len();
         assert!(end <= MOST_NUMBERS, "an answer fits into its channel");
@@ -221,7 +229,7 @@ impl Channel {
         end
     }
 
-    /// A part of the numbers, for the worker until it answers. Parts that are in use together do
+    /// A part of the numbers, owned by the worker until it answers. Parts in simultaneous use do
     /// not overlap.
     fn part(&self, at: usize, length: usize) -> &'static mut [f64] {
         assert!(at + length <= MOST_NUMBERS, "a question fits into its channel");
@@ -230,7 +238,7 @@ impl Channel {
     }
 }
 
-/// Moves this thread to a processor, where the system lets it.
+/// Moves this thread to a processor, if the system permits it.
 fn follow(processor: u32) {
     let mut set = rustix::thread::CpuSet::new();
     if (processor as usize) < rustix::thread::CpuSet::MAX_CPU {
@@ -239,7 +247,7 @@ fn follow(processor: u32) {
     }
 }
 
-/// Changes the state and wakes the other side if it sleeps.
+/// Changes the state, and wakes the other side if it sleeps.
 fn hand_over(state: &AtomicU32, value: u32, other_sleeps: &AtomicU32) {
     state.store(value, Ordering::SeqCst);
     if other_sleeps.load(Ordering::SeqCst) != 0 {
@@ -247,8 +255,8 @@ fn hand_over(state: &AtomicU32, value: u32, other_sleeps: &AtomicU32) {
     }
 }
 
-/// Sleeps until the other side has changed the state. It runs on the same processor, so that
-/// nothing is won by looking longer.
+/// Sleeps until the other side changes the state. Both run on the same processor, so spinning would
+/// gain nothing.
 fn wait_for(state: &AtomicU32, wanted: u32, sleeps: &AtomicU32) {
     sleeps.store(1, Ordering::SeqCst);
     loop {
@@ -256,7 +264,7 @@ fn wait_for(state: &AtomicU32, wanted: u32, sleeps: &AtomicU32) {
         if found == wanted {
             break;
         }
-        // It returns at once if the state has changed meanwhile.
+        // The call returns at once if the state has changed in the meantime.
         let _ = futex::wait(state, futex::Flags::empty(), found, None);
     }
     sleeps.store(0, Ordering::SeqCst);
@@ -287,8 +295,8 @@ mod tests {
                     }
                     Call::Sample { u, weights, .. } => {
                         weights.fill(u[2]);
-                        let drawn = Drawn { incident: [0.1, u[0], u[1]], pdf: f64::INFINITY, kind: 2 };
-                        channel.answer(status::PANIC, Some(drawn));
+                        let sampled = RawSample { incident: [0.1, u[0], u[1]], pdf: f64::INFINITY, kind: 2 };
+                        channel.answer(status::PANIC, Some(sampled));
                     }
                 }
             }
@@ -302,10 +310,10 @@ mod tests {
             assert_eq!(values[65], 0.1 + x[1] + f64::from(round));
             assert_eq!(pdfs, [0.0; 64]);
             let mut weights = [f64::NAN; 3];
-            let (found, drawn) = channel.sample(round, DVec3::Z, [0.25, -0.0, 0.7], &mut weights);
-            assert_eq!((found, weights, drawn.kind), (status::PANIC, [0.7; 3], 2));
-            assert_eq!(drawn.incident.map(f64::to_bits), [0.1, 0.25, -0.0].map(f64::to_bits));
-            assert_eq!(drawn.pdf, f64::INFINITY);
+            let (found, sampled) = channel.sample(round, DVec3::Z, [0.25, -0.0, 0.7], &mut weights);
+            assert_eq!((found, weights, sampled.kind), (status::PANIC, [0.7; 3], 2));
+            assert_eq!(sampled.incident.map(f64::to_bits), [0.1, 0.25, -0.0].map(f64::to_bits));
+            assert_eq!(sampled.pdf, f64::INFINITY);
         }
         worker.join().unwrap();
     }

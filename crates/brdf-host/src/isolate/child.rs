@@ -1,4 +1,4 @@
-//! The worker: the process in which a library runs.
+//! The worker: the process that runs a library.
 
 use super::channel::{Call, SharedMemory};
 use super::wire::{Answer, Ask, Description, WireBand};
@@ -16,15 +16,15 @@ use std::process::Stdio;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// What the hidden command does: supervises itself, or is the worker.
+/// Entry point of the hidden command: the supervisor, or the worker.
 ///
 /// # Errors
-/// When the other end does not keep to the protocol.
+/// If the other side violates the protocol.
 pub fn child_main() -> io::Result<()> {
     if supervise::is_worker() { work() } else { supervise_worker() }
 }
 
-/// Says how the worker ended, on standard output.
+/// Reports on standard output how the worker ended.
 fn supervise_worker() -> io::Result<()> {
     supervise::adopt_orphans()?;
     let stderr = io::stderr().as_fd().try_clone_to_owned()?;
@@ -60,7 +60,7 @@ fn work() -> io::Result<()> {
         |library: &Arc<Library>| Description { abi_version: library.abi_version(), models: library.models().to_vec() };
     say(&socket, &Answer::Loaded(loaded.as_ref().map(describe).map_err(Clone::clone)))?;
     let Ok(library) = loaded else {
-        // The program has its answer, and ends this process when it likes.
+        // The program has its answer and ends this process when it likes.
         while next()?.is_some() {}
         return Ok(());
     };
@@ -70,7 +70,7 @@ fn work() -> io::Result<()> {
     Ok(())
 }
 
-/// The instances by their numbers.
+/// Instances by number.
 type Instances = Arc<RwLock<Vec<Option<Arc<PluginBrdf>>>>>;
 
 fn answer(library: &Arc<Library>, instances: &Instances, ask: Ask) -> Answer {
@@ -90,7 +90,7 @@ fn answer(library: &Arc<Library>, instances: &Instances, ask: Ask) -> Answer {
             Answer::SelfChecked(brdf.map_or_else(Vec::new, |brdf| self_check(&brdf, SelfCheck::Warn)))
         }
         Ask::Manual => Answer::Manual(library.manual()),
-        // A library is loaded once.
+        // A library is loaded only once.
         Ask::Messages | Ask::Load { .. } => Answer::Messages(library.take_messages()),
     }
 }
@@ -124,41 +124,40 @@ fn serve(channel: &super::channel::Channel, instances: &Instances) {
             let instances = instances.read().unwrap_or_else(PoisonError::into_inner);
             instances.get(instance as usize).cloned().flatten()
         };
-        let (found, drawn) = match (&brdf, call) {
+        let (found, sampled) = match (&brdf, call) {
             (None, _) => (status::BAD_ARGUMENT, None),
             (Some(brdf), Call::Eval { outgoing, incident, values, pdfs }) => {
                 (brdf.call_eval(outgoing, incident, values, pdfs), None)
             }
             (Some(brdf), Call::Sample { outgoing, u, weights }) => {
-                let (found, drawn) = brdf.call_sample(outgoing, u, weights);
-                (found, Some(drawn))
+                let (found, sampled) = brdf.call_sample(outgoing, u, weights);
+                (found, Some(sampled))
             }
         };
-        // After the answer the program may want the instance gone.
+        // After the answer the program may destroy the instance.
         drop(brdf);
-        channel.answer(found, drawn);
+        channel.answer(found, sampled);
     }
 }
 
-/// Shows the program that this thread makes one call after the other, though it has not answered
-/// for long.
+/// Shows the program that this thread is making progress, although it has not answered for long.
 fn show_progress(shared: SharedMemory) -> io::Result<()> {
     let calls = guard::count_calls();
     let show = move || loop {
-        std::thread::sleep(super::BETWEEN_LOOKS / 2);
+        std::thread::sleep(super::PROGRESS_INTERVAL / 2);
         shared.progress().store(calls() as u32, Ordering::Relaxed);
     };
     std::thread::Builder::new().stack_size(64 << 10).spawn(show).map(drop)
 }
 
-/// Takes the socket from the place of standard input, which plugins find empty.
+/// Takes the socket from standard input, which is empty for plugins.
 fn take_socket() -> io::Result<UnixStream> {
     let socket: OwnedFd = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stdin(), LEAST_PRIVATE_DESCRIPTOR)?;
     rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
     Ok(UnixStream::from(socket))
 }
 
-/// Above those that programs are used to.
+/// Smallest private descriptor, above those that programs commonly use.
 const LEAST_PRIVATE_DESCRIPTOR: i32 = 20;
 
 fn say(mut socket: &UnixStream, answer: &Answer) -> io::Result<()> {

@@ -1,9 +1,9 @@
-//! The program's side: a worker process and the channels to it.
+//! The program's side of isolation: a worker process and the channels to it.
 
 use super::channel::{MOST_BANDS, SharedMemory};
 use super::wire::{Answer, Ask, Description, WireBand};
-use super::{BETWEEN_LOOKS, Isolation, Question};
-use crate::functions::Drawn;
+use super::{Isolation, PROGRESS_INTERVAL, Question};
+use crate::functions::RawSample;
 use crate::guard::{self, Breadcrumb, Text};
 use crate::library::{Message, User};
 use crate::supervise::Ended;
@@ -28,17 +28,17 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 pub(crate) struct Worker {
     shared: Arc<Shared>,
     socket: Mutex<BufReader<UnixStream>>,
-    /// The channels that no thread uses now.
+    /// Channels that no thread uses.
     free: Mutex<Vec<usize>>,
     given_back: Condvar,
 }
 
-/// What the thread that waits for the end of the process knows too.
+/// State shared with the thread that waits for the end of the process.
 struct Shared {
     library: String,
     memory: SharedMemory,
     memory_limit: Option<u64>,
-    /// What is asked through each channel; the last is the socket. Null where nothing is.
+    /// Description of the call in each channel; the last is the socket's. Null if there is none.
     under_way: Vec<AtomicPtr<Text>>,
     closing: AtomicBool,
 }
@@ -68,7 +68,7 @@ impl Worker {
     }
 
     fn spawn(isolation: &Isolation, library: &str) -> io::Result<Worker> {
-        // More threads than processors find no faster answers.
+        // More threads than processors would not be faster.
         let channels = std::thread::available_parallelism().map_or(1, usize::from) + 1;
         let (memory, file) = SharedMemory::make(channels)?;
         let (ours, theirs) = UnixStream::pair()?;
@@ -76,7 +76,7 @@ impl Worker {
         let process = command.stdin(Stdio::from(OwnedFd::from(theirs))).stdout(Stdio::piped()).spawn()?;
         drop(command);
         send_descriptor(&ours, &file)?;
-        ours.set_read_timeout(Some(BETWEEN_LOOKS))?;
+        ours.set_read_timeout(Some(PROGRESS_INTERVAL))?;
         let shared = Arc::new(Shared {
             library: library.to_owned(),
             memory,
@@ -95,7 +95,7 @@ impl Worker {
         })
     }
 
-    /// The number of the new instance, and its flags.
+    /// Number and flags of the new instance.
     pub(crate) fn create(
         &self,
         index: u32,
@@ -121,7 +121,7 @@ impl Worker {
         self.ask(&Ask::Destroy(instance), breadcrumb);
     }
 
-    /// Findings of the self-check, which the worker makes.
+    /// Findings of the self-check, which the worker runs.
     pub(crate) fn self_check(&self, instance: u32, breadcrumb: Breadcrumb) -> Vec<String> {
         match self.ask(&Ask::SelfCheck(instance), breadcrumb) {
             Answer::SelfChecked(findings) => findings,
@@ -162,7 +162,7 @@ impl Worker {
         outgoing: DVec3,
         u: [f64; 3],
         weights: &mut [f64],
-    ) -> (Status, Drawn) {
+    ) -> (Status, RawSample) {
         let borrowed = self.borrow_channel(breadcrumb);
         self.shared.memory.channel(borrowed.index).sample(instance, outgoing, u, weights)
     }
@@ -180,7 +180,7 @@ impl Worker {
         Borrowed { worker: self, index }
     }
 
-    /// Asks through the socket. The caller has no other question under way in this thread.
+    /// Sends a request through the socket. This thread must have no other request in progress.
     fn ask(&self, ask: &Ask, breadcrumb: Breadcrumb) -> Answer {
         let mut socket = lock(&self.socket);
         let mut trail = Some(guard::enter(breadcrumb));
@@ -191,7 +191,7 @@ impl Worker {
         let answer = exchange(&mut socket, ask, || {
             let now = progress.load(Ordering::Relaxed);
             if std::mem::replace(&mut before, now) != now {
-                // For the guard's watch this is another call.
+                // The guard's watch counts this as another call.
                 trail = None;
                 trail = Some(guard::enter(breadcrumb));
             }
@@ -206,7 +206,7 @@ impl Worker {
                 let text = &breadcrumb.text().0;
                 guard::end_program(&format!("fault in {text}: its process answers nonsense: {error}"))
             }
-            // It is gone, which the thread that waits for that tells.
+            // The worker has ended; the waiting thread reports that.
             Err(_) => loop {
                 std::thread::park();
             },
@@ -214,7 +214,7 @@ impl Worker {
     }
 }
 
-/// A channel that one thread uses, until this is dropped.
+/// A channel in use by one thread, until dropped.
 struct Borrowed<'w> {
     worker: &'w Worker,
     index: usize,
@@ -230,7 +230,7 @@ impl Drop for Borrowed<'_> {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        // The socket closes, and the supervisor ends the process.
+        // Closing the socket makes the supervisor end the process.
         self.shared.closing.store(true, Ordering::Release);
     }
 }
@@ -244,7 +244,7 @@ impl Shared {
         self.under_way[index].store(null_mut(), Ordering::Release);
     }
 
-    /// Waits for the end of the process, which is also that of the program unless it was asked for.
+    /// Waits for the end of the process, and ends the program too unless the end was requested.
     fn wait_for_end(&self, mut process: Child) {
         let mut said = String::new();
         if let Some(mut output) = process.stdout.take() {
@@ -257,7 +257,7 @@ impl Shared {
         let ended = said.lines().find_map(|line| serde_json::from_str::<Ended>(line).ok());
         let memory = ended.and_then(|ended| ended.memory(self.memory_limit));
         if self.memory.spoken().load(Ordering::Acquire) > 0 {
-            // Its own message names the call.
+            // The worker's own message names the call.
             match memory {
                 None => guard::end_silently(),
                 Some(memory) => guard::end_program(&format!(
@@ -292,12 +292,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// No library says more of itself.
+/// Maximum length of an answer.
 const MOST_ANSWER_BYTES: u64 = 64 << 20;
 
-/// Asks and waits for the answer; `waiting` is called now and then meanwhile.
+/// Sends a request and waits for the answer; `waiting` is called from time to time.
 fn exchange(socket: &mut BufReader<UnixStream>, ask: &Ask, mut waiting: impl FnMut()) -> io::Result<Answer> {
-    // A path that is no text cannot be said.
+    // A path that is not text cannot be sent.
     let line = serde_json::to_string(ask).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     socket.get_mut().write_all((line + "\n").as_bytes())?;
     let mut answer = Vec::new();
@@ -322,7 +322,7 @@ fn send_descriptor(socket: &UnixStream, file: &OwnedFd) -> io::Result<()> {
     Ok(())
 }
 
-/// The other end of [`send_descriptor`].
+/// The receiving side of [`send_descriptor`].
 pub(super) fn receive_descriptor(socket: &UnixStream) -> io::Result<OwnedFd> {
     let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(1))];
     let mut ancillary = RecvAncillaryBuffer::new(&mut space);

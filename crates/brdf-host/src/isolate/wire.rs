@@ -1,4 +1,4 @@
-//! What program and worker say to each other through the socket: one line of JSON each.
+//! Messages of program and worker through the socket, as lines of JSON.
 
 use crate::library::Message;
 use crate::table::Arguments;
@@ -6,15 +6,15 @@ use crate::{Error, Label, ModelInfo};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What the program asks. The worker answers each with one [`Answer`].
+/// A request of the program. The worker answers each with one [`Answer`].
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Ask {
-    /// The first.
+    /// The first request.
     Load {
         path: PathBuf,
         channels: usize,
         memory: Option<u64>,
-        /// Which model of which material makes it be loaded, for messages.
+        /// Model and material that need the library, for messages.
         user: Option<(String, Label)>,
     },
     Create {
@@ -32,7 +32,7 @@ pub(super) enum Ask {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) enum Answer {
     Loaded(Result<Description, Error>),
-    /// The number of the instance, and its flags.
+    /// Number and flags of the instance.
     Created(Result<(u32, u32), Error>),
     Destroyed,
     SelfChecked(Vec<String>),
@@ -40,18 +40,18 @@ pub(super) enum Answer {
     Messages(Vec<Message>),
 }
 
-/// What a library says of itself.
+/// Description of a library.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Description {
     pub(crate) abi_version: (u32, u32),
     pub(crate) models: Vec<ModelInfo>,
 }
 
-/// A spectral band: centre, begin and end in metres.
+/// A spectral band: centre, start and end in metres.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct WireBand(#[serde(with = "bit_list")] pub(super) Vec<f64>);
 
-/// Numbers as their bits: JSON has no infinity, and every bit counts.
+/// Numbers as bit patterns: JSON has no infinity, and all bits must survive.
 pub(crate) mod bits {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -64,7 +64,7 @@ pub(crate) mod bits {
     }
 }
 
-/// Lists of numbers as their bits.
+/// Lists of numbers as bit patterns.
 pub(crate) mod bit_list {
     use serde::{Deserialize, Deserializer, Serializer};
 
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn infinities_and_all_bits_come_through() {
+    fn infinities_and_all_bits_survive() {
         let numbers = vec![f64::INFINITY, -f64::INFINITY, -0.0, 0.1 + 0.2, f64::from_bits(0x7ff8_0000_0000_1234)];
         let text = serde_json::to_string(&WireBand(numbers.clone())).unwrap();
         let back: WireBand = serde_json::from_str(&text).unwrap();

@@ -1,37 +1,37 @@
-//! That every number is finite and not negative, at the oddest directions too.
+//! Checks that every value is finite and not negative, even at degenerate directions.
 
-use super::{CheckOptions, Effort, Finding, Random, Worst, angles_text, direction_near, evaluate, from_angles};
+use super::{CheckLevel, CheckOptions, Finding, Random, Worst, angles_text, direction_near, evaluate, from_angles};
 use crate::{Brdf, Density};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const CHECK: &str = "finite";
 
-/// Evaluates and samples at ordinary, grazing and degenerate directions. A model without transmission must be zero for
-/// directions on different sides.
+/// Evaluates and samples the model at ordinary, grazing and degenerate directions. A model without
+/// transmission must be zero for directions on opposite sides.
 #[must_use]
 pub fn finite(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut worst = Worst::default();
-    let outgoing_directions = outgoing_directions(options.effort);
+    let outgoing_directions = outgoing_directions(options.level);
     for &outgoing in &outgoing_directions {
-        for incident in incident_directions(outgoing, options.effort) {
-            look(brdf, outgoing, incident, options, &mut worst);
+        for incident in incident_directions(outgoing, options.level) {
+            check_value(brdf, outgoing, incident, options, &mut worst);
         }
     }
     let mut findings = worst.into_findings();
     let mut worst = Worst::default();
     let mut random = Random::new(options.seed, 1);
     for &outgoing in &outgoing_directions {
-        for u in sample_points(&mut random, options.effort) {
-            draw(brdf, outgoing, u, options, &mut worst);
+        for u in sample_points(&mut random, options.level) {
+            check_sample(brdf, outgoing, u, options, &mut worst);
         }
     }
     findings.extend(worst.into_findings());
     findings
 }
 
-fn outgoing_directions(effort: Effort) -> Vec<DVec3> {
-    let mut polar: Vec<f64> = effort.outgoing_angles_deg().iter().map(|degrees| degrees.to_radians()).collect();
+fn outgoing_directions(level: CheckLevel) -> Vec<DVec3> {
+    let mut polar: Vec<f64> = level.outgoing_angles_deg().iter().map(|degrees| degrees.to_radians()).collect();
     // On and below the horizon, and close to the normal.
     polar.extend([1e-9, FRAC_PI_2 - 1e-6, FRAC_PI_2, FRAC_PI_2 + 1e-6, 2.0, PI]);
     let mut all: Vec<DVec3> = polar.into_iter().map(|polar| from_angles(polar, 0.7)).collect();
@@ -39,8 +39,8 @@ fn outgoing_directions(effort: Effort) -> Vec<DVec3> {
     all
 }
 
-fn incident_directions(outgoing: DVec3, effort: Effort) -> Vec<DVec3> {
-    let mut all = outgoing_directions(effort);
+fn incident_directions(outgoing: DVec3, level: CheckLevel) -> Vec<DVec3> {
+    let mut all = outgoing_directions(level);
     let mirror = DVec3::new(-outgoing.x, -outgoing.y, outgoing.z);
     for axis in [outgoing, mirror, -outgoing, -mirror] {
         all.push(axis);
@@ -54,15 +54,15 @@ fn incident_directions(outgoing: DVec3, effort: Effort) -> Vec<DVec3> {
     all
 }
 
-fn sample_points(random: &mut Random, effort: Effort) -> Vec<[f64; 3]> {
+fn sample_points(random: &mut Random, level: CheckLevel) -> Vec<[f64; 3]> {
     const JUST_BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
     let edges = [0.0, 0.5, JUST_BELOW_ONE];
     let corners = edges.iter().flat_map(|&a| edges.iter().flat_map(move |&b| edges.map(move |c| [a, b, c])));
-    let more = if effort == Effort::Quick { 20 } else { 1000 };
+    let more = if level == CheckLevel::Quick { 20 } else { 1000 };
     corners.chain(std::iter::repeat_with(|| random.cube()).take(more)).collect()
 }
 
-fn look(brdf: &dyn Brdf, outgoing: DVec3, incident: DVec3, options: &CheckOptions, worst: &mut Worst) {
+fn check_value(brdf: &dyn Brdf, outgoing: DVec3, incident: DVec3, options: &CheckOptions, worst: &mut Worst) {
     let (values, pdf) = evaluate(brdf, options.bands, outgoing, incident);
     for (what, number) in values.iter().map(|value| ("value", *value)).chain([("pdf", pdf)]) {
         if !(0.0..=f64::MAX).contains(&number) {
@@ -83,21 +83,21 @@ fn look(brdf: &dyn Brdf, outgoing: DVec3, incident: DVec3, options: &CheckOption
     }
 }
 
-fn draw(brdf: &dyn Brdf, outgoing: DVec3, u: [f64; 3], options: &CheckOptions, worst: &mut Worst) {
+fn check_sample(brdf: &dyn Brdf, outgoing: DVec3, u: [f64; 3], options: &CheckOptions, worst: &mut Worst) {
     let mut weights = vec![f64::NAN; options.bands];
     let Some(sample) = brdf.sample(outgoing, u, &mut weights) else { return };
     let at = || angles_text(outgoing, sample.incident);
     let off_unit = (sample.incident.length() - 1.0).abs();
     if off_unit > 1e-6 || off_unit.is_nan() {
         worst.offer(CHECK, off_unit / 1e-6, || {
-            format!("sample gives a direction of length {}, expected 1, at {}", sample.incident.length(), at())
+            format!("sample returns a direction of length {}, expected 1, at {}", sample.incident.length(), at())
         });
     }
     if let Density::Continuous(density) = sample.density
         && !(f64::MIN_POSITIVE..=f64::MAX).contains(&density)
     {
         worst.offer(CHECK, wrongness(density), || {
-            format!("sample gives a direction with density {density} at {}", at())
+            format!("sample returns a direction with density {density} at {}", at())
         });
     }
     for weight in weights {
@@ -108,17 +108,17 @@ fn draw(brdf: &dyn Brdf, outgoing: DVec3, u: [f64; 3], options: &CheckOptions, w
     let lobes = brdf.lobes();
     if sample.incident.z * outgoing.z < 0.0 && !lobes.transmission {
         worst.offer(CHECK, 1.0, || {
-            format!("sample goes through the surface at {}, but the model declares no transmission", at())
+            format!("sample returns a direction below the surface at {}, but the model declares no transmission", at())
         });
     }
     if sample.density == Density::Delta && !lobes.delta {
         worst.offer(CHECK, 1.0, || {
-            format!("sample is perfectly specular at {}, but the model declares no delta lobe", at())
+            format!("sample returns a perfectly specular direction at {}, but the model declares no delta lobe", at())
         });
     }
 }
 
-/// Not-a-number is worse than infinite is worse than negative.
+/// Severity: not-a-number is worse than infinite, and infinite worse than negative.
 fn wrongness(number: f64) -> f64 {
     match number {
         number if number.is_nan() => 3.0,

@@ -1,26 +1,27 @@
-//! The sphere in cells that are small where lobes are narrow.
+//! Partition of the sphere into cells that are small around narrow lobes.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The sphere of incident directions, cut into cells for one outgoing direction.
+/// Partition of the sphere of incident directions into cells, for one outgoing direction.
 ///
-/// The plane of the surface and the plane through the normal across the plane of incidence cut the sphere into four
-/// quadrants; each holds one of the directions about which lobes lie: retro, mirror, straight through, and its mirror image.
-/// Within a quadrant, rings are logarithmic in the angle δ to that direction, and each ring has sectors in the azimuth ψ
-/// about it, cut off at the quadrant's limits. Sectors are finer towards the plane of incidence: at grazing incidence a lobe
-/// is 1/cos θ times narrower across that plane than along it.
+/// The surface plane and the plane through the normal perpendicular to the plane of incidence
+/// divide the sphere into four quadrants. Each contains one direction about which lobes lie: retro,
+/// mirror, straight-through, and its mirror image. Within a quadrant, rings are logarithmic in the
+/// angle δ to that direction, and each ring has sectors in the azimuth ψ about it, clipped at the
+/// quadrant's limits. Sectors are finer close to the plane of incidence: at grazing incidence a
+/// lobe is 1/cos θ times narrower across that plane than along it.
 #[derive(Clone, Debug)]
 pub struct Partition {
-    /// Of the outgoing direction to the normal (or its opposite), 0…π/2.
+    /// Angle of the outgoing direction to the normal (or its opposite), 0…π/2.
     polar: f64,
     sin: f64,
     cos: f64,
     /// Unit vector of the outgoing direction's azimuth.
     azimuth: (f64, f64),
-    /// Ring k reaches from edge k to edge k + 1.
+    /// Ring k extends from edge k to edge k + 1.
     edges: Vec<f64>,
-    /// Sector k reaches from edge k to edge k + 1, as shares of the range of ψ.
+    /// Sector k extends from edge k to edge k + 1, as fractions of the range of ψ.
     sector_edges: Vec<f64>,
     /// Gauss–Legendre nodes and weights on (0, 1).
     nodes: Vec<(f64, f64)>,
@@ -38,7 +39,7 @@ pub struct Fineness {
     pub core: f64,
     /// Rings for each factor of ten in δ.
     pub rings_per_decade: usize,
-    /// Share of a half ring that the sectors next to the plane of incidence have.
+    /// Width of the sectors next to the plane of incidence, as a fraction of a half ring.
     pub narrowest_sector: f64,
     /// Sectors for each factor of ten away from the plane of incidence.
     pub sectors_per_decade: usize,
@@ -47,7 +48,7 @@ pub struct Fineness {
 }
 
 impl Partition {
-    /// The partition for an outgoing direction.
+    /// Partition for an outgoing direction.
     #[must_use]
     pub fn new(outgoing: DVec3, fineness: Fineness) -> Self {
         let horizontal = outgoing.x.hypot(outgoing.y);
@@ -79,7 +80,7 @@ impl Partition {
         ((quadrant * self.rings() + ring) * SIDES + side) * self.sectors() + sector
     }
 
-    /// The cell that holds a unit vector.
+    /// Cell that contains a unit vector.
     #[must_use]
     pub fn cell_of(&self, direction: DVec3) -> usize {
         let x = direction.x * self.azimuth.0 + direction.y * self.azimuth.1;
@@ -97,9 +98,10 @@ impl Partition {
         self.cell(quadrant, ring, usize::from(y < 0.0), sector)
     }
 
-    /// Which ψ ≥ 0 the quadrant has at the angle δ from its axis.
+    /// Range of ψ ≥ 0 within the quadrant, at the angle δ from its axis.
     ///
-    /// With the axis (sin θ, 0, cos θ): z ≥ 0 is cos ψ ≤ cot δ cot θ, and x ≥ 0 is cos ψ ≥ −cot δ tan θ.
+    /// With the axis (sin θ, 0, cos θ), z ≥ 0 is cos ψ ≤ cot δ cot θ, and x ≥ 0 is cos ψ ≥ −cot δ
+    /// tan θ.
     fn psi_range(&self, delta: f64) -> (f64, f64) {
         let cot = 1.0 / delta.tan();
         let largest = (cot * self.cos / self.sin).clamp(-1.0, 1.0);
@@ -107,8 +109,8 @@ impl Partition {
         (largest.acos(), smallest.acos())
     }
 
-    /// Calls `visit(cell, directions, solid_angles)` for each cell: quadrature points and their weights, sr. The weights of all
-    /// cells add up to the sphere.
+    /// Calls `visit(cell, directions, solid_angles)` for each cell, with quadrature points and
+    /// their weights in sr. The weights of all cells add up to the sphere.
     pub fn visit(&self, hemispheres: Hemispheres, mut visit: impl FnMut(usize, &[DVec3], &[f64])) {
         let quadrants = match hemispheres {
             Hemispheres::Upper => 0..2,
@@ -131,7 +133,8 @@ impl Partition {
         }
     }
 
-    /// Calls `visit(directions, solid_angles)` for parts of one cell, on a grid that is `refinement` times finer in both directions.
+    /// Calls `visit(directions, solid_angles)` for parts of one cell, on a grid that is
+    /// `refinement` times finer in both directions.
     pub fn visit_cell(&self, cell: usize, refinement: usize, mut visit: impl FnMut(&[DVec3], &[f64])) {
         let (rest, sector) = (cell / self.sectors(), cell % self.sectors());
         let (rest, side) = (rest / SIDES, rest % SIDES);
@@ -149,8 +152,8 @@ impl Partition {
         }
     }
 
-    /// Values of δ in a ring with weights that contain sin δ. Intervals end where a limit of the quadrant begins to cut the
-    /// ring, since the range of ψ has a square root there.
+    /// Values of δ in a ring, with weights that include sin δ. Intervals end where a limit of the
+    /// quadrant begins to clip the ring, since the range of ψ has a square root there.
     fn ring_nodes(&self, ring: usize, on_unit: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let (first, last) = (self.edges[ring], self.edges[ring + 1]);
         let mut kinks = [self.polar, FRAC_PI_2 - self.polar];
@@ -176,7 +179,8 @@ impl Partition {
         nodes
     }
 
-    /// Shares of the range of ψ in a sector with weights, logarithmic in the distance to the nearer end.
+    /// Fractions of the range of ψ in a sector, with weights; logarithmic in the distance to the
+    /// nearer end.
     fn sector_nodes(&self, sector: usize, on_unit: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let (first, last) = (self.sector_edges[sector], self.sector_edges[sector + 1]);
         let mirrored = first >= 0.5;
@@ -221,24 +225,25 @@ impl Partition {
     }
 }
 
-/// Which directions to integrate over.
+/// Integration domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hemispheres {
-    /// z ≥ 0.
+    /// The upper hemisphere, z ≥ 0.
     Upper,
     /// The sphere.
     Both,
 }
 
-/// Zero, `first`, and so on by equal factors to `last`.
+/// Zero, `first`, and further edges in geometric progression to `last`.
 fn logarithmic_edges(first: f64, last: f64, per_decade: usize) -> Vec<f64> {
     let intervals = ((last / first).log10() * per_decade as f64).ceil().max(1.0) as usize;
-    // The power may round to beyond the last edge.
+    // The power may round to a value above the last edge.
     let edge = |index: usize| (first * (last / first).powf(index as f64 / intervals as f64)).min(last);
     std::iter::once(0.0).chain((0..=intervals).map(edge)).collect()
 }
 
-/// Nodes and weights of Gauss and Legendre on (0, 1): roots of the Legendre polynomial by Newton's method.
+/// Nodes and weights of Gauss and Legendre on (0, 1): roots of the Legendre polynomial by Newton's
+/// method.
 fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
@@ -272,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cells_make_up_the_sphere_and_integrate_the_cosine() {
+    fn the_cells_cover_the_sphere_and_integrate_the_cosine() {
         for degrees in [0.0, 1e-3, 20.0, 45.0, 70.0, 89.0, 89.9, 90.0] {
             let partition = Partition::new(at(degrees), FINENESS);
             let (mut sphere, mut cosine) = (0.0, 0.0);
@@ -296,7 +301,7 @@ mod tests {
                 all += directions.len();
                 wrong += directions.iter().filter(|direction| partition.cell_of(**direction) != cell).count();
             });
-            // Rounding may move a point across an edge of the tiniest rings.
+            // Rounding may move a point across an edge of the smallest rings.
             assert!(wrong * 1000 <= all, "{degrees}°: {wrong} of {all}");
         }
     }

@@ -1,37 +1,38 @@
-//! That a value depends on its directions only: not on the batch, the order, the thread, or the azimuth of the frame.
+//! Checks that a value depends on its directions only: not on the batch, the order, the thread, or
+//! the azimuth of the frame.
 
-use super::{CheckOptions, Effort, Finding, Random, Worst, angles_text, evaluate, from_angles};
+use super::{CheckLevel, CheckOptions, Finding, Random, Worst, angles_text, evaluate, from_angles};
 use crate::Brdf;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Between a batch and single calls, where a vectorised model may round differently.
+/// Relative tolerance between a batch and single calls: vectorised models may round differently.
 const BATCH_TOLERANCE: f64 = 1e-9;
-/// Between two azimuths of an isotropic model.
+/// Relative tolerance between two azimuths of an isotropic model.
 const AZIMUTH_TOLERANCE: f64 = 1e-6;
 const THREADS: usize = 4;
 
-/// Compares single calls with a batch, one order with another, and threads with each other.
+/// Compares single calls with a batch, one order with another, and one thread with several.
 #[must_use]
 pub fn purity(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut random = Random::new(options.seed, 3);
-    let count = if options.effort == Effort::Quick { 16 } else { 333 };
+    let count = if options.level == CheckLevel::Quick { 16 } else { 333 };
     let directions: Vec<DVec3> =
         (0..count).map(|_| from_angles(0.55 * PI * random.uniform(), TAU * random.uniform())).collect();
     let mut worst = Worst::default();
-    for &degrees in options.effort.outgoing_angles_deg() {
+    for &degrees in options.level.outgoing_angles_deg() {
         let outgoing = from_angles(degrees.to_radians(), 0.7);
         let batch = evaluate_batch(brdf, outgoing, &directions, options.bands);
         compare_single(brdf, outgoing, &directions, &batch, options, &mut worst);
         compare_order(brdf, outgoing, &directions, options, &mut worst);
     }
-    if options.effort == Effort::Thorough {
+    if options.level == CheckLevel::Thorough {
         compare_threads(brdf, &directions, options, &mut worst);
     }
     worst.into_findings()
 }
 
-/// For a model that is not anisotropic: that turning both directions about the normal changes nothing.
+/// Checks that an isotropic model is invariant under rotation of both directions about the normal.
 #[must_use]
 pub fn isotropy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut worst = Worst::default();
@@ -39,7 +40,7 @@ pub fn isotropy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
         return Vec::new();
     }
     let mut random = Random::new(options.seed, 4);
-    let pairs = if options.effort == Effort::Quick { 50 } else { 2000 };
+    let pairs = if options.level == CheckLevel::Quick { 50 } else { 2000 };
     for _ in 0..pairs {
         let mut direction = || from_angles(89f64.to_radians() * random.uniform(), TAU * random.uniform());
         let (outgoing, incident) = (direction(), direction());
@@ -51,7 +52,7 @@ pub fn isotropy(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
             if off > 1.0 || off.is_nan() {
                 worst.offer("isotropy", off, || {
                     let at = angles_text(outgoing, incident);
-                    format!("value {here:.6e} but {there:.6e} when both directions turn about the normal at {at}; an anisotropic model must say so")
+                    format!("value {here:.6e} but {there:.6e} when both directions are rotated about the normal at {at}, but the model does not declare anisotropy")
                 });
             }
         }
@@ -82,14 +83,14 @@ fn compare_single(
             if off > 1.0 || off.is_nan() {
                 worst.offer("purity", off, || {
                     let at = angles_text(outgoing, incident);
-                    format!("{single:.9e} alone but {in_batch:.9e} in a batch (or on another call) at {at}")
+                    format!("{single:.9e} in a single call but {in_batch:.9e} in a batch at {at}")
                 });
             }
         }
     }
 }
 
-/// The same directions backwards: the same bits.
+/// Compares the same directions in reverse order: all bits must be equal.
 fn compare_order(brdf: &dyn Brdf, outgoing: DVec3, directions: &[DVec3], options: &CheckOptions, worst: &mut Worst) {
     let backwards: Vec<DVec3> = directions.iter().rev().copied().collect();
     let (forth, _) = evaluate_batch(brdf, outgoing, directions, options.bands);
@@ -110,7 +111,7 @@ fn compare_order(brdf: &dyn Brdf, outgoing: DVec3, directions: &[DVec3], options
     }
 }
 
-/// The same batches from several threads at once: the same bits as from one.
+/// Evaluates the same batches on several threads at once: all bits must equal those of one thread.
 fn compare_threads(brdf: &dyn Brdf, directions: &[DVec3], options: &CheckOptions, worst: &mut Worst) {
     let work = || -> Vec<(Vec<f64>, Vec<f64>)> {
         let outgoing = directions.iter().filter(|direction| direction.z > 0.0).take(40);

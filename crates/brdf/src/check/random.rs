@@ -1,13 +1,14 @@
 //! Random numbers for checks.
 
-/// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014).
+/// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA
+/// 2014).
 ///
-/// Statistical tests need independent numbers; the low-discrepancy points of a rendering would be too even for them.
+/// Statistical tests need independent numbers; low-discrepancy points are too uniform for them.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The sequence of `seed`; another `stream` is another sequence.
+    /// Generator for a seed; each `stream` is a sequence of its own.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut random = Random(seed ^ stream.wrapping_mul(0xd1b5_4a32_d192_ed03));

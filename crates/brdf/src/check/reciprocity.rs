@@ -1,17 +1,17 @@
-//! Helmholtz reciprocity: `f(o, i) = f(i, o)`.
+//! Reciprocity check (Helmholtz): `f(o, i) = f(i, o)`.
 
-use super::{CheckOptions, Effort, Finding, Random, Worst, angles_text, direction_near, evaluate, from_angles};
+use super::{CheckLevel, CheckOptions, Finding, Random, Worst, angles_text, direction_near, evaluate, from_angles};
 use crate::Brdf;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Relative difference that is allowed.
+/// Relative tolerance.
 const RELATIVE: f64 = 1e-4;
-/// Difference that is allowed anywhere, 1/sr.
+/// Absolute tolerance, 1/sr.
 const ABSOLUTE: f64 = 1e-7;
 
-/// Compares pairs of directions on the front: independent ones, and ones close to each other's mirror and retro directions,
-/// with distances spread evenly in the logarithm.
+/// Compares pairs of directions on the front: independent ones, and ones close to each other's
+/// mirror and retro directions, at distances uniform in the logarithm.
 #[must_use]
 pub fn reciprocity(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     let mut worst = Worst::default();
@@ -19,7 +19,7 @@ pub fn reciprocity(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
         return Vec::new();
     }
     let mut random = Random::new(options.seed, 2);
-    let pairs = if options.effort == Effort::Quick { 300 } else { 10_000 };
+    let pairs = if options.level == CheckLevel::Quick { 300 } else { 10_000 };
     for index in 0..pairs {
         let outgoing = anywhere(&mut random);
         let mirror = DVec3::new(-outgoing.x, -outgoing.y, outgoing.z);
@@ -37,7 +37,7 @@ pub fn reciprocity(brdf: &dyn Brdf, options: &CheckOptions) -> Vec<Finding> {
     worst.into_findings()
 }
 
-/// Uniform in the polar angle, so that grazing directions occur often.
+/// Uniform in the polar angle, which makes grazing directions frequent.
 fn anywhere(random: &mut Random) -> DVec3 {
     from_angles(89.95f64.to_radians() * random.uniform(), TAU * random.uniform())
 }
@@ -50,7 +50,7 @@ fn compare(brdf: &dyn Brdf, outgoing: DVec3, incident: DVec3, options: &CheckOpt
         if off > 1.0 || off.is_nan() {
             worst.offer("reciprocity", off, || {
                 let at = angles_text(outgoing, incident);
-                format!("f is {there:.6e} but {back:.6e} with the directions exchanged in band {band} at {at}")
+                format!("f is {there:.6e} but {back:.6e} with exchanged directions in band {band} at {at}")
             });
         }
     }

@@ -1,6 +1,6 @@
-//! Writes programs of the language by dice, for tests.
+//! Generates random programs of the language, for tests.
 
-/// A small generator of numbers, so that a failure can be repeated.
+/// A small random number generator, which makes failures reproducible.
 pub(crate) struct Dice(u64);
 
 impl Dice {
@@ -30,7 +30,7 @@ impl Dice {
     }
 }
 
-/// Writes expressions.
+/// Generates expressions.
 struct Writer<'d> {
     dice: &'d mut Dice,
     parameters: u64,

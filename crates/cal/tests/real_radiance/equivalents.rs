@@ -1,6 +1,7 @@
-//! Our function files against the originals, both evaluated by us: that we evaluate the originals as `rcalc` and `rtrace` do
-//! is tested elsewhere. `RADSIGHT_FUNCTION_FILES` names further folders with originals, separated by colons, for the files
-//! that a package of Radiance may lack.
+//! Compares radsight's function files with Radiance's originals, both evaluated by this crate;
+//! other tests compare its evaluation with `rcalc` and `rtrace`. `RADSIGHT_FUNCTION_FILES` lists
+//! further folders with originals, separated by colons, for files that a package of Radiance may
+//! lack.
 
 use crate::close;
 use crate::library::{call, definitions, records};
@@ -9,7 +10,7 @@ use radsight_cal::{Definitions, Environment};
 use radsight_diag::SourceMap;
 use std::path::PathBuf;
 
-/// Real arguments: the first chooses among kinds in some files.
+/// Real arguments; in some files the first selects a variant.
 fn real_arguments(first: &str, count: usize) -> String {
     // An index of refraction, or something smaller.
     let second = if first == ".4" { "1.5" } else { ".3" };
@@ -19,12 +20,12 @@ fn real_arguments(first: &str, count: usize) -> String {
     )
 }
 
-/// What some files want to be defined before, or by their users.
+/// Definitions that some files require beforehand, or from their users.
 const WANTED: &str = "MF : 2; SALT = 20+$40; SAZI = 30+$41; x1 = 1; x2 = 2+$40; x3 = 4; y1 = .3; y2 = $41; y3 = -.2;
     nrows = 4; ncols = 8; W(i,j) = 1+.1*i-.03*j; w : 2; h : 1.5; d : .1; MONTH = 1+floor(mod($40,12)); DAY = 7; TIME = 9.5+mod($41,3);
     Tn = .8; Rn = .1; YEAR = 1990+floor(mod($42,40)); Tbin = 1+floor(mod($40*7,145)); Rbin = floor(mod($41*29,578));
     A = 1+$40; B = 7*$41; C = $42; kbin = 1+floor(mod($41*31,145)); fprism_val(a,b,c) = a+10*b+100*c+Dx; bezier(p1,p2,p3,p4,t) : p1*(1-t)^3+p2*3*t*(1-t)^2+p3*3*t*t*(1-t)+p4*t^3;";
-/// Points of a patch, which hide the variables of a ray; and key frames of an animation.
+/// Points of a patch, which shadow the variables of a ray, and key frames of an animation.
 const POINTS: &str = "Px(i,j) = i+.1*j*j; Py(i,j) = j-.2*i*i; Pz(i,j) = .3*i*j;";
 const FRAMES: &str = "T(i) = select(i+1, 5, 1, 1.5, 2, 1, 3); t = mod($41,8); f(i) = i*i-2*i;";
 
@@ -50,7 +51,8 @@ fn original(radiance: &Radiance, name: &str) -> Option<String> {
         .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Compares what two texts define under the original's names. How many values were compared, of how many names.
+/// Compares the definitions of two texts under the original's names; returns the number of compared
+/// values and names.
 fn compare(name: &str, original: &str, ours: &str) -> (usize, usize) {
     let extra = match name {
         "bezier2.cal" | "patch3w.cal" => POINTS,

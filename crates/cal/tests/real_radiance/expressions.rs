@@ -1,4 +1,4 @@
-//! Thousands of generated programs against `rcalc`.
+//! Compares thousands of generated programs with `rcalc`.
 
 use crate::close;
 use crate::oracle::{Radiance, to_bytes, to_numbers};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 const PROGRAMS: u64 = 8000;
 const RECORDS: usize = 6;
 
-/// Definitions and expressions of one program, under names of its own.
+/// Definitions and expressions of one program, under unique names.
 fn numbered(seed: u64) -> (String, [String; 2]) {
     let (text, roots) = program_text(&mut Dice::new(seed + 90_000), false);
     let rename = |text: &str| {
@@ -26,7 +26,8 @@ fn numbered(seed: u64) -> (String, [String; 2]) {
     (rename(&text), roots.map(|root| rename(&root)))
 }
 
-/// Our values of one program, and whether each came without a fault; `None` if it has a constant that cannot be.
+/// radsight's values of one program, and whether each is without a fault; `None` if a constant is
+/// invalid.
 fn ours(text: &str, records: &[[f64; 4]]) -> Option<Vec<[(f64, bool); 2]>> {
     let mut environment = Environment::new();
     let mut sources = SourceMap::default();
@@ -40,13 +41,14 @@ fn ours(text: &str, records: &[[f64; 4]]) -> Option<Vec<[(f64, bool); 2]>> {
     Some(records.iter().map(&mut evaluate).collect())
 }
 
-/// A program, and our values of it by record.
+/// A program, and radsight's values of it by record.
 struct Expected {
     seed: u64,
     values: Vec<[(f64, bool); 2]>,
 }
 
-/// What `rcalc` gives, by record, then by program. A build that sees no faults may stop at one: such a program is left out.
+/// Values of `rcalc` by record, then by program. A build that does not detect faults may stop at
+/// one; such a program is left out.
 fn theirs(radiance: &Radiance, programs: &[Expected], records: &[[f64; 4]]) -> Vec<Vec<Option<[f64; 2]>>> {
     let mut all = String::new();
     for (index, expected) in programs.iter().enumerate() {
@@ -83,7 +85,8 @@ fn generated_programs_have_the_values_of_rcalc() {
         let programs: Vec<Expected> = (batch * 100..(batch + 1) * 100)
             .filter_map(|seed| {
                 let (text, [first, second]) = numbered(seed);
-                // A build that sees no faults has lost the sign of zero too, which decides what atan2 is.
+                // A build that sees no faults has lost the sign of zero too, which decides what
+                // atan2 is.
                 let signed = text.contains("atan2") || first.contains("atan2") || second.contains("atan2");
                 if signed && !radiance.sees_faults {
                     return None;

@@ -1,4 +1,5 @@
-//! The function files of real Radiance: evaluated by `rcalc`, by us, and from our equivalents of them.
+//! The function files of real Radiance, evaluated by `rcalc` and by this crate, and radsight's
+//! equivalents of them.
 
 use crate::close;
 use crate::oracle::{Radiance, to_bytes, to_numbers};
@@ -7,7 +8,7 @@ use radsight_cal::{Definitions, Environment, Handle};
 use radsight_diag::SourceMap;
 use std::path::{Path, PathBuf};
 
-/// Channels of a ray, and then arguments for functions.
+/// Number of channels of a ray; arguments of functions follow them.
 pub(crate) const CHANNELS: usize = 37;
 pub(crate) const ARGUMENTS: usize = 12;
 const RECORDS: usize = 24;
@@ -16,12 +17,12 @@ const RECORDS: usize = 24;
 const REAL_ARGUMENTS: &str = "arg(n) = if(n-.5, select(n, .4, 1.3, 2.2, .7, 1.5, 3.1, .2, .8, 1.1, .9, .35, 1.7,
     .6, 1.2, .45, 2.1, .75, 1.4, .3, .95, 1.6, .55, .85, 1.05, .65), 25); PI : 3.14159265358979323846;";
 
-/// What `pcomb` would offer, and a function to pass to functions.
+/// Definitions that `pcomb` provides, and a function to pass to functions.
 const OF_PICTURES: &str = "xmax : 64; ymax : 48; xres : 64; yres : 48; nfiles : 2; we : 179;
     ri(i) = .3+.1*i; gi(i) = .4+.05*i; bi(i) = .2+.2*i; li(i) = .3+.1*i; re(i) : 1; ge(i) : 1; be(i) : 1; le(i) : 1; pa(i) : 1;
     some_function(i) = .4+.3*i-.02*i*i;";
 
-/// What a file defines: names and numbers of arguments (0 for a variable).
+/// Definitions of a file: names and numbers of arguments (0 for a variable).
 pub(crate) fn definitions(text: &str) -> Vec<(String, usize)> {
     let mut depth = 0;
     let bare: String = text
@@ -46,7 +47,7 @@ pub(crate) fn definitions(text: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// A call whose arguments are columns of a record, or functions where the bits of `functions` say so.
+/// A call whose arguments are columns of a record, or functions where a bit of `functions` is set.
 pub(crate) fn call(name: &str, arity: usize, functions: usize) -> String {
     let argument = |index| match functions >> index & 1 {
         0 => format!("${}", CHANNELS + 1 + index),
@@ -58,7 +59,7 @@ pub(crate) fn call(name: &str, arity: usize, functions: usize) -> String {
 
 pub(crate) type Record = [f64; CHANNELS + ARGUMENTS];
 
-/// Rays that hit something, and arguments of several sizes.
+/// Rays with an intersection, and arguments of several magnitudes.
 pub(crate) fn records() -> Vec<Record> {
     let mut dice = Dice::new(3);
     let mut uniform = move || dice.below(1 << 20) as f64 / (1 << 20) as f64;
@@ -115,7 +116,7 @@ impl Ours {
         self.environment.expression(source, text.as_bytes()).map_err(|problem| self.render(&[problem]))
     }
 
-    /// The value, and whether it came without a fault.
+    /// The value, and whether it is without a fault.
     fn value(&mut self, handle: &Result<Handle, String>, record: &[f64]) -> Result<(f64, bool), String> {
         match self.environment.eval(handle.clone()?, &[], record) {
             Ok(value) => Ok((value, self.environment.warnings().is_empty())),
@@ -132,7 +133,7 @@ struct Theirs<'r> {
 }
 
 impl Theirs<'_> {
-    /// The values by expression and record, or what `rcalc` says against the expressions.
+    /// Values by expression and record, or the error of `rcalc`.
     fn run(&self, calls: &[String], extra: &str) -> Result<Vec<Vec<f64>>, String> {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: String| {
@@ -174,8 +175,9 @@ impl Theirs<'_> {
         }
     }
 
-    /// The values of a function that `rcalc` does not accept with numbers alone: with functions as arguments, and with
-    /// definitions for what it finds undefined. The call, the definitions and the values.
+    /// The values of a function that `rcalc` does not accept with numbers alone: with functions as
+    /// arguments, and with definitions for what it finds undefined. The call, the definitions and
+    /// the values.
     fn coax(&self, name: &str, arity: usize) -> Option<(String, String, Vec<f64>)> {
         for functions in 0..1 << arity.min(5) {
             let call = call(name, arity, functions);
@@ -194,7 +196,7 @@ impl Theirs<'_> {
     }
 }
 
-/// A definition of what `rcalc` finds undefined, if that is its complaint.
+/// A definition of the name that `rcalc` reports as undefined, if that is its error.
 fn definition_for(message: &str) -> Option<String> {
     let (name, complaint) = message.lines().last()?.split_once(": undefined ")?;
     let number = 0.3 + name.bytes().map(f64::from).sum::<f64>() % 17.0 / 20.0;
@@ -214,7 +216,7 @@ fn function_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Compares the values of one call. How many points were compared.
+/// Compares the values of one call; returns the number of compared points.
 fn compare(ours: &mut Ours, call: &str, theirs: &[f64], records: &[Record], strict: bool) -> Result<usize, String> {
     let handle = ours.expression(call);
     let mut compared = 0;
@@ -259,7 +261,7 @@ fn functions_of_the_library_have_the_values_of_rcalc() {
             match result {
                 Ok(0) => left_out.push(format!("{name}: {call}")),
                 Ok(compared) => (functions, points) = (functions + 1, points + compared),
-                // Definitions invented here may ask for the impossible, which not every build notices.
+                // Definitions made up by the test may be invalid, which not every build detects.
                 Err(problem) if problem.contains("bad constant") && !radiance.sees_faults => {
                     left_out.push(format!("{name}: {call}"));
                 }

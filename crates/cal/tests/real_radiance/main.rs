@@ -1,5 +1,6 @@
-//! Differential tests against real Radiance, which are skipped where it is not to be had: `RADSIGHT_RADIANCE` names a folder
-//! with `bin` and `lib`, else `PATH` and `RAYPATH` are searched.
+//! Differential tests against real Radiance, which are skipped if it is not found:
+//! `RADSIGHT_RADIANCE` names a folder with `bin` and `lib`, otherwise `PATH` and `RAYPATH` are
+//! searched.
 
 mod equivalents;
 mod expressions;

@@ -4,16 +4,17 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// Where real Radiance is.
+/// An installation of real Radiance.
 pub(crate) struct Radiance {
     bin: Option<PathBuf>,
     pub(crate) lib: Option<PathBuf>,
-    /// Whether it notices that a function's value is not a number. Builds with fast mathematics do not.
+    /// Whether it detects that a function's value is not a number; builds with fast mathematics do
+    /// not.
     pub(crate) sees_faults: bool,
 }
 
 impl Radiance {
-    /// Finds it, or says that the test is skipped.
+    /// Finds the installation, or prints that the test is skipped.
     pub(crate) fn find() -> Option<Radiance> {
         let real = radsight_test_support::Radiance::find()?;
         let raypath = std::env::var("RAYPATH").unwrap_or_default();
@@ -28,14 +29,14 @@ impl Radiance {
         Some(found)
     }
 
-    /// What a program writes, and its messages; `None` if it fails.
+    /// Output of a program and its messages; `None` if it fails.
     pub(crate) fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Option<(Vec<u8>, String)> {
         let output = self.output(None, program, arguments, input)?;
         let messages = String::from_utf8_lossy(&output.stderr).into_owned();
         output.status.success().then_some((output.stdout, messages))
     }
 
-    /// What a program writes, or its messages if it fails.
+    /// Output of a program, or its messages if it fails.
     pub(crate) fn try_run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Result<Vec<u8>, String> {
         let output = self.output(None, program, arguments, input).ok_or_else(String::new)?;
         match output.status.success() {
@@ -44,7 +45,7 @@ impl Radiance {
         }
     }
 
-    /// What a program writes that runs in a folder.
+    /// Output of a program that runs in a folder.
     pub(crate) fn run_in(&self, folder: &Path, program: &str, arguments: &[&str], input: &[u8]) -> Option<Vec<u8>> {
         let output = self.output(Some(folder), program, arguments, input)?;
         if !output.status.success() {

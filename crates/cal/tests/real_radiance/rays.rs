@@ -1,4 +1,5 @@
-//! Patterns on surfaces, as `rtrace` sees them: scopes of files, real arguments, noise, what a ray gives.
+//! Patterns on surfaces compared with `rtrace`: scopes of files, real arguments, noise, channels of
+//! a ray.
 
 use crate::close;
 use crate::oracle::{Radiance, to_bytes, to_numbers};
@@ -77,10 +78,10 @@ const PATTERNS: [(&str, &str); 52] = [
 const REAL_ARGUMENTS: [f64; 4] = [0.5, 0.25, 0.125, 0.75];
 const RAYS: usize = 25;
 
-/// Added to every pattern, since a negative light means nothing.
+/// Offset of every pattern, which keeps radiance positive.
 const OFFSET: f64 = 20.0;
 
-/// A scene in which each pattern covers a square of its own, from x = 2i to 2i + 1.
+/// A scene with a square for each pattern, from x = 2i to 2i + 1.
 fn scene() -> String {
     let mut text = String::new();
     for (index, (expression, file)) in PATTERNS.iter().enumerate() {
@@ -164,7 +165,7 @@ fn patterns_have_the_values_that_rtrace_sees() {
         let program = Program::compile(&definitions, &scope, &[root], &bindings)
             .unwrap_or_else(|problems| panic!("{}", problems[0].render(&sources)));
         for (ray, theirs) in rays(index).iter().zip(theirs[3 * RAYS * index..].chunks(3)) {
-            // Where Radiance finds an error in the computation, the pattern does nothing.
+            // After a computation error in Radiance, the pattern has no effect.
             let value = program.eval(0, &[], &channels(ray)[..], &mut scratch).unwrap_or(1.0);
             assert!(close(value, theirs[0]), "{expression} in {file} is {value}, rtrace has {}", theirs[0]);
         }

@@ -3,7 +3,7 @@
 use super::PathIntegrator;
 use super::path_state::PathState;
 use crate::mis::Lobe;
-use radsight_compile::{DISTANT, Emitter, EmitterClass, FirstHit, Lights, Shader, emission, given};
+use radsight_compile::{DISTANT, Emitter, EmitterType, FirstHit, Lights, Shader, emission, given};
 use radsight_ir::SurfaceHandle;
 use radsight_texture::{SurfaceInteraction, product};
 
@@ -61,7 +61,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let Some(mis) = &path.mis else {
             // A glow that is too far away to be sampled is a surface as any other.
             let total = path.travelled + distance;
-            let far = matches!(emitter.class, EmitterClass::Glow(radius) if radius >= 0.0 && total > radius);
+            let far = matches!(emitter.class, EmitterType::Glow(radius) if radius >= 0.0 && total > radius);
             return if far || self.plan.options.lights == Lights::Visible { 1.0 } else { 0.0 };
         };
         let is_sought = match mis.lobe {
@@ -73,9 +73,9 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             return 0.0;
         }
         let overcounted = match emitter.class {
-            EmitterClass::Glow(radius) => mis.behind_illum || radius < 0.0,
-            EmitterClass::Illum => mis.behind_illum,
-            EmitterClass::Light => false,
+            EmitterType::Glow(radius) => mis.behind_illum || radius < 0.0,
+            EmitterType::Illum => mis.behind_illum,
+            EmitterType::Light => false,
         };
         if overcounted { 0.0 } else { mis.share(self.plan, surface, distance, cosine) }
     }
@@ -85,7 +85,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
 /// glows that are far away take part in interreflection.
 pub(super) fn placed_share(emitter: &Emitter, distance: f64) -> f64 {
     match emitter.class {
-        EmitterClass::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
+        EmitterType::Glow(radius) if radius >= 0.0 && distance > radius => 1.0,
         _ => 0.0,
     }
 }

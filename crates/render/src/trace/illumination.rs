@@ -77,7 +77,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
         let is_split = branches != asked;
         self.next_set += if is_split { Branches::SETS } else { branches.highlight.max(1) };
         let mut reception = point.reception(self.plan.light_draws[usize::from(path.is_scattered())]);
-        reception.places = self.places(path, branches);
+        reception.samples = self.places(path, branches);
         // Light from mist comes to shadow rays less dimmed than to others: then the two cannot share the work.
         let shared = !self.plan.lights_are_covered;
         let mut visible_portals = if follow_diffuse { visible_portals(point, self.plan, at) } else { None };

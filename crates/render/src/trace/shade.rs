@@ -60,7 +60,7 @@ impl<const BANDS: usize> PathIntegrator<'_, BANDS> {
             Kind::Emitter(_) | Kind::Mirror { .. } | Kind::Transparent | Kind::Antimatter(_) => {}
             Kind::Mixture(mixture) => self.shade_mixture([path, unseen], hit, (shader, mixture), &interaction),
             Kind::Unusable => {
-                let _ = self.plan.unusable_met.set((hit.surface, hit.shader));
+                let _ = self.plan.unusable_hit.set((hit.surface, hit.shader));
             }
             Kind::Glass { transmissivity, refractive_index } => {
                 self.shade_glass(path, hit, shader, (bands(*transmissivity), *refractive_index), &interaction);

@@ -1,41 +1,42 @@
-//! One prism: which share of the light it returns, and in which directions.
+//! One corner prism: the fraction of the light that it returns, and the directions.
 
 use super::polygon::{Point, Polygon};
 use crate::fresnel::fresnel_dielectric;
 use glam::DVec3;
 
-/// Pairs of opposite beams: three of a prism, and two ways in which prisms are turned.
+/// Number of pairs of opposite beams: three per prism, and two orientations of the prisms.
 pub(super) const BEAMS: usize = 6;
 
-/// A pair of returned beams: the light of one order of faces, and of the opposite order.
+/// A pair of returned beams: light in one order of faces, and in the opposite order.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beam {
-    /// From the direction to the lamp to the returned direction, of the first beam; the second has the opposite.
+    /// Deviation of the first beam's direction from the direction to the lamp; the second beam has
+    /// the opposite one.
     pub(super) deviation: DVec3,
-    /// Share of the light that falls on the sheeting, of each of the two.
+    /// Fraction of the incident light in each of the two beams.
     pub(super) share: f64,
 }
 
-/// What the prisms' faces are.
+/// Surface of the prisms' faces.
 #[derive(Clone, Copy, Debug)]
 pub enum Faces {
-    /// Against air: total reflection, or a little.
+    /// Against air: total or partial reflection.
     Bare,
     /// Coated with metal, of the same reflectance at every angle.
     Coated {
-        /// 0…1.
+        /// Reflectance, 0…1.
         reflectance: f64,
     },
 }
 
-/// A corner prism with its point at the origin and its triangular front in the plane z = 1.
+/// A corner prism with its apex at the origin and its triangular front in the plane z = 1.
 #[derive(Clone, Debug)]
 pub(super) struct CubeCorner {
     index: f64,
     faces: Faces,
-    /// Unit normals into the prism when the corner is square; they lie along its edges.
+    /// Unit normals into the prism for exact right angles; they lie along its edges.
     square: [DVec3; 3],
-    /// With the dihedral error.
+    /// Unit normals with the dihedral error.
     actual: [DVec3; 3],
     /// Corners of the front, counter-clockwise; corner k is the end of the edge along `square[k]`.
     front: [Point; 3],
@@ -43,20 +44,22 @@ pub(super) struct CubeCorner {
 }
 
 impl CubeCorner {
-    /// A prism of index `index` whose dihedral angles are 90° plus `dihedral_error` radians.
+    /// A prism of index `index` with dihedral angles of 90° plus `dihedral_error` radians.
     pub(super) fn new(index: f64, dihedral_error: f64, faces: Faces) -> Self {
         let square = [90f64, 210.0, 330.0].map(|degrees| {
             let (sin, cos) = degrees.to_radians().sin_cos();
             DVec3::new((2.0f64 / 3.0).sqrt() * cos, (2.0f64 / 3.0).sqrt() * sin, (1.0f64 / 3.0).sqrt())
         });
-        // Normals that lean towards the axis by c have the product 2c/√3 = sin ε, and the faces the angle 90° + ε.
+        // Normals tilted towards the axis by c have the product 2c/√3 = sin ε, and the faces the
+        // angle 90° + ε.
         let lean = 0.5 * 3f64.sqrt() * dihedral_error.sin();
         let actual = square.map(|normal| (normal + DVec3::Z * lean).normalize());
         let front = square.map(|edge| (edge.x / edge.z, edge.y / edge.z));
         CubeCorner { index, faces, square, actual, front, front_area: Polygon::triangle(front).area() }
     }
 
-    /// The beams for light that comes from the unit vector `direction` (z > 0), half of the prisms turned by 180°.
+    /// Returned beams for light from the unit direction `direction` (z > 0), with half of the
+    /// prisms rotated by 180°.
     pub(super) fn beams(&self, direction: DVec3) -> [Beam; BEAMS] {
         let turned = DVec3::new(-direction.x, -direction.y, direction.z);
         let (upright, mut other) = (self.beams_of_one(direction), self.beams_of_one(turned));
@@ -82,19 +85,19 @@ impl CubeCorner {
                     let share = if strength > 0.0 { strength * self.area_share(inside, first, last) } else { 0.0 };
                     Beam { deviation: (there - back) * 0.5, share }
                 }
-                // It stays inside.
+                // Total reflection at the front: no beam leaves.
                 _ => Beam::default(),
             }
         })
     }
 
-    /// The direction in which light travels inside, unit, downwards.
+    /// Unit direction of the light inside the prism, downwards.
     fn refract_in(&self, direction: DVec3) -> DVec3 {
         let (x, y) = (-direction.x / self.index, -direction.y / self.index);
         DVec3::new(x, y, -(1.0 - x * x - y * y).max(0.0).sqrt())
     }
 
-    /// The direction in which light leaves after three faces.
+    /// Direction in which light leaves after three faces.
     fn returned(&self, inside: DVec3, order: [usize; 3]) -> Option<DVec3> {
         let reflect = |light: DVec3, face: usize| {
             let normal = self.actual[face];
@@ -106,7 +109,8 @@ impl CubeCorner {
         (height_squared > 0.0 && light.z > 0.0).then(|| DVec3::new(x, y, height_squared.sqrt()))
     }
 
-    /// What is left after the front, three faces and the front again. Zero if a face is seen from behind.
+    /// Transmittance of the front, three faces and the front again. Zero if a face is hit from
+    /// behind.
     fn strength(&self, direction: DVec3, inside: DVec3) -> f64 {
         let passage = 1.0 - fresnel_dielectric(direction.z, self.index);
         self.square.iter().fold(passage * passage, |strength, normal| {
@@ -120,8 +124,9 @@ impl CubeCorner {
         })
     }
 
-    /// Share of the front through which rays enter that meet the face `first` first and the face `last` last, and leave through
-    /// the front. A ray leaves at the image of where it entered, in the point where the corner is seen.
+    /// Fraction of the front through which rays enter that hit the face `first` first and the face
+    /// `last` last, and leave through the front. A ray leaves at the image of its entry point in
+    /// the apex, as seen through the front.
     fn area_share(&self, inside: DVec3, first: usize, last: usize) -> f64 {
         let corner = (inside.x / inside.z, inside.y / inside.z);
         let mut region = Polygon::triangle(self.front);
@@ -135,7 +140,8 @@ impl CubeCorner {
             (end.0 - corner.0, end.1 - corner.1)
         };
         let opposite = |vector: Point| (-vector.0, -vector.1);
-        // The face k is seen between the edges k + 1 and k + 2, and its image on the other side of the corner.
+        // Face k is seen between the edges k + 1 and k + 2, its image on the opposite side of the
+        // corner.
         region = region.left_of(corner, towards(first + 1)).left_of(corner, opposite(towards(first + 2)));
         region = region.left_of(corner, opposite(towards(last + 1))).left_of(corner, towards(last + 2));
         region.area() / self.front_area
@@ -150,14 +156,16 @@ mod tests {
         corner.beams(direction).iter().map(|beam| 2.0 * beam.share).sum()
     }
 
-    /// At normal incidence the active area of a triangular corner is the hexagon of two thirds (Eckhardt, 1971).
+    /// At normal incidence the active area of a triangular corner is a hexagon of two thirds
+    /// (Eckhardt, 1971).
     #[test]
-    fn two_thirds_of_the_light_come_back_at_normal_incidence() {
+    fn two_thirds_of_the_light_are_returned_at_normal_incidence() {
         let found = total(&CubeCorner::new(1.5, 0.0, Faces::Bare), DVec3::Z);
         assert!((found - 2.0 / 3.0 * 0.96 * 0.96).abs() < 1e-12, "{found}");
     }
 
-    /// Yoder, "Study of Light Deviation Errors in Triple Mirrors and Tetrahedral Prisms", JOSA 48(7), 1958: 3.27 n ε.
+    /// Yoder, "Study of Light Deviation Errors in Triple Mirrors and Tetrahedral Prisms", JOSA
+    /// 48(7), 1958: 3.27 n ε.
     #[test]
     fn a_dihedral_error_splits_the_light_into_six_spots_at_yoders_angle() {
         let (index, error) = (1.5, 1e-5);
@@ -179,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Rays traced one by one through the front find the same share.
+    /// Rays traced through the front give the same fraction.
     #[test]
     fn areas_agree_with_traced_rays() {
         let corner = CubeCorner::new(1.5, 0.0, Faces::Coated { reflectance: 1.0 });
@@ -207,9 +215,10 @@ mod tests {
         f64::from(returned) / f64::from(all)
     }
 
-    /// Follows a ray until it leaves through the front plane; whether it met all three faces and left inside the triangle.
+    /// Traces a ray until it leaves through the front plane; whether it hit all three faces and
+    /// left inside the triangle.
     fn trace(corner: &CubeCorner, mut point: DVec3, mut light: DVec3) -> bool {
-        let mut met = [false; 3];
+        let mut hit = [false; 3];
         for _ in 0..4 {
             let distance = |face: usize| {
                 let towards = -light.dot(corner.square[face]);
@@ -220,11 +229,11 @@ mod tests {
             if distance(face) > to_front {
                 let exit = point + light * to_front;
                 let inside = corner.square.iter().all(|normal| exit.dot(*normal) >= 0.0);
-                return inside && met == [true; 3];
+                return inside && hit == [true; 3];
             }
             point += light * distance(face);
             light -= corner.square[face] * (2.0 * light.dot(corner.square[face]));
-            met[face] = true;
+            hit[face] = true;
         }
         false
     }

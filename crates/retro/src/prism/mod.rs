@@ -3,15 +3,17 @@
 //! | parameter | meaning | unit | range |
 //! |---|---|---|---|
 //! | backing | `air`: total reflection; `metal`: coated faces | | |
-//! | index | refraction of the prisms | 1 | 1.3…2.2 |
-//! | dihedral error | by which the angles between faces are above 90° | rad | −0.002…0.002 |
+//! | index | refractive index of the prisms | 1 | 1.3…2.2 |
+//! | dihedral error | excess of the angles between faces over 90° | rad | −0.002…0.002 |
 //! | spread s | rms width of a spot in each of two directions | rad | 0.0005…0.05 |
 //!
-//! For each direction the prism is traced: refraction at the front, the three faces in each of six orders, refraction out.
-//! The share of the light in each order is the area of the front through which rays of that order enter and leave again
-//! (after Eckhardt, "Simple Model of Corner Reflector Phenomena", Applied Optics 10(7), 1971). Half of the prisms are turned
-//! by 180°, as in sheeting. Each spot is a Gaussian: scratches, waviness and diffraction are in its width. The azimuth of the
-//! pattern is that of the frame's x axis. Reciprocal; keeps energy.
+//! For each direction the prism is traced: refraction at the front, the three faces in each of six
+//! orders, refraction out. The fraction of the light in each order is the area of the front through
+//! which rays of that order enter and leave again (after Eckhardt, "Simple Model of Corner
+//! Reflector Phenomena", Applied Optics 10(7), 1971). Half of the prisms are rotated by 180°, as in
+//! sheeting. Each spot is a Gaussian, whose width accounts for scratches, waviness and diffraction.
+//! The azimuth of the pattern is that of the frame's x axis. The model is reciprocal and conserves
+//! energy.
 
 mod corner;
 mod polygon;
@@ -30,25 +32,27 @@ pub struct CubeCornerSheeting {
     corner: CubeCorner,
     /// κ = 1/s²: a spot is `κ/2π exp(−κ |x|²/2)` in the distance x of directions.
     sharpness: f64,
-    /// No spot reaches further from the direction of incidence: it is 1e-17 of its peak there.
+    /// Largest distance of a spot from the incident direction: it is 1e-17 of its peak there.
     reach: f64,
-    /// Probability of drawing from spots that are [`TAIL_WIDTH`] times as wide.
+    /// Probability of sampling spots that are [`TAIL_WIDTH`] times as wide.
     tail_share: f64,
 }
 
-/// Middles of the spots that light comes from, and the probabilities with which they are chosen.
+/// Centres of the spots from which light comes, and the probabilities of choosing them.
 pub(crate) type Spots = [(DVec3, f64); 2 * BEAMS];
 
-/// Probability of a beam without light, times the number of beams: keeps the density above zero next to where beams end.
+/// Probability of a beam without light, times the number of beams: keeps the density positive next
+/// to the limits of beams.
 const LEAST_SHARE: f64 = 1e-3;
-/// Standard deviations after which a spot has ended.
+/// Standard deviations at which a spot ends.
 const SPOT_END: f64 = 9.0;
-/// Where the prisms stop returning light, what is left comes from the tails of the spots alone.
+/// Width of the wide spots. Where the prisms stop returning light, only the tails of the spots
+/// contribute.
 const TAIL_WIDTH: f64 = 2.5;
 
 impl CubeCornerSheeting {
-    /// Prisms of this index, whose dihedral angles are 90° plus `dihedral_error` (radians), with spots of rms width `spread`
-    /// (radians).
+    /// Prisms of this index with dihedral angles of 90° plus `dihedral_error` (radians), and spots
+    /// of rms width `spread` (radians).
     #[must_use]
     pub fn new(index: f64, dihedral_error: f64, spread: f64, faces: Faces) -> CubeCornerSheeting {
         // Deviations are 3.27 n ε at normal incidence and grow with obliqueness.
@@ -57,13 +61,14 @@ impl CubeCornerSheeting {
         CubeCornerSheeting { corner, sharpness: 1.0 / (spread * spread), reach, tail_share: 0.0 }
     }
 
-    /// The same sheeting, drawn from wider spots with this probability (0…1): less noise where light only just comes back.
+    /// The same sheeting, sampled from wider spots with this probability (0…1): less noise where
+    /// almost no light returns.
     #[must_use]
     pub fn with_tail(self, tail_share: f64) -> CubeCornerSheeting {
         CubeCornerSheeting { tail_share, ..self }
     }
 
-    /// A spot at this distance from its middle, 1/sr.
+    /// Value of a spot at this distance from its centre, 1/sr.
     fn spot(&self, distance: DVec3) -> f64 {
         spot(self.sharpness, distance)
     }
@@ -72,8 +77,8 @@ impl CubeCornerSheeting {
         outgoing.z <= 0.0 || incident.z <= 0.0 || (outgoing - incident).length() > self.reach
     }
 
-    /// f, 1/sr. Symmetric in the two directions: beams come in pairs of opposite deviation, which belong to opposite orders of
-    /// the faces.
+    /// f, 1/sr. Symmetric in both directions: beams come in pairs of opposite deviation, for
+    /// opposite orders of the faces.
     #[must_use]
     pub fn value(&self, outgoing: DVec3, incident: DVec3) -> f64 {
         if self.is_far(outgoing, incident) {
@@ -94,7 +99,7 @@ impl CubeCornerSheeting {
         self.pdf_among(outgoing, incident, || self.targets(outgoing))
     }
 
-    /// The same for spots that are found only where they are needed.
+    /// The same, with the spots computed only if they are needed.
     pub(crate) fn pdf_among<S: Borrow<Spots>>(
         &self,
         outgoing: DVec3,
@@ -104,13 +109,14 @@ impl CubeCornerSheeting {
         if self.is_far(outgoing, incident) { 0.0 } else { self.density(spots().borrow(), incident) }
     }
 
-    /// An incident direction; none where the light is absorbed. `u` is uniform in [0, 1)³, the third chooses a spot.
+    /// Samples an incident direction; none if the light is absorbed. `u` is uniform in [0, 1)³, the
+    /// third number chooses a spot.
     #[must_use]
     pub fn sample(&self, outgoing: DVec3, u: [f64; 3]) -> Option<DVec3> {
         if outgoing.z <= 0.0 { None } else { self.sample_among(outgoing, &self.targets(outgoing), u) }
     }
 
-    /// The same among spots that are known.
+    /// The same for known spots.
     pub(crate) fn sample_among(&self, outgoing: DVec3, targets: &Spots, u: [f64; 3]) -> Option<DVec3> {
         let mut left = u[2];
         let chosen = targets.iter().find(|(_, probability)| {
@@ -120,7 +126,8 @@ impl CubeCornerSheeting {
         let (middle, probability) = *chosen.unwrap_or(&targets[0]);
         let in_tail = 1.0 + left / probability < self.tail_share;
         let sharpness = if in_tail { self.sharpness / (TAIL_WIDTH * TAIL_WIDTH) } else { self.sharpness };
-        // 1 − cos δ is drawn exponentially: with |x|² = 2 (1 − cos δ) that is the spot's density on the sphere.
+        // 1 − cos δ is exponential: with |x|² = 2 (1 − cos δ) that is the spot's density on the
+        // sphere.
         let fall = -(1.0 - u[0]).ln() / sharpness;
         if fall >= 2.0 {
             return None;
@@ -129,7 +136,7 @@ impl CubeCornerSheeting {
         (!self.is_far(outgoing, incident)).then_some(incident)
     }
 
-    /// Middles of the spots for light to come from, seen from `outgoing`, and the probabilities with which they are chosen.
+    /// Centres of the spots of light seen from `outgoing`, and the probabilities of choosing them.
     pub(crate) fn targets(&self, outgoing: DVec3) -> Spots {
         let beams = self.corner.beams(outgoing);
         let total: f64 = beams.iter().map(|beam| 2.0 * (beam.share + LEAST_SHARE)).sum();
@@ -141,14 +148,14 @@ impl CubeCornerSheeting {
     }
 
     fn density(&self, targets: &[(DVec3, f64)], incident: DVec3) -> f64 {
-        let drawn = |distance: DVec3| {
+        let value = |distance: DVec3| {
             if self.tail_share == 0.0 {
                 return self.spot(distance);
             }
             let tail = spot(self.sharpness / (TAIL_WIDTH * TAIL_WIDTH), distance);
             self.tail_share * tail + (1.0 - self.tail_share) * self.spot(distance)
         };
-        targets.iter().map(|(middle, probability)| probability * drawn(incident - *middle)).sum::<f64>()
+        targets.iter().map(|(middle, probability)| probability * value(incident - *middle)).sum::<f64>()
     }
 }
 

@@ -3,7 +3,7 @@
 /// A point of the plane.
 pub(super) type Point = (f64, f64);
 
-/// More corners than a triangle cut by seven lines can have.
+/// Upper bound on the corners of a triangle clipped by seven lines.
 const MOST_CORNERS: usize = 12;
 
 /// A convex polygon, counter-clockwise.
@@ -20,8 +20,8 @@ impl Polygon {
         Polygon { corners: all, count: 3 }
     }
 
-    /// The part on the left of the line through `from` along `direction`. Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM
-    /// 17(1), 1974.
+    /// The part to the left of the line through `from` along `direction`. Sutherland and Hodgman,
+    /// "Reentrant Polygon Clipping", CACM 17(1), 1974.
     pub(super) fn left_of(&self, from: Point, direction: Point) -> Polygon {
         let height = |point: Point| direction.0 * (point.1 - from.1) - direction.1 * (point.0 - from.0);
         let mut cut = Polygon { corners: [(0.0, 0.0); MOST_CORNERS], count: 0 };
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cut_triangle_has_the_area_that_is_left() {
+    fn a_clipped_triangle_has_the_remaining_area() {
         let triangle = Polygon::triangle([(0.0, 0.0), (4.0, 0.0), (0.0, 4.0)]);
         assert_eq!(triangle.area(), 8.0);
         // Left of the upward line x = 1 is x ≤ 1.

@@ -1,104 +1,108 @@
-//! The quantities of the standard from the statistics of the series.
+//! The standard's quantities from the statistics of a measurement series.
 
 use super::line::{Line, Point, fit};
 use super::measure::{LightStep, PhotonTransfer};
 use super::spatial::SpatialVariance;
 use crate::interval::Estimate;
 
-/// Variance of rounding to whole grey values.
+/// Variance of rounding to integer grey values.
 const ROUNDING: f64 = 1.0 / 12.0;
-/// Lines are fitted up to this share of saturation.
+/// Lines are fitted up to this fraction of saturation.
 const LINEAR_SHARE: f64 = 0.7;
-/// Rounds of weighting by the fitted variance.
+/// Iterations of weighting by the fitted variance.
 const ROUNDS: u32 = 6;
-/// Pixels at the largest grey value from this share on mean that the converter saturates, not the well.
+/// Fraction of pixels at the largest grey value from which the converter, not the well, counts as
+/// saturated.
 const CONVERTER_FULL: f64 = 1e-3;
 
-/// Dark pixels at 0 from this share on cut the noise off, and with it all that is measured by it.
+/// Fraction of dark pixels at 0 from which the noise counts as clipped, which biases everything
+/// derived from it.
 const DARK_CUT: f64 = 5e-3;
 
-/// A non-uniformity as it was found.
+/// Estimated non-uniformity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpatialEstimate {
-    /// Over all pixels.
+    /// Standard deviation over all pixels.
     pub total: Estimate,
-    /// From pixel to pixel.
+    /// Pixel component.
     pub pixel: Estimate,
-    /// From row to row.
+    /// Row component.
     pub row: Estimate,
-    /// From column to column.
+    /// Column component.
     pub column: Estimate,
 }
 
-/// What a sensor was found to be.
+/// Characterisation of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Characterisation {
-    /// K, grey levels an electron.
+    /// System gain K, grey levels per electron.
     pub gain_dn_per_e: Estimate,
-    /// η, electrons a photon.
+    /// Quantum efficiency η, electrons per photon.
     pub quantum_efficiency: Estimate,
-    /// σ_d, noise in the dark at the exposure time of the series, electrons; with the shot noise of the dark current.
+    /// Temporal dark noise σ_d at the exposure time of the series, electrons, including the shot
+    /// noise of the dark current.
     pub dark_noise_e: Estimate,
-    /// y_dark, grey level in the dark.
+    /// Dark grey level y_dark.
     pub dark_grey: Estimate,
-    /// I_d, electrons a second.
+    /// Dark current I_d, electrons per second.
     pub dark_current_e_per_s: Estimate,
     /// DSNU, electrons.
     pub dsnu_e: SpatialEstimate,
-    /// PRNU, shares of the response.
+    /// PRNU, relative to the response.
     pub prnu: SpatialEstimate,
-    /// Depth of the well, electrons; `None` where the converter saturates before it.
+    /// Full-well capacity, electrons; `None` if the converter saturates first.
     pub full_well_e: Option<Estimate>,
-    /// μ_e.sat, electrons at the greatest variance in time.
+    /// Saturation capacity μ_e.sat: electrons at maximum temporal variance.
     pub saturation_capacity_e: f64,
-    /// Largest signal to noise ratio, a plain ratio: √μ_e.sat.
+    /// Maximum signal-to-noise ratio √μ_e.sat, as a plain ratio.
     pub largest_snr: f64,
-    /// Dynamic range, a plain ratio: μ_p.sat over the photons at which the signal equals the noise.
+    /// Dynamic range as a plain ratio: μ_p.sat over the photons at which signal equals noise.
     pub dynamic_range: f64,
-    /// Largest deviation of the mean from the line between 5 and 95 % of saturation, share of saturation.
+    /// Maximum deviation of the mean from the line between 5 and 95 % of saturation, relative to
+    /// saturation.
     pub linearity_error: f64,
-    /// Responsivity, grey levels a photon.
+    /// Responsivity, grey levels per photon.
     pub responsivity: Estimate,
-    /// The share of grey values that are 0 in the dark.
+    /// Fraction of dark grey values that are 0.
     pub dark_at_zero: f64,
 }
 
 impl Characterisation {
-    /// Whether the dark level is so low that more than 0.5 % of the dark grey values are 0, which the standard does not allow: dark noise,
-    /// gain and what follows from them come out wrong.
+    /// Whether more than 0.5 % of the dark grey values are 0, which the standard does not allow:
+    /// dark noise, gain and the quantities derived from them are then biased.
     #[must_use]
     pub fn is_cut_in_the_dark(&self) -> bool {
         self.dark_at_zero > DARK_CUT
     }
 }
 
-/// Why nothing can be said.
+/// Why a characterisation is impossible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CharacterisationError {
-    /// Too few pixels or pictures for statistics.
+    /// There are too few pixels or pictures for statistics.
     #[error("{columns} x {rows} pixels: expected at least 8 x 8, 8 steps and stacks of 4 pictures")]
     TooLittle {
-        /// Pixels in a row.
+        /// Number of columns.
         columns: u32,
-        /// Rows.
+        /// Number of rows.
         rows: u32,
     },
-    /// More light always gives brighter pictures, or none does.
-    #[error("the sensor does not saturate with {photons:e} photons a pixel")]
+    /// The sensor does not saturate: the grey level keeps rising, or does not rise at all.
+    #[error("the sensor does not saturate with {photons:e} photons per pixel")]
     NoSaturation {
-        /// The most that was tried.
+        /// Largest number of photons that was tried.
         photons: f64,
     },
-    /// Grey does not rise with light, or does not fluctuate.
-    #[error("the variance in time does not rise with the mean: there is no photon noise to measure by")]
+    /// The grey level does not rise with light, or does not fluctuate.
+    #[error("the temporal variance does not rise with the mean, expected photon noise")]
     NoPhotonNoise,
 }
 
-/// Finds the quantities.
+/// Estimates the standard's quantities.
 ///
 /// # Errors
-/// When the pictures show no photon noise.
+/// If the pictures show no photon noise.
 pub fn evaluate(series: &PhotonTransfer) -> Result<Characterisation, CharacterisationError> {
     let found = Transfer::new(series)?;
     let gain_error = found.photon_transfer.slope_error / found.gain();
@@ -137,13 +141,13 @@ fn named([total, pixel, row, column]: [Estimate; 4]) -> SpatialEstimate {
     SpatialEstimate { total, pixel, row, column }
 }
 
-/// What is found on the way.
+/// Intermediate results.
 struct Transfer<'a> {
     series: &'a PhotonTransfer,
     dark_mean: f64,
-    /// Variance in time over mean.
+    /// Line of temporal variance over mean.
     photon_transfer: Line,
-    /// Mean over photons.
+    /// Line of mean over photons.
     response: Line,
     saturation: LightStep,
 }
@@ -177,13 +181,13 @@ impl<'a> Transfer<'a> {
         (self.series.dark.variance / (self.pixels() * f64::from(self.series.dark.pictures))).sqrt()
     }
 
-    /// Total, pixel, row and column part, grey values.
+    /// Total, pixel, row and column component of DSNU, grey values.
     fn dsnu(&self) -> [Estimate; 4] {
         let dark = &self.series.dark;
         SpatialVariance::of(&dark.means, self.columns()).estimates(dark.variance / f64::from(dark.pictures))
     }
 
-    /// The same of the response, as shares of it, with the best values of its parts.
+    /// The same of PRNU, relative to the response, with the best values of its components.
     fn prnu(&self) -> ([Estimate; 4], crate::SpatialDeviation) {
         let (dark, half) = (&self.series.dark, &self.series.half);
         let difference: Vec<f64> = half.means.iter().zip(&dark.means).map(|(half, dark)| half - dark).collect();
@@ -195,7 +199,7 @@ impl<'a> Transfer<'a> {
         (variance.estimates(noise), variance.parts(noise))
     }
 
-    /// How far the mean response of these pixels may be from that of the type, as a share.
+    /// Standard error of the mean response of these pixels, relative to that of the sensor type.
     fn pattern_error(&self, parts: &crate::SpatialDeviation) -> f64 {
         let [columns, rows] = self.series.pixels.map(f64::from);
         (parts.pixel.powi(2) / (columns * rows) + parts.row.powi(2) / rows + parts.column.powi(2) / columns).sqrt()
@@ -206,7 +210,7 @@ impl<'a> Transfer<'a> {
         Estimate::normal(self.response.slope, error)
     }
 
-    /// I_d in grey values a second.
+    /// I_d in grey values per second.
     fn dark_current(&self) -> Result<Estimate, CharacterisationError> {
         let own = self.dark_mean_error().powi(2);
         let mut points =
@@ -220,7 +224,7 @@ impl<'a> Transfer<'a> {
         Ok(Estimate::normal(line.slope, line.slope_error))
     }
 
-    /// From the plateau, where it is the well's and not the converter's.
+    /// Full well from the plateau, if the well and not the converter saturates.
     fn full_well(&self, gain_error: f64) -> Option<Estimate> {
         let plateau: Vec<&LightStep> =
             self.series.light.iter().filter(|step| step.photons > 1.4 * self.saturation.photons).collect();
@@ -244,12 +248,13 @@ impl<'a> Transfer<'a> {
     }
 }
 
-/// The step of the greatest variance in time.
+/// The step of maximum temporal variance.
 fn saturation(series: &PhotonTransfer) -> Option<LightStep> {
     series.light.iter().copied().max_by(|a, b| a.variance.total_cmp(&b.variance)).filter(|step| step.variance > 0.0)
 }
 
-/// The line of variance over mean, weighted by the variance of a variance that the line itself gives.
+/// Line of variance over mean, weighted by the variance of a variance, which the line itself
+/// predicts.
 fn photon_transfer(series: &PhotonTransfer, points: &[LightStep]) -> Option<Line> {
     let pixels = series.dark.means.len() as f64;
     let dark_degrees = pixels * f64::from(series.dark.pictures - 1);
@@ -261,7 +266,7 @@ fn photon_transfer(series: &PhotonTransfer, points: &[LightStep]) -> Option<Line
             .iter()
             .map(|step| {
                 let variance = expected(step.mean, step.variance);
-                // The mean has an error too, which moves the point along the line.
+                // The error of the mean moves the point along the line.
                 let along = line.slope * line.slope * variance / (2.0 * pixels);
                 Point { x: step.mean, y: step.variance, variance: 2.0 * variance * variance / pixels + along }
             })
@@ -273,7 +278,7 @@ fn photon_transfer(series: &PhotonTransfer, points: &[LightStep]) -> Option<Line
     Some(line)
 }
 
-/// The line of mean over photons.
+/// Line of mean over photons.
 fn response(series: &PhotonTransfer, points: &[LightStep], transfer: &Line) -> Option<Line> {
     let pixels = series.dark.means.len() as f64;
     let mut weighted: Vec<Point> = points

@@ -1,6 +1,6 @@
-//! Straight lines through points of known variance.
+//! Straight-line fits to points of known variance.
 
-/// A fitted line with the covariance of its coefficients.
+/// A fitted line, with the covariance of its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
     pub(super) intercept: f64,
@@ -14,7 +14,7 @@ impl Line {
     }
 }
 
-/// A point (x, y) whose y has a variance.
+/// A point (x, y), with the variance of y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
     pub(super) x: f64,
@@ -22,7 +22,7 @@ pub(super) struct Point {
     pub(super) variance: f64,
 }
 
-/// Weighted least squares. `None` where the points do not span a line.
+/// Weighted least squares. `None` if the points do not determine a line.
 pub(super) fn fit(points: &[Point]) -> Option<Line> {
     let weight: f64 = points.iter().map(|point| point.variance.recip()).sum();
     let mean = |of: fn(&Point) -> f64| points.iter().map(|point| of(point) / point.variance).sum::<f64>() / weight;

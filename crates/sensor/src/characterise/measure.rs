@@ -1,28 +1,30 @@
-//! The series of pictures, kept as their statistics.
+//! The measurement series, reduced to statistics.
 
 use super::estimate::CharacterisationError;
 
-/// A sensor before an even light.
+/// A sensor under uniform illumination.
 pub trait Device {
-    /// Columns and rows.
+    /// Number of columns and rows.
     fn pixels(&self) -> [u32; 2];
 
-    /// The exposure time at which light is measured, seconds.
+    /// Exposure time of the illuminated pictures, seconds.
     fn exposure_s(&self) -> f64;
 
-    /// The grey value that cannot be exceeded.
+    /// Largest possible grey value.
     fn largest_grey(&self) -> u16;
 
-    /// A picture with so many photons on the mean pixel during so many seconds. Another seed is another picture.
+    /// A picture with a mean number of photons per pixel, exposed for a time in seconds. Each seed
+    /// gives another picture.
     fn picture(&self, photons: f64, exposure_s: f64, seed: u64) -> Vec<u16>;
 }
 
-/// How much is measured.
+/// Extent of a measurement series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Series {
-    /// Steps of light from dark to saturation, a pair of pictures each; the standard asks for at least 50.
+    /// Number of illumination steps from dark to saturation, with two pictures each; the standard
+    /// requires at least 50.
     pub steps: u32,
-    /// Pictures of each stack for the differences between pixels.
+    /// Number of pictures in each stack for the spatial non-uniformity.
     pub stack: u32,
 }
 
@@ -32,40 +34,40 @@ impl Default for Series {
     }
 }
 
-/// A pair of pictures in light.
+/// Statistics of two illuminated pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightStep {
-    /// Photons on a pixel.
+    /// Mean photons per pixel.
     pub photons: f64,
     /// μ_y, mean grey value.
     pub mean: f64,
-    /// σ_y², variance in time, grey values squared.
+    /// Temporal variance σ_y², grey values squared.
     pub variance: f64,
-    /// The share of the pixels that have the largest grey value.
+    /// Fraction of pixels at the largest grey value.
     pub at_the_largest_grey: f64,
 }
 
-/// A pair of pictures in the dark.
+/// Statistics of two dark pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DarkStep {
-    /// Seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Mean grey value.
+    /// Mean grey value μ_y.dark.
     pub mean: f64,
-    /// Variance in time.
+    /// Temporal variance, grey values squared.
     pub variance: f64,
 }
 
-/// Pictures of the same light, pixel by pixel.
+/// Statistics of several pictures of the same illumination, by pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stack {
-    /// How many.
+    /// Number of pictures.
     pub pictures: u32,
     /// Mean grey value of each pixel.
     pub means: Vec<f64>,
-    /// Variance in time, mean over the pixels.
+    /// Temporal variance, averaged over the pixels.
     pub variance: f64,
-    /// The share of all grey values that are 0, below which nothing can be seen.
+    /// Fraction of all grey values that are 0, where the noise is clipped.
     pub at_zero: f64,
 }
 
@@ -77,38 +79,38 @@ impl Stack {
     }
 }
 
-/// All that was measured.
+/// Statistics of a measurement series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotonTransfer {
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub pixels: [u32; 2],
-    /// The exposure time of the pictures in light, seconds.
+    /// Exposure time of the illuminated pictures, seconds.
     pub exposure_s: f64,
-    /// Steps of light, rising; the last ones are saturated.
+    /// Illumination steps, ascending; the last ones are saturated.
     pub light: Vec<LightStep>,
-    /// Steps of exposure time in the dark, rising.
+    /// Dark steps, by ascending exposure time.
     pub dark_times: Vec<DarkStep>,
-    /// In the dark, at the exposure time of the pictures in light.
+    /// Dark stack, at the exposure time of the illuminated pictures.
     pub dark: Stack,
-    /// At half of saturation.
+    /// Stack at half of saturation.
     pub half: Stack,
 }
 
-/// The least photons that the search for saturation begins with.
+/// Photons per pixel at which the search for saturation begins.
 const FIRST_PHOTONS: f64 = 16.0;
-/// Doublings after which the search is given up.
+/// Maximum number of doublings in that search.
 const MOST_DOUBLINGS: u32 = 60;
-/// Steps beyond saturation that tell the plateau.
+/// Number of steps beyond saturation, which determine the plateau.
 const PLATEAU_STEPS: u32 = 4;
-/// Steps of exposure time in the dark.
+/// Number of exposure times in the dark.
 const DARK_TIMES: u32 = 6;
-/// Longest exposure time in the dark over that in light.
+/// Longest exposure time in the dark, relative to that of the illuminated pictures.
 const LONGEST_DARK_TIME: f64 = 1e4;
 
-/// Takes the series.
+/// Measures the series.
 ///
 /// # Errors
-/// When the device has too few pixels or does not saturate.
+/// If the device has too few pixels or does not saturate.
 pub fn measure(device: &dyn Device, series: &Series, seed: u64) -> Result<PhotonTransfer, CharacterisationError> {
     let pixels = device.pixels();
     if pixels.iter().any(|&count| count < 8) || series.steps < 8 || series.stack < 4 {
@@ -126,7 +128,7 @@ pub fn measure(device: &dyn Device, series: &Series, seed: u64) -> Result<Photon
     Ok(PhotonTransfer { pixels, exposure_s: camera.exposure_s, light, dark_times, dark, half })
 }
 
-/// Takes pictures, each with a seed of its own.
+/// Takes pictures, each with its own seed.
 struct Shooting<'a> {
     device: &'a dyn Device,
     exposure_s: f64,
@@ -137,7 +139,7 @@ struct Shooting<'a> {
 impl Shooting<'_> {
     fn shoot(&mut self, photons: f64, exposure_s: f64) -> Vec<u16> {
         self.picture += 1;
-        // Far apart, so that no picture of another series has the same.
+        // Seeds are far apart, so that pictures of different series differ.
         let seed = self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(self.picture);
         self.device.picture(photons, exposure_s, seed)
     }
@@ -150,14 +152,14 @@ impl Shooting<'_> {
         LightStep { photons, mean, variance, at_the_largest_grey: full as f64 / (2 * first.len()) as f64 }
     }
 
-    /// Photons at which the mean grey value is within a hundredth of its highest.
+    /// Photons at which the mean grey value is within 1 % of its maximum.
     fn find_saturation(&mut self, dark: &Stack) -> Result<f64, CharacterisationError> {
         let dark = dark.mean();
         let mut photons = FIRST_PHOTONS;
         let mut mean = mean_of(&self.shoot(photons, self.exposure_s));
         for _ in 0..MOST_DOUBLINGS {
             let next = mean_of(&self.shoot(2.0 * photons, self.exposure_s));
-            // A sensor that has seen nothing yet has not saturated.
+            // Without any signal yet the sensor cannot be saturated.
             if mean - dark > 8.0 && next - mean < 0.01 * (mean - dark) {
                 return Ok(self.knee(photons, next - dark, dark));
             }
@@ -166,7 +168,8 @@ impl Shooting<'_> {
         Err(CharacterisationError::NoSaturation { photons })
     }
 
-    /// Where the straight line of the response meets the plateau, `rise` above the dark; saturated at `saturated` photons.
+    /// Photons at the intersection of the linear response with the plateau, which is `rise` above
+    /// the dark level; at `saturated` photons the sensor is saturated.
     fn knee(&mut self, saturated: f64, rise: f64, dark: f64) -> f64 {
         let mut photons = saturated;
         let mut mean = mean_of(&self.shoot(photons, self.exposure_s));
@@ -218,7 +221,8 @@ fn mean_of(picture: &[u16]) -> f64 {
     picture.iter().map(|&grey| f64::from(grey)).sum::<f64>() / picture.len().max(1) as f64
 }
 
-/// Mean and variance in time of a pair: half the variance of the difference, in which differences between pixels cancel.
+/// Mean and temporal variance of two pictures: half the variance of their difference, in which
+/// spatial differences cancel.
 fn pair_statistics(first: &[u16], second: &[u16]) -> (f64, f64) {
     let count = first.len() as f64;
     let difference = |(a, b): (&u16, &u16)| f64::from(*a) - f64::from(*b);

@@ -1,4 +1,4 @@
-//! What was found, as a table and as a page with plots.
+//! Report of a characterisation, as a table and as an HTML page with plots.
 
 use super::estimate::Characterisation;
 use super::measure::PhotonTransfer;
@@ -40,7 +40,7 @@ fn plain_rows(found: &Characterisation) -> [(&'static str, &'static str, f64); 5
     ]
 }
 
-/// The table as text: a row a line, comma-separated, the first line names the columns.
+/// The table as comma-separated text; the first line names the columns.
 #[must_use]
 pub fn table(found: &Characterisation) -> String {
     let percent = 100.0 * CONFIDENCE;
@@ -50,7 +50,7 @@ pub fn table(found: &Characterisation) -> String {
             Some(Estimate { value, low, high }) => {
                 writeln!(out, "\"{name}\",{unit},{value:.6},{low:.6},{high:.6}")
             }
-            // The converter is full before the well.
+            // The converter saturates before the well.
             None => writeln!(out, "\"{name}\",{unit},,{:.6},", found.saturation_capacity_e),
         };
     }
@@ -60,7 +60,7 @@ pub fn table(found: &Characterisation) -> String {
     out
 }
 
-/// A page that needs no other file.
+/// A self-contained HTML page.
 #[must_use]
 pub fn html(name: &str, series: &PhotonTransfer, found: &Characterisation) -> String {
     let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
@@ -128,7 +128,7 @@ fn plots(series: &PhotonTransfer, found: &Characterisation) -> [Plot; 5] {
     let off = light().filter(|step| step.mean - dark < 0.98 * top);
     let deviation =
         off.map(|step| [step.photons, 100.0 * (step.mean - dark - response * step.photons) / top]).collect();
-    // What no longer fluctuates is no signal without noise.
+    // Saturated steps do not fluctuate, which does not make them free of noise.
     let unsaturated = light().filter(|step| step.mean - dark < 0.98 * top);
     let snr = unsaturated.map(|step| [step.photons, (step.mean - dark) / step.variance.sqrt()]).collect();
     let ideal = light().map(|step| [step.photons, step.photons.sqrt()]).collect();

@@ -1,14 +1,14 @@
-//! Spatial variance in parts: rows, columns, and what is left.
+//! Components of spatial variance: rows, columns, and the remainder.
 
 use crate::SpatialDeviation;
 use crate::interval::Estimate;
 
-/// Analysis of variance of a picture in two ways (rows and columns), with one value in each cell.
+/// Two-way analysis of variance of a picture (rows and columns), with one value per cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpatialVariance {
     columns: f64,
     rows: f64,
-    /// Mean squares: of rows, of columns, of what is left.
+    /// Mean squares of rows, of columns and of the remainder.
     row_square: f64,
     column_square: f64,
     rest_square: f64,
@@ -40,14 +40,15 @@ impl SpatialVariance {
         }
     }
 
-    /// Total and parts after the variance that noise in time leaves in each value is taken away.
+    /// Total and components, after subtraction of the variance that temporal noise leaves in each
+    /// value.
     pub(super) fn estimates(&self, noise: f64) -> [Estimate; 4] {
         let (rows, columns) = (self.rows, self.columns);
         let rest_degrees = (rows - 1.0) * (columns - 1.0);
         let row_part = (self.row_square - self.rest_square) / columns;
         let column_part = (self.column_square - self.rest_square) / rows;
         let total = row_part + column_part + self.rest_square;
-        // Satterthwaite: as many degrees of freedom as give the variance of the sum.
+        // Satterthwaite's effective degrees of freedom of the sum.
         let variance = 2.0 * (self.row_square / columns).powi(2) / (rows - 1.0)
             + 2.0 * (self.column_square / rows).powi(2) / (columns - 1.0)
             + 2.0 * self.rest_square.powi(2) / rest_degrees;
@@ -59,7 +60,7 @@ impl SpatialVariance {
         ]
     }
 
-    /// The best values of the parts.
+    /// Best values of the components.
     pub(super) fn parts(&self, noise: f64) -> SpatialDeviation {
         let [_, pixel, row, column] = self.estimates(noise).map(|estimate| estimate.value);
         SpatialDeviation { pixel, row, column }

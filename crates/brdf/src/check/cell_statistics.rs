@@ -1,67 +1,71 @@
-//! Integrals and samples of one outgoing direction, cell by cell.
+//! Integrals and sample counts of one outgoing direction, by cell.
 
-use super::{CheckOptions, Effort, Hemispheres, Partition, Random};
+use super::{CheckLevel, CheckOptions, Hemispheres, Partition, Random};
 use crate::{Brdf, BrdfSample, Density};
 use glam::DVec3;
 
-/// What a model does with one outgoing direction.
-pub(super) struct Survey {
+/// Statistics of a model for one outgoing direction.
+pub(super) struct CellStatistics {
     /// Probability of each cell, by quadrature of the density.
     pub(super) probabilities: Vec<f64>,
     /// `∫ f |cos θ_i| dω_i` in each cell and band, by quadrature.
     albedos: Vec<f64>,
-    /// Samples in each cell.
+    /// Number of samples in each cell.
     pub(super) counts: Vec<f64>,
-    /// How many were drawn.
+    /// Total number of samples.
     pub(super) samples: f64,
-    /// Samples that were absorbed or perfectly specular.
+    /// Number of absorbed or perfectly specular samples.
     pub(super) elsewhere: f64,
-    /// Sum and sum of squares of the weights in each band, of all samples but perfectly specular ones.
+    /// Sum and sum of squares of the weights in each band, over all samples that are not perfectly
+    /// specular.
     pub(super) weights: Vec<[f64; 2]>,
-    /// The same of the perfectly specular ones.
+    /// The same over the perfectly specular samples.
     pub(super) delta_weights: Vec<[f64; 2]>,
     bands: usize,
 }
 
-/// A sample with a density, for a closer look.
-pub(super) struct Seen<'a> {
+/// A sample with a finite density, for further comparisons.
+pub(super) struct FiniteSample<'a> {
     pub(super) incident: DVec3,
     pub(super) density: f64,
     pub(super) weights: &'a [f64],
 }
 
-/// Cells whose count is this many standard deviations off the quadrature are integrated again.
+/// Cells whose count deviates from the quadrature by this many standard deviations are refined.
 const SUSPECT: f64 = 4.0;
-/// So are cells with more than this share of the light or of the samples …
+/// Cells with more than this fraction of the albedo or of the samples are refined …
 const NOTABLE: f64 = 5e-4;
 /// … if a grid that is twice as fine differs by more than this.
 const UNSTEADY: f64 = 5e-5;
 
-impl Effort {
-    /// How much finer such cells are integrated, in both directions, and how many at most, the worst first.
+impl CheckLevel {
+    /// Refinement of a cell's grid in both directions, and the maximum number of refined cells,
+    /// worst first.
     fn refinement(self) -> (usize, usize) {
         match self {
-            Effort::Quick => (8, 40),
-            Effort::Thorough => (16, 400),
+            CheckLevel::Quick => (8, 40),
+            CheckLevel::Thorough => (16, 400),
         }
     }
 }
 
-impl Survey {
-    /// Integrates and draws; `look` sees each sample that has a density, with its number.
+impl CellStatistics {
+    /// Integrates and samples the model; `inspect` gets each sample of finite density, with its
+    /// number.
     ///
-    /// Cells where the two disagree, and cells that hold much and change with the grid, are integrated again on a finer grid: a lobe
-    /// that is narrow and off the mirror and retro directions may have slipped through. A real disagreement stays.
+    /// Cells where both disagree, and large cells whose integral changes with the grid, are
+    /// integrated again on a finer grid: a narrow lobe away from the mirror and retro directions
+    /// may have been missed. A real disagreement remains.
     pub(super) fn new(
         brdf: &dyn Brdf,
         outgoing: DVec3,
         options: &CheckOptions,
         stream: u64,
         samples: u32,
-        mut look: impl FnMut(u32, Seen<'_>),
-    ) -> Survey {
-        let partition = Partition::new(outgoing, options.effort.fineness());
-        let mut survey = Survey {
+        mut inspect: impl FnMut(u32, FiniteSample<'_>),
+    ) -> CellStatistics {
+        let partition = Partition::new(outgoing, options.level.fineness());
+        let mut statistics = CellStatistics {
             probabilities: vec![0.0; partition.cells()],
             albedos: vec![0.0; partition.cells() * options.bands],
             counts: vec![0.0; partition.cells()],
@@ -74,20 +78,20 @@ impl Survey {
         let mut integrator = Integrator { brdf, outgoing, bands: options.bands, values: Vec::new(), pdfs: Vec::new() };
         partition.visit(hemispheres(brdf), |cell, directions, solid_angles| {
             let integral = integrator.integrate(directions, solid_angles);
-            survey.set(cell, &integral);
+            statistics.set(cell, &integral);
         });
-        survey.draw(brdf, outgoing, &partition, &mut Random::new(options.seed, stream), samples, &mut look);
-        let (refinement, most) = options.effort.refinement();
-        for cell in survey.notable(most) {
+        statistics.draw(brdf, outgoing, &partition, &mut Random::new(options.seed, stream), samples, &mut inspect);
+        let (refinement, most) = options.level.refinement();
+        for cell in statistics.notable(most) {
             let finer = integrator.integrate_cell(&partition, cell, 2);
-            if survey.distance(cell, &finer) > UNSTEADY {
-                survey.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
+            if statistics.distance(cell, &finer) > UNSTEADY {
+                statistics.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
             }
         }
-        for cell in survey.suspects(most) {
-            survey.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
+        for cell in statistics.suspects(most) {
+            statistics.set(cell, &integrator.integrate_cell(&partition, cell, refinement));
         }
-        survey
+        statistics
     }
 
     /// `∫ f |cos θ_i| dω_i` in a band.
@@ -100,14 +104,14 @@ impl Survey {
         self.albedos[cell * self.bands..][..self.bands].copy_from_slice(&integral.albedo);
     }
 
-    /// How far a new integral is from that of the cell, in probability or albedo.
+    /// Difference between a new integral and that of the cell, in probability or albedo.
     fn distance(&self, cell: usize, integral: &Integral) -> f64 {
         let albedos = self.albedos[cell * self.bands..].iter().zip(&integral.albedo);
         let albedo = albedos.map(|(before, now)| (before - now).abs()).fold(0.0, f64::max);
         albedo.max((self.probabilities[cell] - integral.probability).abs())
     }
 
-    /// Cells that hold much of the light or of the samples.
+    /// Cells with a large fraction of the albedo or of the samples.
     fn notable(&self, most: usize) -> Vec<usize> {
         let share = |cell: usize| {
             let albedo = self.albedos[cell * self.bands..][..self.bands].iter().copied().fold(0.0, f64::max);
@@ -126,14 +130,14 @@ impl Survey {
         partition: &Partition,
         random: &mut Random,
         samples: u32,
-        look: &mut impl FnMut(u32, Seen<'_>),
+        inspect: &mut impl FnMut(u32, FiniteSample<'_>),
     ) {
         let mut weights = vec![0.0; self.bands];
         for number in 0..samples {
             let sums = match brdf.sample(outgoing, random.cube(), &mut weights) {
                 Some(BrdfSample { incident, density: Density::Continuous(density) }) => {
                     self.counts[partition.cell_of(incident)] += 1.0;
-                    look(number, Seen { incident, density, weights: &weights });
+                    inspect(number, FiniteSample { incident, density, weights: &weights });
                     &mut self.weights
                 }
                 Some(_) => {
@@ -165,7 +169,7 @@ impl Survey {
     }
 }
 
-/// Over a part of the sphere.
+/// Integral over a part of the sphere.
 struct Integral {
     probability: f64,
     albedo: Vec<f64>,
@@ -213,7 +217,7 @@ pub(super) fn mean_and_error([sum, squares]: [f64; 2], samples: f64) -> (f64, f6
     (mean, ((squares / samples - mean * mean).max(0.0) / samples).sqrt())
 }
 
-/// The hemispheres that a model can send light to.
+/// The hemispheres into which a model scatters light.
 pub(super) fn hemispheres(brdf: &dyn Brdf) -> Hemispheres {
     if brdf.lobes().transmission { Hemispheres::Both } else { Hemispheres::Upper }
 }
