@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
-use radsight_output::{Place, WholeFile, inputs};
+use radsight_output::{Destination, WholeFile, inputs};
 use radsight_picture::{FileFormat, Header, Image, write_image};
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -26,14 +26,14 @@ impl Output {
     /// Opens what a name of the command line leads to; `-` is standard output. A file will go over
     /// one of its name.
     pub(crate) fn create(name: &str) -> Result<Output, Failure> {
-        Output::open(name, &place(name)?)
+        Output::open(name, &resolve(name)?)
     }
 
-    fn open(name: &str, place: &Place) -> Result<Output, Failure> {
-        let opened = match place {
-            Place::StandardOutput => Ok(Sink::Standard),
-            Place::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
-            Place::File(path) => WholeFile::create(path).map(Sink::Whole),
+    fn open(name: &str, destination: &Destination) -> Result<Output, Failure> {
+        let opened = match destination {
+            Destination::StandardOutput => Ok(Sink::Standard),
+            Destination::Stream(path) => File::options().append(true).open(path).map(Sink::Stream),
+            Destination::File(path) => WholeFile::create(path).map(Sink::Whole),
         };
         let sink = opened.map_err(|error| failed(name, &error))?;
         Ok(Output { name: name.to_owned(), sink })
@@ -118,16 +118,16 @@ fn failed(name: &str, error: &io::Error) -> Failure {
 }
 
 /// Where a name leads, if it may be written there.
-fn place(name: &str) -> Result<Place, Failure> {
-    let place = any_place(name)?;
-    if let Place::File(path) = &place {
+fn resolve(name: &str) -> Result<Destination, Failure> {
+    let destination = resolve_any(name)?;
+    if let Destination::File(path) = &destination {
         refuse_inputs(name, path)?;
     }
-    Ok(place)
+    Ok(destination)
 }
 
-fn any_place(name: &str) -> Result<Place, Failure> {
-    Place::of(name).map_err(|error| match error.kind() {
+fn resolve_any(name: &str) -> Result<Destination, Failure> {
+    Destination::of(name).map_err(|error| match error.kind() {
         io::ErrorKind::IsADirectory => Failure::fault(format!("cannot write \"{name}\": it is a folder")),
         io::ErrorKind::NotADirectory => Failure::fault(format!("cannot write \"{name}\": not in a folder")),
         _ => failed(name, &error),
@@ -136,9 +136,9 @@ fn any_place(name: &str) -> Result<Place, Failure> {
 
 /// The file that a name leads to; `None` for a pipe, a device or standard output.
 pub(crate) fn file_path(name: &str) -> Result<Option<PathBuf>, Failure> {
-    match place(name)? {
-        Place::File(path) => Ok(Some(path)),
-        Place::StandardOutput | Place::Stream(_) => Ok(None),
+    match resolve(name)? {
+        Destination::File(path) => Ok(Some(path)),
+        Destination::StandardOutput | Destination::Stream(_) => Ok(None),
     }
 }
 
@@ -173,16 +173,16 @@ pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
 
 /// The same, over a file that was read: only where the user has asked for that.
 pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
-    let mut output = Output::open(name, &any_place(name)?)?;
+    let mut output = Output::open(name, &resolve_any(name)?)?;
     output.put(bytes)?;
     output.commit()
 }
 
 /// Opens a file to add to its end; what is in it stays whatever happens.
 pub(crate) fn append(name: &str) -> Result<File, Failure> {
-    let path = match place(name)? {
-        Place::StandardOutput => "/dev/stdout".into(),
-        Place::Stream(path) | Place::File(path) => path,
+    let path = match resolve(name)? {
+        Destination::StandardOutput => "/dev/stdout".into(),
+        Destination::Stream(path) | Destination::File(path) => path,
     };
     let opened = File::options().create(true).append(true).open(&path);
     opened.map_err(|error| failed(name, &error))
@@ -190,7 +190,7 @@ pub(crate) fn append(name: &str) -> Result<File, Failure> {
 
 /// Checks that a file could be written, before long work is begun for it.
 pub(crate) fn check_writable(name: &str) -> Outcome {
-    let Place::File(path) = place(name)? else { return Ok(()) };
+    let Destination::File(path) = resolve(name)? else { return Ok(()) };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => Ok(()),

@@ -164,7 +164,7 @@ fn getbbox(words: &[String], trust: &Trust) -> Outcome {
     }
     let files: Vec<String> = words.iter().skip_while(is_option).cloned().collect();
     let files = if files.is_empty() { vec!["-".to_owned()] } else { files };
-    let options = ReadOptions { purpose: Purpose::Places, ..ReadOptions::default() };
+    let options = ReadOptions { purpose: Purpose::Bounds, ..ReadOptions::default() };
     let read = read(scene_inputs(&files, None, trust)?, trust.commands(), &options);
     if read.has_errors() {
         return Err(Failure::diagnostics(&read.diagnostics, &read.sources));

@@ -177,8 +177,8 @@ fn counts_beyond_what_a_file_holds_are_told() {
         try_out(&attempt("a.mtx", matrix.clone(), words, 1, "a.mtx"));
     }
     for (text, code, said) in [
-        ("void polygon p 0 0 999999999999 1 2 3\n", 1, "announces"),
-        ("void colorpict p 999999999 a b c\n", 1, "announces"),
+        ("void polygon p 0 0 999999999999 1 2 3\n", 1, "declares"),
+        ("void colorpict p 999999999 a b c\n", 1, "declares"),
         // A command that fails is a warning, as in Radiance.
         ("!xform -a 1000000000 -t 1 0 0 scene.rad\n", 0, "at most"),
         ("!gensurf m n x y z 100000 100000\n", 0, "larger than"),

@@ -1,12 +1,11 @@
-//! An allocator that calls a function of the program's when the system gives no more memory.
+//! An allocator that calls a function of the program when memory is exhausted.
 //!
-//! Without it a program ends by SIGABRT, with hidden files left behind and an exit code that says
-//! nothing. [`ReportingAllocator`] is the system's allocator otherwise: what it costs is one
-//! comparison with null.
+//! Without it a program ends by SIGABRT, leaves hidden files behind and gives no useful exit code.
+//! Otherwise [`ReportingAllocator`] is the system's allocator; it costs one comparison with null.
 //!
-//! Guarantees: the function runs once, in the thread that found no memory first; other threads wait
-//! meanwhile for the end of the process. Where the function itself finds no memory, the process
-//! aborts. This crate may not know limits, options or messages.
+//! Guarantees: the function runs once, in the thread that first found no memory; other threads wait
+//! for the end of the process. If the function itself finds no memory, the process aborts. This
+//! crate may not know limits, options or messages.
 //!
 //! ```
 //! #[global_allocator]
@@ -24,7 +23,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What the program does when there is no memory: it gets the bytes that were asked for.
+/// The program's function for exhausted memory. Its argument is the number of bytes requested.
 pub type Exhausted = fn(usize) -> !;
 
 static EXHAUSTED: OnceLock<Exhausted> = OnceLock::new();
@@ -35,12 +34,13 @@ thread_local! {
     static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Says what to do when there is no memory. The first call counts.
+/// Sets the function to call when memory is exhausted. Only the first call has an effect.
 pub fn when_exhausted(act: Exhausted) {
     let _ = EXHAUSTED.set(act);
 }
 
-/// The system's allocator, which does what [`when_exhausted`] says instead of giving null.
+/// The system's allocator, which calls the function set by [`when_exhausted`] instead of returning
+/// null.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportingAllocator;
 
@@ -48,7 +48,7 @@ pub struct ReportingAllocator;
 unsafe impl GlobalAlloc for ReportingAllocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller's promises are those that the system's allocator asks for.
+        // SAFETY: the caller guarantees what the system's allocator requires.
         checked(unsafe { System.alloc(layout) }, layout.size())
     }
 
@@ -79,7 +79,7 @@ fn checked(memory: *mut u8, bytes: usize) -> *mut u8 {
     memory
 }
 
-/// Returns only where nothing was said, or to the function that says it.
+/// Returns only if no function is set, or in the thread that runs it.
 #[cold]
 fn exhausted(bytes: usize) {
     let Some(act) = EXHAUSTED.get() else { return };

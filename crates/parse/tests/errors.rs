@@ -1,4 +1,5 @@
-//! The messages of `tests/errors/*.rad`, whole, beside each file. `RADSIGHT_BLESS=1` writes them anew.
+//! Compares whole messages of `tests/errors/*.rad` with the files beside them. `RADSIGHT_BLESS=1`
+//! rewrites these.
 
 use radsight_loader::MemoryLoader;
 use radsight_parse::{Input, ReadOptions, Tolerance, read_scene};

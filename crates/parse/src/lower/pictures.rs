@@ -8,7 +8,8 @@ use radsight_loader::{FileKind, Loader};
 use radsight_picture::{Encoding, Image, Picture};
 
 impl Reader<'_> {
-    /// A picture in red, green and blue, loaded at its first use. `None` after a mistake, which was reported.
+    /// A picture in red, green and blue, loaded at its first use. `None` after a mistake, which was
+    /// reported.
     pub(super) fn picture(&mut self, file: &RawWord) -> Option<Handle<PictureData>> {
         if let Some(known) = self.pictures.get(&file.text) {
             return *known;
@@ -64,7 +65,8 @@ impl Reader<'_> {
     }
 }
 
-/// Coordinates of the last column and the top row: the shorter side, with the pixels' own shape, is 1.
+/// The coordinates u and v of the last column and the top row. The shorter side, measured with the
+/// pixel aspect, is 1.
 fn extent(picture: &Picture) -> Result<[f64; 2], String> {
     let aspect = picture.header().pixel_aspect().map_err(|error| error.to_string())?;
     if !(aspect.is_finite() && aspect > 0.0) {
