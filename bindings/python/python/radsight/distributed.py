@@ -399,7 +399,7 @@ def _samples(samples: int | None, error: float | None) -> int:
     if (samples is None) == (error is None):
         raise RadsightError("expected either samples or error")
     if error is not None and not (error > 0 and np.isfinite(error)):
-        raise RadsightError(f"error is {error}, expected a share above 0, such as 0.02")
+        raise RadsightError(f"error is {error}, expected a relative error above 0, such as 0.02")
     return _FIRST_SAMPLES if samples is None else samples
 
 
