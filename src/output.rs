@@ -1,4 +1,5 @@
-//! The one way out: files that appear whole or not at all, pipes and devices, standard output.
+//! All outputs of the program: files that appear whole or not at all, pipes and devices, standard
+//! output.
 
 use crate::failure::{Failure, Outcome, reason};
 use radsight_brdf_host::guard;
@@ -8,8 +9,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Something that is being written. A file has its name only after [`Output::commit`]; dropped
-/// before, it leaves nothing.
+/// An output being written. A file gets its name in [`Output::commit`]; dropped before, it leaves
+/// nothing.
 pub(crate) struct Output {
     name: String,
     sink: Sink,
@@ -17,14 +18,14 @@ pub(crate) struct Output {
 
 enum Sink {
     Standard,
-    /// A pipe, a device or an open file, written as it comes.
+    /// A pipe, a device or an open file, written directly.
     Stream(File),
     Whole(WholeFile),
 }
 
 impl Output {
-    /// Opens what a name of the command line leads to; `-` is standard output. A file will go over
-    /// one of its name.
+    /// Opens the output with a name from the command line; `-` is standard output. A file of that
+    /// name is replaced.
     pub(crate) fn create(name: &str) -> Result<Output, Failure> {
         Output::open(name, &resolve(name)?)
     }
@@ -39,7 +40,7 @@ impl Output {
         Ok(Output { name: name.to_owned(), sink })
     }
 
-    /// A stream for another program's standard output; `None` for our own.
+    /// The file for another program's standard output; `None` for our own.
     pub(crate) fn file(&self) -> Option<&File> {
         match &self.sink {
             Sink::Standard => None,
@@ -48,7 +49,7 @@ impl Output {
         }
     }
 
-    /// Writes; what a failure is about is said.
+    /// Writes and flushes bytes; a failure names the output.
     pub(crate) fn put(&mut self, bytes: &[u8]) -> Outcome {
         let written = self.write_all(bytes).and_then(|()| self.flush());
         written.map_err(|error| self.failed(&error))
@@ -59,19 +60,19 @@ impl Output {
         self.finish(WholeFile::commit)
     }
 
-    /// Gives a file its name unless there is one of that name by now.
+    /// Gives a file its name unless a file of that name exists.
     pub(crate) fn commit_new(self) -> Outcome {
         self.finish(WholeFile::commit_new)
     }
 
-    /// Leaves a file under its hidden name, to be found by who goes on with it.
+    /// Keeps a file under its hidden name, so that another run can continue it.
     pub(crate) fn keep(self) {
         if let Sink::Whole(file) = self.sink {
             file.keep();
         }
     }
 
-    /// Where a file is until it has its name.
+    /// The path of an unfinished file.
     pub(crate) fn hidden_path(&self) -> Option<&Path> {
         match &self.sink {
             Sink::Whole(file) => Some(file.hidden_path()),
@@ -117,7 +118,7 @@ fn failed(name: &str, error: &io::Error) -> Failure {
     Failure::write(&format!("\"{name}\""), error)
 }
 
-/// Where a name leads, if it may be written there.
+/// The destination of a name, if it may be written.
 fn resolve(name: &str) -> Result<Destination, Failure> {
     let destination = resolve_any(name)?;
     if let Destination::File(path) = &destination {
@@ -134,7 +135,7 @@ fn resolve_any(name: &str) -> Result<Destination, Failure> {
     })
 }
 
-/// The file that a name leads to; `None` for a pipe, a device or standard output.
+/// The file of a name; `None` for a pipe, a device or standard output.
 pub(crate) fn file_path(name: &str) -> Result<Option<PathBuf>, Failure> {
     match resolve(name)? {
         Destination::File(path) => Ok(Some(path)),
@@ -145,19 +146,17 @@ pub(crate) fn file_path(name: &str) -> Result<Option<PathBuf>, Failure> {
 fn refuse_inputs(name: &str, path: &Path) -> Outcome {
     match inputs::name_of(path) {
         Some(input) if input == name => {
-            Err(Failure::usage(format!("\"{name}\" is read and written, expected another name for the output")))
+            Err(Failure::usage(format!("\"{name}\" is an input and an output, expected another name for the output")))
         }
         Some(input) => {
             let input = if input == "standard input" { input } else { format!("\"{input}\"") };
-            Err(Failure::usage(format!(
-                "\"{name}\" is to be written, but it is the same file as {input}, which is read"
-            )))
+            Err(Failure::usage(format!("\"{name}\" is an output, but it is the same file as the input {input}")))
         }
         None => Ok(()),
     }
 }
 
-/// Writes an image of values in the format that the name of the file tells, else as a Radiance float matrix.
+/// Writes an image of values in the format of the file name, or else as a Radiance float matrix.
 pub(crate) fn write_image_file(path: &str, header: &Header, image: &Image<f32>) -> Outcome {
     let format = FileFormat::from_name(path).unwrap_or(FileFormat::Matrix);
     let bytes = write_image(format, header, image).map_err(|error| Failure::fault(error.to_string()))?;
@@ -171,14 +170,14 @@ pub(crate) fn write_file(name: &str, bytes: &[u8]) -> Outcome {
     output.commit()
 }
 
-/// The same, over a file that was read: only where the user has asked for that.
+/// The same for a file that was read: only if the user requested it.
 pub(crate) fn replace_file(name: &str, bytes: &[u8]) -> Outcome {
     let mut output = Output::open(name, &resolve_any(name)?)?;
     output.put(bytes)?;
     output.commit()
 }
 
-/// Opens a file to add to its end; what is in it stays whatever happens.
+/// Opens a file to append to; its content is kept in any case.
 pub(crate) fn append(name: &str) -> Result<File, Failure> {
     let path = match resolve(name)? {
         Destination::StandardOutput => "/dev/stdout".into(),
@@ -188,7 +187,7 @@ pub(crate) fn append(name: &str) -> Result<File, Failure> {
     opened.map_err(|error| failed(name, &error))
 }
 
-/// Checks that a file could be written, before long work is begun for it.
+/// Checks that a file can be written, before long work.
 pub(crate) fn check_writable(name: &str) -> Outcome {
     let Destination::File(path) = resolve(name)? else { return Ok(()) };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -199,10 +198,10 @@ pub(crate) fn check_writable(name: &str) -> Outcome {
     }
 }
 
-/// What all programs write their standard output to: the data's, where no plugin prints.
+/// The type of standard output, separated from the output of plugins.
 pub(crate) type StandardOutput = guard::standard_output::StandardOutput;
 
-/// Standard output, which only this module names.
+/// Standard output; all modules use this function.
 pub(crate) fn standard_output() -> StandardOutput {
     guard::standard_output::StandardOutput
 }

@@ -88,7 +88,7 @@ fn mistakes_of_a_series_are_told_where_they_stand() {
         ("move background\n-t 1 0 0\n", "\"background\" cannot be moved: its modifier \"to_viewer\""),
         ("rig.ring_diameter_mm\n-3\n", "\"ring_diameter_mm\" must be positive, not -3"),
         ("rig.ring_diameter\n3\n", "unknown key \"ring_diameter\""),
-        ("move top\n-s 2\n", "table.csv:2:1: error: a part keeps its size"),
+        ("move top\n-s 2\n", "table.csv:2:1: error: the transform is not rigid"),
     ];
     for (table, expected) in cases {
         let series = Series::new(table, &file("tall-washer.rad"));

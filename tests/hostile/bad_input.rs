@@ -399,8 +399,11 @@ fn wrong_numbers_on_the_command_line() {
     };
     capture(&["--samples", "0"], "radsight: option \"--samples\" is 0, expected at least 1");
     capture(&["--threads", "0"], "radsight: option \"--threads\" is 0, expected at least 1");
-    capture(&["--error", "0"], "radsight: option \"--error\" is 0, expected a share above 0, such as 0.005");
-    capture(&["--error", "nan"], "radsight: option \"--error\" is NaN, expected a share above 0, such as 0.005");
+    capture(&["--error", "0"], "radsight: option \"--error\" is 0, expected a relative error above 0, such as 0.005");
+    capture(
+        &["--error", "nan"],
+        "radsight: option \"--error\" is NaN, expected a relative error above 0, such as 0.005",
+    );
     capture(
         &["-ab", "many"],
         "radsight: option \"-ab\" is followed by \"many\", expected a number of bounces, 0 or more",
@@ -457,7 +460,7 @@ fn a_ray_stream_that_is_wrong() {
 
     let word = trace("0 0 1 0 zero -1\n");
     assert_eq!(word.code, INPUT);
-    assert!(word.messages.trim_end().ends_with("\"zero\" is no number"), "{}", word.messages);
+    assert!(word.messages.trim_end().ends_with("\"zero\" is not a number"), "{}", word.messages);
 
     let half = bench.run(&["rtrace", "-h", "-fda", "sheet.rad"], &[0; 51]);
     assert_eq!(half.code, INPUT);

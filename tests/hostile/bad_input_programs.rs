@@ -183,7 +183,7 @@ fn streams_of_rays_that_are_wrong() {
     for program in ["rtrace -h", "rcontrib -h -m white"] {
         let name = program.split(' ').next().expect("a name");
         let first = format!("{name}: standard input, ray 1:");
-        refuses(&folder, &format!("{program} scene.rad"), b"1 2 x 0 0 1\n", INPUT, &[&first, "\"x\" is no number"]);
+        refuses(&folder, &format!("{program} scene.rad"), b"1 2 x 0 0 1\n", INPUT, &[&first, "\"x\" is not a number"]);
         refuses(
             &folder,
             &format!("{program} scene.rad"),

@@ -187,7 +187,7 @@ fn counts_beyond_what_a_file_holds_are_told() {
         try_out(&attempt("a.rad", text, rpict, code, said));
     }
     let luminaire = "IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 999999999 999999999 1 1 0 0 0\n1 1 1\n0\n0\n1\n";
-    try_out(&attempt("a.ies", luminaire, &["ies2rad", "-o", "lamp", "a.ies"], 1, "announced"));
+    try_out(&attempt("a.ies", luminaire, &["ies2rad", "-o", "lamp", "a.ies"], 1, "declared"));
 }
 
 #[test]

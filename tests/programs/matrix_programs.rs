@@ -473,7 +473,7 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop -s a.mtx", 2, "option \"-s\" has no factors");
     check("gendaymtx -m 91 day.wea", 2, "expected a subdivision (-m) of 1 to 90");
     check("gendaymtx -m 90 -x day.wea", 2, "unknown option \"-x\"");
-    check("gendaymtx -m 90 day.wea", 1, "the output would be larger than");
+    check("gendaymtx -m 90 day.wea", 1, "the output exceeds");
     check("gendaymtx odd.wea", 1, "odd.wea: line 43: no such date or time");
     check("gendaymtx a.mtx", 1, "expected \"place\" or \"LOCATION,\"");
     check("gendaymtx none.wea", 1, "none.wea");
@@ -501,7 +501,7 @@ fn wrong_command_lines_and_input_are_told() {
     check("dctimestep a a a a a", 2, "one file too many");
     check("dctimestep a.mtx six.mtx", 1, "six.mtx: 6 components, expected 3");
     check("dctimestep a.mtx a.mtx", 1, "a product of 4 x 3 and 4 x 3");
-    check("dctimestep -n 2 a.mtx short.mtx", 1, "\"#?RADIANCE\" is no number");
+    check("dctimestep -n 2 a.mtx short.mtx", 1, "\"#?RADIANCE\" is not a number");
     check("dctimestep -x 7 a.mtx b.mtx", 1, "cannot be arranged as");
     check("dctimestep -o out%d.hdr none%d.hdr b.mtx", 1, "cannot read matrix \"none0.hdr\"");
 }

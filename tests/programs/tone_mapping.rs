@@ -235,7 +235,7 @@ fn wrong_input_of_pcond_is_told() {
     check(&["pcond", &wide], "", 1, "degrees of the fovea wide");
     check(&["pcond", "-I", &picture], "1 2 2", 1, "an odd number of numbers");
     check(&["pcond", "-I", &picture], "1 2 1 3", 1, "do not rise");
-    check(&["pcond", "-i", "1", &picture], "a b", 1, "\"a\" is no number");
+    check(&["pcond", "-i", "1", &picture], "a b", 1, "\"a\" is not a number");
     check(&["pcond", "-x", "/nowhere/map", &picture], "", 3, "cannot write \"/nowhere/map\"");
     check(&["pcond", "missing.hdr"], "", 1, "cannot read \"missing.hdr\"");
 }

@@ -226,7 +226,7 @@ fn the_command_refuses_what_it_does_not_know() {
     let bad = folder.file("bad.csv", ".2,-4,800\n.2,x,3\n");
     let run = radsight(&["retro", "fit", &bad, "--model", "sharp"]);
     assert!(
-        run.code == 1 && run.messages.contains("bad.csv:2:4") && run.messages.contains("\"x\" is no number"),
+        run.code == 1 && run.messages.contains("bad.csv:2:4") && run.messages.contains("\"x\" is not a number"),
         "{run:?}"
     );
     assert_eq!(radsight(&["retro", "fit", &bad, "--model", "shrap"]).code, 2);

@@ -10,7 +10,7 @@ fn folder() -> PathBuf {
 }
 
 #[test]
-fn every_mistake_is_told_as_before() {
+fn every_message_is_unchanged() {
     let mut loader = MemoryLoader::default();
     let mut scenes = Vec::new();
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()).collect();

@@ -24,7 +24,7 @@ impl Reader<'_> {
             }
             other => Err(format!("\"{}\" is a picture in {}, expected red, green and blue", file.text, other.name())),
         });
-        let handle = self.told(picture, file);
+        let handle = self.report_error(picture, file);
         self.pictures.insert(file.text.clone(), handle);
         handle
     }
@@ -50,7 +50,7 @@ impl Reader<'_> {
             }
             other => Err(format!("\"{}\" is a picture in {}, expected spectra", file.text, other.name())),
         });
-        let handle = self.told(grid, file);
+        let handle = self.report_error(grid, file);
         self.grids.insert(file.text.clone(), handle);
         handle
     }
@@ -60,7 +60,7 @@ impl Reader<'_> {
         Picture::read(&loaded.bytes).map_err(|error| format!("\"{}\": {error}", loaded.path))
     }
 
-    fn told<T>(&mut self, result: Result<T, String>, file: &RawWord) -> Option<T> {
+    fn report_error<T>(&mut self, result: Result<T, String>, file: &RawWord) -> Option<T> {
         result.map_err(|message| self.log.push(Diagnostic::error(message).at(file.span))).ok()
     }
 }
