@@ -253,7 +253,7 @@ mod tests {
             ("-", "it looks like an option"),
             ("src", "it is a folder"),
             ("no_such_folder/x", "folder \"no_such_folder\": no such file or directory"),
-            ("Cargo.toml", "it is there already"),
+            ("Cargo.toml", "it exists"),
         ] {
             let refusal = Trust::default().output_of_file(name, Existing::Kept).unwrap_err();
             assert_eq!(refusal.why, why, "{name}");

@@ -102,7 +102,7 @@ fn colours_behind_a_mosaic_come_back() {
     assert_eq!(alone.values, image, "the grey picture need not be asked for");
     let refused = run(&folder, &["capture", "plain.toml", "scene.rad", "-o", "a.png", "--color", "b.png"], b"");
     assert_eq!(refused.code, 1);
-    assert!(refused.messages.contains("has no mosaic of colour filters"), "{}", refused.messages);
+    assert!(refused.messages.contains("has no colour filter mosaic"), "{}", refused.messages);
 }
 
 #[test]

@@ -410,7 +410,7 @@ fn wrong_numbers_on_the_command_line() {
     );
     capture(
         &["-dr"],
-        "radsight: option \"-dr\" ends the command line, expected a number of relays, 0 or more after it",
+        "radsight: option \"-dr\" ends the command line, expected a depth of virtual sources, 0 or more after it",
     );
     let words = ["capture", "camera.toml", "sheet.rad", "-o", "out.png", "--samples", "few"];
     let run = bench.run(&words, b"");
@@ -426,7 +426,7 @@ fn wrong_numbers_on_the_command_line() {
 #[test]
 fn rtrace_options() {
     let bench = Bench::new();
-    let none = "radsight: rtrace: no scene is named, expected scene files after the options";
+    let none = "radsight: rtrace: no scene is given, expected scene files after the options";
     bench.refuses(&["rtrace"], USAGE, none);
     bench.refuses(&["rtrace", "-h", "-n", "2"], USAGE, none);
     let unknown = "radsight: rtrace: option \"-zz\" is not supported\nhint: \"rtrace --help\" lists the options";
@@ -435,7 +435,7 @@ fn rtrace_options() {
     bench.refuses(&["rtrace", "-fq", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-fq\": {letters}"));
     bench.refuses(&["rtrace", "-faaa", "sheet.rad"], USAGE, &format!("radsight: rtrace: option \"-faaa\": {letters}"));
     let run = bench.run(&["rtrace", "-oq", "sheet.rad"], b"");
-    assert!(run.messages.starts_with("radsight: rtrace: \"q\" of \"-oq\" is no output"), "{}", run.messages);
+    assert!(run.messages.starts_with("radsight: rtrace: \"q\" of \"-oq\" is not an output"), "{}", run.messages);
     assert_eq!(run.code, USAGE);
     bench.refuses(
         &["rtrace", "none.rad"],
@@ -496,8 +496,8 @@ fn an_exposure_that_is_none() {
         assert!(run.output.is_empty(), "no half of a picture");
         run.messages
     };
-    assert!(sensor(b"").starts_with("radsight: standard input is no exposure: "));
-    assert!(sensor(&[7; 5000]).starts_with("radsight: standard input is no exposure: "));
+    assert!(sensor(b"").starts_with("radsight: standard input is not an exposure: "));
+    assert!(sensor(&[7; 5000]).starts_with("radsight: standard input is not an exposure: "));
     let matrix = |values: &[f32]| {
         let mut bytes = b"#?RADIANCE\nNROWS=1\nNCOLS=2\nNCOMP=1\nFORMAT=float\n\n".to_vec();
         values.iter().for_each(|value| bytes.extend(value.to_ne_bytes()));
@@ -505,7 +505,7 @@ fn an_exposure_that_is_none() {
     };
     assert!(sensor(&matrix(&[1e-6, f32::NAN])).contains("the exposure has the value NaN"));
     assert!(sensor(&matrix(&[1e-6, -1e-6])).contains("the exposure has the value -0.000001"));
-    assert!(sensor(&matrix(&[1e-6])).starts_with("radsight: standard input is no exposure: "));
+    assert!(sensor(&matrix(&[1e-6])).starts_with("radsight: standard input is not an exposure: "));
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn headers_and_views_cause_nothing() {
 fn files_of_options_write_nothing_elsewhere_and_end() {
     let rpict = &["rpict", "@a", "-vp", "0", "-5", "0", "-x", "4", "-y", "4", "scene.rad"];
     for (text, code, said) in [
-        ("@a", 2, "stands for itself"),
+        ("@a", 2, "refers to itself"),
         ("-o /tmp/hit", 1, "not below the current folder"),
         ("-o precious", 1, "is there already"),
         ("-P ../hit", 1, "not below the current folder"),
@@ -181,8 +181,8 @@ fn counts_beyond_what_a_file_holds_are_told() {
         ("void colorpict p 999999999 a b c\n", 1, "declares"),
         // A command that fails is a warning, as in Radiance.
         ("!xform -a 1000000000 -t 1 0 0 scene.rad\n", 0, "at most"),
-        ("!gensurf m n x y z 100000 100000\n", 0, "larger than"),
-        ("!genrev m n t t 1000000000\n", 0, "larger than"),
+        ("!gensurf m n x y z 100000 100000\n", 0, "exceeds"),
+        ("!genrev m n t t 1000000000\n", 0, "exceeds"),
     ] {
         try_out(&attempt("a.rad", text, rpict, code, said));
     }

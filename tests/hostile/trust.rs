@@ -89,7 +89,7 @@ fn libraries_beside_a_scene_are_not_loaded_by_any_program() {
     let run = trap.leaves_no_trace(&["rtrace", "replaced.rad"], b"0 0 0 0 1 0\n");
     let library = format!("{}evil{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let expected = format!(
-        "replaced.rad:1:19: error: library \"./{library}\" stands beside the scene and is not loaded: a scene is input, not a program
+        "replaced.rad:1:19: error: library \"./{library}\" is beside the scene and is not loaded: a scene is input, not a program
   1 | #@radsight brdf m evil model 1
     |                   ^^^^
 hint: --allow-plugins loads libraries beside the scene, --plugin-path DIR those of a folder
@@ -190,7 +190,7 @@ fn files_of_options_widen_nothing() {
     }
     trap.refuses(
         &["rpict", "@commands.opt", "command.rad"],
-        "option \"--allow-commands\" comes from a file and is not obeyed\nhint: only the command line itself may give it",
+        "option \"--allow-commands\" comes from a file and is ignored\nhint: only the command line may give it",
     );
     // What the command line itself says holds for the file's words, too; a variable is the user's
     // own.

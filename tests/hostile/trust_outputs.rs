@@ -16,8 +16,8 @@ fn receivers_write_only_new_files_below_the_current_folder() {
         ("!touch ran", "it is a command"),
         ("!touch ran; cat", "it is a command"),
         ("|touch ran", "it is a command"),
-        ("keep.mtx", "it is there already, and is not"),
-        ("./keep.mtx", "it is there already, and is not"),
+        ("keep.mtx", "it exists and is not"),
+        ("./keep.mtx", "it exists and is not"),
         ("../escaped", "it is not below the current folder"),
         ("away/escaped", "a symbolic link leads out of the current folder"),
         ("away/work/escaped", "new"),
@@ -44,7 +44,7 @@ fn receivers_write_only_new_files_below_the_current_folder() {
             assert!(trap.exists("escaped"));
             fs::remove_file(trap.work("escaped")).expect("it was made");
         } else if why == "new" {
-            trap.refuses(&words, "it is there already, and is not");
+            trap.refuses(&words, "it exists and is not");
         } else {
             trap.refuses(&words, why);
             trap.refuses(&words, "receiver.rad:1:");
@@ -123,14 +123,14 @@ fn illum_comments_write_only_new_files_below_the_current_folder() {
     for (comment, why) in [
         ("o=../escaped", "it is not below the current folder"),
         (above.as_str(), "it is not below the current folder"),
-        ("o=keep.rad", "is not scene text of mkillum"),
+        ("o=keep.rad", "is not scene text from mkillum"),
         ("o=away/escaped", "a symbolic link leads out"),
         ("o=link.mtx", "it is a symbolic link"),
         ("o=.escaped", "it is hidden"),
         ("o=!touch", "it is a command"),
         ("f=../escaped", "it is not below the current folder"),
         ("m=../escaped", "it is not below the current folder"),
-        ("f=keep", "is not data of mkillum"),
+        ("f=keep", "is not data from mkillum"),
         ("f=link", "it is a symbolic link"),
         ("f=away/escaped", "a symbolic link leads out"),
         ("f=.escaped", "it is hidden"),
@@ -345,7 +345,7 @@ fn a_name_that_is_refused_is_shown_where_it_stands() {
 evil.rif:6:3: error: \"../escaped.oct\" comes from a file and is not written: it is not below the current folder
   6 |   OCTREE= ../escaped.oct # not mine
     |   ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
-hint: --allow-outputs lets input files name any file to be written; else it is a new one below the current folder
+hint: --allow-outputs lets input files name any output; by default only new files below the current folder
 ";
     assert_eq!((run.messages.as_str(), run.code), (expected, 1));
 }
@@ -372,5 +372,5 @@ fn a_scene_that_is_read_again_writes_the_same_again() {
     for file in ["new.rad", "new.dat"].into_iter().filter(|file| trap.exists(file)) {
         trap.file(file, PRECIOUS);
     }
-    trap.refuses(&["xform", "lamps.rad"], "it is there already");
+    trap.refuses(&["xform", "lamps.rad"], "it exists");
 }

@@ -292,7 +292,7 @@ fn records_of_a_known_shape_go_out_as_those_that_are_counted_first() {
     let words = ["rcollate", "-hi", "-ho", "-fb2", "-ic", "3", "-ir", "3", "-oc", "3"];
     let behind = run_with(command(&words).current_dir(folder.path("")), &numbers);
     assert_eq!((behind.code, &behind.output[..]), (0, &numbers[..18]));
-    assert!(behind.messages.contains("6 bytes are left behind 3 × 3 records"), "{}", behind.messages);
+    assert!(behind.messages.contains("6 bytes follow 3 × 3 records, expected none"), "{}", behind.messages);
     let header = b"NCOMP=1\nNROWS=4\nNCOLS=3\nFORMAT=ascii\n\n";
     let headed = collate(&["-oc", "6"], &[&header[..], text].concat());
     assert!(headed.ends_with(b"NROWS=2\nNCOLS=6\nFORMAT=ascii\n\n1\t2\t3\t4\t5\t6\n7\t8\t9\t10\t11\t12\n"));

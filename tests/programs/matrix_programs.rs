@@ -424,9 +424,9 @@ fn wrong_skies_are_told() {
         ("genskyvec -m 0", sky, 2, "subdivision (-m) is 0, expected an integer above zero"),
         ("genskyvec -m 1000", sky, 2, "subdivision (-m) is 1000, expected at most 64"),
         ("genskyvec -c 1 2", sky, 2, "missing blue (-c)"),
-        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", 1, "there is no \"skyfunc\""),
-        ("genskyvec", "!gensky 6 21 12\n", 1, "a line is a command, expected the text that \"xform\" makes of it"),
-        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", 1, "a primitive is not whole"),
+        ("genskyvec", "void glow a 0 0 4 1 1 1 0\n", 1, "\"skyfunc\" is missing"),
+        ("genskyvec", "!gensky 6 21 12\n", 1, "a line is a command, expected scene text without commands"),
+        ("genskyvec", "void brightfunc skyfunc\n2 skybr\n", 1, "a primitive is incomplete"),
         ("genskyvec -m 1", "void brightfunc skyfunc 2 skybr nowhere.cal 0 0\n", 1, "nowhere.cal"),
     ] {
         let run = run_with(&mut command(&split(words)), input.as_bytes());
@@ -465,7 +465,7 @@ fn wrong_command_lines_and_input_are_told() {
         assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
         assert!(run.output.is_empty(), "{words:?}");
     };
-    check("rmtxop", 2, "no matrix is named");
+    check("rmtxop", 2, "no matrix is given");
     check("rmtxop + a.mtx", 2, "\"+\" has no matrix before it");
     check("rmtxop a.mtx +", 2, "has no matrix after it");
     check("rmtxop - + -", 2, "standard input is named twice");
@@ -489,16 +489,16 @@ fn wrong_command_lines_and_input_are_told() {
     check("rmtxop huge.mtx", 1, "huge.mtx: ");
     check("rmtxop bad.xml", 1, "bad.xml: ");
     check("rmtxop '!exit 3'", 1, "command \"exit 3\"");
-    check("rcomb", 2, "no matrix is named");
+    check("rcomb", 2, "no matrix is given");
     check("rcomb a.mtx b.mtx", 1, "b.mtx: 3 x 5, expected 4 x 3");
     check("rcomb a.mtx -m b.mtx -zz", 2, "option \"-zz\" is unknown");
     check("rcomb -e co=(1 a.mtx", 1, "option -e:1:");
     check("rcomb -e co=nothere a.mtx", 1, "nothere");
     check("rcomb -f none.cal a.mtx", 1, "none.cal");
     check("rcomb - -m -", 2, "standard input is named twice");
-    check("dctimestep", 2, "no coefficients are named");
+    check("dctimestep", 2, "no coefficients are given");
     check("dctimestep -zz a.mtx", 2, "option \"-zz\" is unknown");
-    check("dctimestep a a a a a", 2, "one file too many");
+    check("dctimestep a a a a a", 2, "unexpected argument");
     check("dctimestep a.mtx six.mtx", 1, "six.mtx: 6 components, expected 3");
     check("dctimestep a.mtx a.mtx", 1, "a product of 4 x 3 and 4 x 3");
     check("dctimestep -n 2 a.mtx short.mtx", 1, "\"#?RADIANCE\" is not a number");

@@ -260,9 +260,9 @@ fn mistakes_are_told() {
     );
     let run = ours(&folder, "outside.rad < cone.rad");
     for part in [
-        "cone.rad: \"q=1 d=x\" after #@mkillum means nothing, expected m= ",
-        "no light is made of cone \"k\", expected a polygon, ring or sphere",
-        "surface \"p\" has no area, and no light is made of it",
+        "cone.rad: \"q=1 d=x\" after #@mkillum is unknown, expected m= ",
+        "cone \"k\" cannot become a light source, expected a polygon, ring or sphere",
+        "surface \"p\" has no area; it does not become a light source",
     ] {
         assert!(run.messages.contains(part), "{part}: {}", run.messages);
     }
@@ -277,8 +277,8 @@ fn mistakes_are_told() {
     folder.file("many.rad", "#@mkillum d=4000000 s=4000000\npane sphere s 0 0 4 0 0 0 1\n");
     folder.file("torn.rad", "pane polygon p 0 0 9 0 0\n");
     for (words, code, message) in [
-        ("outside.rad <", 2, "no file is named after \"<\""),
-        ("-ab 0", 2, "no scene is named"),
+        ("outside.rad <", 2, "no file is given after \"<\""),
+        ("-ab 0", 2, "no scene is given"),
         ("-", 2, "the scene and the surfaces are both standard input"),
         ("-zz outside.rad", 2, "option \"-zz\" is not supported"),
         ("-P x outside.rad", 2, "option \"-P\" is not supported"),

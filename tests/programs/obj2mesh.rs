@@ -122,7 +122,7 @@ fn wrong_input_is_told() {
     check("obj2mesh none.obj", 1, "cannot read mesh \"none.obj\"");
     check("obj2mesh empty.obj", 1, "no triangle with an area");
     check("obj2mesh bad.obj", 1, "bad.obj: line 2: ");
-    check("obj2mesh a b c", 2, "one file too many");
+    check("obj2mesh a b c", 2, "unexpected argument");
     check("obj2mesh -a materials.rad good.obj", 1, "undefined modifier \"brass\"");
     check("obj2mesh -a surfaces.rad good.obj", 1, "has surfaces");
     check("obj2mesh -a broken.rad good.obj", 1, "broken.rad:1:");

@@ -340,8 +340,7 @@ fn bitmaps_that_end_early_are_told() {
     huge[18..22].copy_from_slice(&60_000u32.to_le_bytes());
     huge[22..26].copy_from_slice(&60_000u32.to_le_bytes());
     let short = &packed_bitmap(&[4, 1])[..40];
-    for (bytes, message) in [(&huge[..], "ends before 60000 x 60000 pixels"), (short, "not a bitmap that can be read")]
-    {
+    for (bytes, message) in [(&huge[..], "ends before 60000 x 60000 pixels"), (short, "cannot read the bitmap")] {
         let run = radsight_with(&["ra_bmp", "-r"], bytes);
         assert_eq!(run.code, 1);
         assert!(run.messages.contains(message), "{}", run.messages);
@@ -482,7 +481,7 @@ fn values_are_written_over_a_part_of_the_picture() {
     assert_eq!(changed(0, 118), 0);
     assert!(changed(118, 240) > 100);
     for (options, message) in [
-        ("-odim 40 40", "40 x 40 values leave no room for letters of 10 pixels in 240 x 100"),
+        ("-odim 40 40", "40 x 40 values do not fit with letters of 10 pixels in 240 x 100"),
         (
             "-odim 2 2 -orct 10 10 300 50",
             "\"-orct\" with 10 10 300 50: expected left, lower, right and upper border within 240 x 100",

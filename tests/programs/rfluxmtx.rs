@@ -138,9 +138,9 @@ fn what_is_wrong_is_told() {
     check("-zz sender.rad receiver.rad", 2, "option \"-zz\" is not supported");
     check("-fx sender.rad receiver.rad", 2, "option \"-fx\" is not supported");
     check("-c 0 sender.rad receiver.rad", 2, "expected a number of rays, 1 or more");
-    check("-av 1 2", 2, "expected 3 words after it");
-    check("-I+ sender.rad receiver.rad", 2, "for rays from standard input (-) only");
-    check("sender.rad receiver.rad -n 6 outside.rad", 2, "\"-n\" stands among the scene files");
+    check("-av 1 2", 2, "expected 3 values after it");
+    check("-I+ sender.rad receiver.rad", 2, "applies only to rays from standard input (-)");
+    check("sender.rad receiver.rad -n 6 outside.rad", 2, "\"-n\" is not supported among the scene files");
     check("sender.rad none.rad", 1, "cannot read scene file \"none.rad\"");
     check("sender.rad empty.rad", 1, "no surface is named");
     check("sender.rad unsaid.rad", 1, "surfaces of \"wall\" have no basis");

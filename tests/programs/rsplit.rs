@@ -118,17 +118,17 @@ fn wrong_command_lines_of_rsplit_are_told() {
         run_with(command(&[&["rsplit"], words].concat()).current_dir(folder.path("")), input)
     };
     for (words, input, code, message) in [
-        (&[][..], "", 2, "no output is named"),
+        (&[][..], "", 2, "no output is given"),
         (&["-q", "a"], "", 2, "option \"-q\" is unknown\nhint: expected -ih"),
         (&["-o", "a"], "", 2, "option \"-o\" is unknown"),
         (&["-ox", "a"], "", 2, "option \"-ox\" is unknown"),
         (&["-of0", "a"], "", 2, "option \"-of0\" is unknown"),
-        (&["-od99999", "a"], "", 2, "option \"-od99999\" asks for more than 16384 bytes a record"),
+        (&["-od99999", "a"], "", 2, "option \"-od99999\" requests more than 16384 bytes per record"),
         (&["b", "b"], "", 2, "\"b\" is named twice"),
-        (&["-a", "-oh", "c"], "", 2, "option \"-a\" adds to files"),
+        (&["-a", "-oh", "c"], "", 2, "option \"-a\" appends to files"),
         (&["-oH", "-"], "", 2, "option \"-oH\" lacks a resolution, expected -iH, or -x and -y"),
         (&["-on"], "", 2, "ends the command line"),
-        (&["-ih", "-"], "#?RADIANCE\n", 1, "the header of standard input does not end"),
+        (&["-ih", "-"], "#?RADIANCE\n", 1, "the header of standard input (-ih) has no end"),
         (&["-iH", "-"], "no size\n", 1, "standard input"),
         (&["nowhere/d"], "1\n", 3, "cannot write \"nowhere/d\""),
         (&["!exit 4"], "1\n", 1, "command \"exit 4\" failed"),

@@ -221,7 +221,7 @@ fn wrong_input_of_pcond_is_told() {
         assert!(run.messages.contains(message), "{words:?}: {}", run.messages);
         assert!(run.output.is_empty(), "{words:?} wrote something");
     };
-    check(&["pcond"], "", 2, "no picture is named");
+    check(&["pcond"], "", 2, "no picture is given");
     check(&["pcond", "-q", &picture], "", 2, "option \"-q\" is unknown\nhint: expected -h -a");
     check(&["pcond", "-u", "0", &picture], "", 2, "option \"-u\" is followed by 0, expected more than");
     check(&["pcond", "-d", "1", &picture], "", 2, "expected more than 1");
@@ -232,9 +232,9 @@ fn wrong_input_of_pcond_is_told() {
     check(&["pcond", "-m", &lonely, "-f", &uncalibrated, &picture], "", 1, "expected two colours");
     check(&["pcond", "-f", &uncalibrated, &picture], "", 1, "expected \"rxa(i)");
     check(&["pcond", &black], "", 1, "the picture is black");
-    check(&["pcond", &wide], "", 1, "degrees of the fovea wide");
+    check(&["pcond", &wide], "", 1, "square degrees, expected at most");
     check(&["pcond", "-I", &picture], "1 2 2", 1, "an odd number of numbers");
-    check(&["pcond", "-I", &picture], "1 2 1 3", 1, "do not rise");
+    check(&["pcond", "-I", &picture], "1 2 1 3", 1, "do not increase");
     check(&["pcond", "-i", "1", &picture], "a b", 1, "\"a\" is not a number");
     check(&["pcond", "-x", "/nowhere/map", &picture], "", 3, "cannot write \"/nowhere/map\"");
     check(&["pcond", "missing.hdr"], "", 1, "cannot read \"missing.hdr\"");

@@ -372,8 +372,8 @@ fn wrong_command_lines_and_input_are_told() {
         assert_eq!(run.code, code, "{words}: {}", run.messages);
         assert!(run.messages.contains(message), "{words}: {}", run.messages);
     };
-    check("scene.rad", "", 2, "no modifier is named");
-    check("-m sun", "", 2, "no scene is named");
+    check("scene.rad", "", 2, "no modifier is given");
+    check("-m sun", "", 2, "no scene is given");
     check("-m sun -m sun scene.rad", "", 2, "modifier \"sun\" is named twice");
     check("-m void scene.rad", "", 2, "\"void\" cannot be tracked");
     check("-b Dx -m sun scene.rad", "", 2, "number of bins of \"sun\" is missing");
@@ -387,7 +387,7 @@ fn wrong_command_lines_and_input_are_told() {
     check("-M missing.txt scene.rad", "", 1, "cannot read modifiers \"missing.txt\"");
     check("-o taken.dat -m sun scene.rad", "", 3, "it exists, expected -fo+");
     check("-o nowhere/x.dat -m sun scene.rad", "", 3, "cannot write \"nowhere/x.dat\"");
-    check("-o %s%s -m sun scene.rad", "", 2, "holds an unknown %");
+    check("-o %s%s -m sun scene.rad", "", 2, "has an unknown % format");
     check("-fxa -m sun scene.rad", "", 2, "format \"-fxa\" is unknown");
     check("-r+ -m sun scene.rad", "", 2, "standard output cannot be recovered (-r)");
     check("-r+ -o sun.dat -m sun scene.rad", "", 2, "text cannot be recovered (-r)");

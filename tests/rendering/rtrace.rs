@@ -377,11 +377,11 @@ fn a_control_file_says_again_what_was_asked() {
     folder.file("real.per", "somewhere 4711 /tmp/in /tmp/out /tmp/err\n");
     folder.file("elsewhere.per", "radsight\n/nowhere\nrtrace\nscene.rad\n");
     for (words, code, message) in [
-        ("rtrace -P new.per", 2, "no scene is named, and control file \"new.per\" holds no command line yet"),
-        ("rtrace -P real.per scene.rad", 1, "\"real.per\": another program's"),
-        ("rpict -P real.per", 1, "\"real.per\": another program's"),
+        ("rtrace -P new.per", 2, "no scene is given, and control file \"new.per\" has no command line yet"),
+        ("rtrace -P real.per scene.rad", 1, "\"real.per\": it belongs to another program"),
+        ("rpict -P real.per", 1, "\"real.per\": it belongs to another program"),
         ("rtrace -P view.per", 1, "its command line is for rpict, expected rtrace"),
-        ("rtrace -P elsewhere.per", 1, "its command line is for the folder \"/nowhere\""),
+        ("rtrace -P elsewhere.per", 1, "its command line was stored in the folder \"/nowhere\""),
         ("rtrace -P", 2, "option \"-P\" ends the command line"),
     ] {
         let run = run(words, input);
