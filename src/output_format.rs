@@ -78,7 +78,7 @@ mod tests {
     use radsight_picture::scientific;
 
     #[test]
-    fn numbers_look_as_c_prints_them() {
+    fn numbers_are_formatted_as_in_c() {
         assert_eq!(scientific(0.05, DIGITS), "5.000000e-02");
         assert_eq!(scientific(-1e10, DIGITS), "-1.000000e+10");
         assert_eq!(scientific(1e-123, DIGITS), "1.000000e-123");

@@ -237,12 +237,12 @@ mod tests {
     #[test]
     fn names_that_lead_elsewhere_are_refused() {
         for (name, why) in [
-            ("", "it is no file name"),
-            ("a\nb", "it is no file name"),
+            ("", "it is not a file name"),
+            ("a\nb", "it is not a file name"),
             ("!touch x", "it is a command"),
             ("|touch x", "it is a command"),
-            ("$(touch x)", "it has signs of a shell"),
-            ("a;b", "it has signs of a shell"),
+            ("$(touch x)", "it has characters with a meaning in a shell"),
+            ("a;b", "it has characters with a meaning in a shell"),
             ("../x", "it is not below the current folder"),
             ("src/../x", "it is not below the current folder"),
             ("/tmp/x", "it is not below the current folder"),

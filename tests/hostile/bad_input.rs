@@ -1,13 +1,14 @@
-//! Whatever is wrong with the input or the command line: one clear message, the right exit code, and no half-written file.
+//! Wrong input and wrong command lines: one clear message, the right exit code, and no half-written
+//! file.
 
 use crate::program::{Folder, Run, command, gripps, run_with};
 use std::io::Read;
 
-/// The input is wrong.
+/// Exit code of wrong input.
 const INPUT: i32 = 1;
-/// The command line is wrong.
+/// Exit code of a wrong command line.
 const USAGE: i32 = 2;
-/// A limit or a fault stopped the work.
+/// Exit code of a limit or a fault.
 const FAULT: i32 = 3;
 
 const CAMERA: &str = r#"[camera]
@@ -39,10 +40,10 @@ exposure_unit = "uJ/cm2"
 bits = 8
 "#;
 
-/// What `--samples 1` makes of good input, and where to.
+/// The result of `--samples 1` for valid input, and its path.
 const QUICK: [&str; 4] = ["--samples", "1", "-o", "out.png"];
 
-/// A folder with input that is good, and an older output that must survive.
+/// A folder with valid input, and an older output that must survive.
 struct Bench(Folder);
 
 impl Bench {
@@ -62,7 +63,7 @@ impl Bench {
         bench
     }
 
-    /// The bench with a camera file `bad.toml` in which something stands for something else.
+    /// The bench with a camera file `bad.toml` in which one text is replaced.
     fn with_camera(good: &str, bad: &str) -> Bench {
         assert!(CAMERA.contains(good), "the camera file has {good}");
         Bench::with("bad.toml", CAMERA.replace(good, bad))
@@ -95,7 +96,7 @@ impl Bench {
         assert_eq!(run.code, code);
     }
 
-    /// Captures with a camera and a scene, as `refuses`.
+    /// Captures with a camera and a scene, as in `refuses`.
     #[track_caller]
     fn refuses_capture(&self, camera: &str, scene: &str, message: &str) {
         self.refuses(&[&["capture", camera, scene], &QUICK[..]].concat(), INPUT, message);
@@ -314,7 +315,7 @@ fn an_output_that_cannot_be() {
     bench.refuses(&words, FAULT, "radsight: cannot write \"sheet.rad/out.png\": not in a folder");
 }
 
-/// Reads the beginning of what a program writes, closes the pipe, and gives exit code and messages.
+/// Reads the start of a program's output, closes the pipe, and returns exit code and messages.
 fn read_a_little(mut command: std::process::Command) -> (Option<i32>, String) {
     let mut child = command.spawn().expect("the program starts");
     let mut pipe = child.stdout.take().expect("a pipe");
@@ -339,7 +340,7 @@ fn a_closed_pipe_is_success() {
     let mut trace = in_folder(&["rtrace", "-h", "-fda", "sheet.rad"]);
     trace.stdin(source.stdout.take().expect("a pipe"));
     assert_eq!(read_a_little(trace), (Some(0), String::new()));
-    // Its reader is gone as well, and for the same reason.
+    // Its reader has ended as well, for the same reason.
     assert_eq!(source.wait().expect("the program ends").code(), Some(0));
 }
 

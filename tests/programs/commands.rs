@@ -1,4 +1,4 @@
-//! Commands in scenes that need more than a library has: a shell, or a renderer.
+//! Commands in scenes that need a shell or a renderer.
 
 use crate::program::{self, Folder, command, run_with};
 
@@ -126,7 +126,7 @@ fn rlam_runs_the_commands_that_are_its_inputs() {
 }
 
 #[test]
-fn standard_input_that_cannot_be_read_is_told() {
+fn unreadable_standard_input_is_reported() {
     let folder = Folder::new();
     let mut shell = std::process::Command::new("sh");
     shell.args(["-c", "\"$0\" total < .", env!("CARGO_BIN_EXE_radsight")]);

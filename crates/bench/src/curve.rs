@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn beyond_the_runs_nothing_is_made_up() {
+    fn nothing_is_extrapolated_past_the_runs() {
         let curve = Curve::new([(0.01, 4.0), (0.02, 1.0)]);
         assert_eq!(curve.time_to(0.5), TimeTo::AtMost(1.0));
         assert_eq!(curve.time_to(0.009), TimeTo::NotReached);

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn measured_bounded_and_extrapolated_ratios_are_told_apart() {
+    fn measured_bounded_and_extrapolated_ratios_are_distinguished() {
         let text = report(
             &[
                 run(Setting::Samples(4), 0.04, 0.5),

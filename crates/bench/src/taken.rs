@@ -155,7 +155,7 @@ mod tests {
     use std::process::Command;
 
     #[test]
-    fn a_program_that_was_ended_for_its_time_is_told_from_others_that_failed() {
+    fn a_program_that_exceeded_its_time_is_distinguished_from_failures() {
         let failure =
             |script: &str| measure(Command::new("sh").args(["-c", script]), None, None, "").expect_err("it fails");
         assert!(was_ended_for_its_time(&failure("kill -XCPU $$")));

@@ -189,7 +189,7 @@ fn an_octree_without_its_scene_file_is_an_error() {
 }
 
 #[test]
-fn octrees_that_place_each_other_come_to_an_end() {
+fn mutually_recursive_octrees_are_an_error() {
     let loader = MemoryLoader::default()
         .with("a.oct", octree("a.rad"))
         .with("a.rad", "void instance b 1 b.oct 0 0\nvoid sphere s 0 0 4 0 0 0 1\n")

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_of_a_place_add_up_to_one() {
+    fn weights_of_a_pixel_add_up_to_one() {
         for (old, new) in [(10, 3), (3, 10), (7, 7), (1, 5), (4097, 1000)] {
             for place in shares(old, new) {
                 assert!((place.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-9, "{old} to {new}");

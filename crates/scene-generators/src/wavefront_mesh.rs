@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_that_look_away_turn_a_triangle_around() {
+    fn backward_normals_reverse_a_triangle() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nvn .6 0 -.8\nvt .25 .5\nf 1/1/1 2/1/1 3/1/2\n";
         let mesh = WavefrontMesh::read(text).unwrap();
         let [triangle] = mesh.triangles[..] else { panic!("one triangle") };

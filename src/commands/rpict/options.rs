@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn small_errors_look_around_along_more_rays_where_these_are_shared() {
+    fn small_errors_gather_more_rays_where_these_are_cached() {
         for (words, expected) in [
             ("rpict -ad 100 a.oct", 100),
             ("rpict -ad 100 --error .05 a.oct", 100),

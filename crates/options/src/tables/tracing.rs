@@ -253,7 +253,7 @@ pub(super) const RCONTRIB: Program = Program {
 
 pub(super) const MKILLUM: Program = Program {
     name: "mkillum",
-    summary: "convert windows and other surfaces to light sources with the light that they transmit or reflect",
+    summary: "convert windows and other surfaces to light sources",
     synopsis: "mkillum [options] octree | scene … [ < FILE … ]",
     description: "Comments #@mkillum in the files set options of the following surfaces: m=MATERIAL, f=DATA FILE, c=n|a|d colour, \
                   d=DIRECTIONS, s=SAMPLES, b=SMALLEST BRIGHTNESS, l+ or l-, i=NAME or e=NAME or a or n, o=OUTPUT.",

@@ -123,7 +123,7 @@ fn a_document_gives_the_same_items() {
 }
 
 #[test]
-fn the_place_of_a_real_argument_is_found_again() {
+fn the_range_of_a_real_argument_is_found() {
     let text = b"void sphere s 0 0 4  1 \"2\"\n 3 4";
     let mut items = Items::new(text).unwrap();
     let Some(Ok(Item::Primitive(sphere))) = items.advance() else { panic!() };
