@@ -335,7 +335,7 @@ fn an_output_that_is_an_input_is_refused() {
     ] {
         let run = run(&folder, words);
         assert_eq!(run.code, 2, "{words:?}: {}", run.messages);
-        assert!(run.messages.contains("read"), "{words:?}: {}", run.messages);
+        assert!(run.messages.contains("input"), "{words:?}: {}", run.messages);
     }
     for script in ["rcalc -e '$1=$1' many.txt >> many.txt", "total < many.txt >> many.txt", "pfilt p.hdr >> hard.hdr"] {
         let run = shell(&folder, script);
