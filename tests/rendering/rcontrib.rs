@@ -399,7 +399,12 @@ fn wrong_command_lines_and_input_are_reported() {
     check("-ap map.pm 9 -m sun scene.rad", "", 2, "photon maps are not supported");
     check("-zz -m sun scene.rad", "", 2, "option \"-zz\" is not supported");
     check("-m sun scene.rad", "1 2 3", 1, "standard input, ray 1: the stream ends after 3 of 6 numbers");
-    check("-x 2 -y 2 -m sun scene.rad", "1 1 1 0 0 1\n", 1, "standard input ends 3 rays early");
+    check(
+        "-x 2 -y 2 -m sun scene.rad",
+        "1 1 1 0 0 1\n",
+        1,
+        "standard input ends 3 rays before the number given by -x and -y",
+    );
     let warned = run(&folder, "-h -m moon scene.rad", "1 1 1 0 0 1\n");
     assert!(warned.code == 0 && warned.messages.contains("the scene has no modifier \"moon\""), "{}", warned.messages);
     assert_eq!(folder.names().iter().filter(|name| name.ends_with(".part")).count(), 0);

@@ -3,6 +3,7 @@
 
 mod function_lengths;
 mod package;
+mod sanitize;
 mod structure;
 mod workspace;
 
@@ -11,10 +12,11 @@ use std::process::ExitCode;
 /// Name, description and function of a task.
 type Task = (&'static str, &'static str, fn() -> Result<(), String>);
 
-const TASKS: [Task; 4] = [
+const TASKS: [Task; 5] = [
     ("ci", "runs all checks that must pass before a merge, as .ci/run does", ci),
     ("lint", "checks only format and lints", lint),
     ("structure", "measures crates, edges and functions, and writes them into docs/architecture.md", structure::write),
+    ("sanitize", "tests the crates with unsafe code under AddressSanitizer", sanitize::check),
     ("package", "checks that each published crate can be packaged", package::check),
 ];
 
