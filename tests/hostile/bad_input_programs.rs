@@ -59,7 +59,7 @@ fn options_that_are_wrong() {
         ("rpict -x", &["option \"-x\" ends the command line, expected a number of columns after it"][..]),
         ("rpict -x wide scene.rad", &["option \"-x\" is followed by \"wide\", expected a number of columns"]),
         ("rpict -x 0 scene.rad", &["the picture has 0 by", "expected 1 to"]),
-        ("rpict -x 2000000 -y 2000000 -pa 0 scene.rad", &["a picture of 2000000 by 2000000 pixels"]),
+        ("rpict -x 2000000 -y 2000000 -pa 0 scene.rad", &["the picture has 2000000 by 2000000 pixels"]),
         ("rpict -vtx scene.rad", &["-vtx"]),
         ("rpict -vp 1 2 scene.rad", &["-vp"]),
         ("rpict -vd 0 0 0 scene.rad", &["view"]),

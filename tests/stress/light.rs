@@ -80,7 +80,7 @@ fn a_white_furnace_a_thousand_bounces_deep() {
     let scene = "void plastic white 0 0 5 1 1 1 0 0\nwhite bubble room 0 0 4 0 0 0 1\nvoid glow g 0 0 4 1 1 1 0\ng sphere lamp 0 0 4 0 0 0 .5\n";
     let (found, wrong) = mean(scene, so_deep(1_000), DVec3::new(0.7, 0.0, 0.0), DVec3::new(0.3, 0.8, -0.1), 2_000);
     assert_eq!(wrong, 0);
-    row("furnace of albedo 1, depth 1000", "radiance about a lamp of 1, against 1", 0.01, (found - 1.0).abs());
+    row("furnace of albedo 1, depth 1000", "radiance around a lamp of 1, against 1", 0.01, (found - 1.0).abs());
 }
 
 /// Sums as in the film, in double precision in sequence, over the sample sequence after 10⁹
@@ -95,7 +95,7 @@ fn sums_of_many_samples() {
             sums = std::array::from_fn(|dimension| sums[dimension] + taken[dimension]);
         }
         let worst = sums.map(|sum| (sum / f64::from(1 << 16) - 0.5).abs()).into_iter().fold(0.0, f64::max);
-        row(&format!("samples from number {first:.1e} on"), "mean of 65,536 of them, against one half", 2e-5, worst);
+        row(&format!("samples from number {first:.1e} on"), "mean of 65,536 samples, against one half", 2e-5, worst);
     }
     // 10⁹ equal terms added to a sum of the same size: the rounding error of each is at most half a
     // unit in the last place.

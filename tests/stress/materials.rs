@@ -70,12 +70,12 @@ fn retroreflectors_from_a_hair_to_a_hemisphere() {
                 if degrees < 80.0 {
                     row(
                         &case,
-                        "albedo by draws, against the integral",
+                        "sampled albedo, against the integral",
                         0.02,
                         (drawn - integral).abs() / integral.max(0.01),
                     );
                 } else {
-                    row(&case, "albedo by draws, above 1", 0.01, (drawn - 1.0).max(0.0));
+                    row(&case, "sampled albedo, above 1", 0.01, (drawn - 1.0).max(0.0));
                 }
             }
         }
